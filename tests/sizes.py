@@ -53,7 +53,6 @@ SLOW = (
     "tests/graders/robot_parameters/test_starts.py",
     "tests/graders/test_move_robot.py",
     "tests/graders/test_strange_answers.py",
-    "tests/grading/checks/declared/test_oracle.py",
     "tests/grading/checks/test_deadlines.py",
     "tests/grading/checks/test_fairness.py",
     "tests/grading/checks/test_sending_attacks.py",

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import carried_exercises
 from course_kit.grading import exercise, exercise_folders
-from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -111,9 +110,6 @@ def _exercise(exercise_id: str, prefix: str) -> Iterator[tuple[str, bytes, int]]
     if not exercise_folders.is_added(task.folder):
         return
     found = carried_exercises.files(task)
-    if asking.are_asked(task):
-        inside = task.solution.relative_to(task.folder).as_posix()
-        found[f"{carried_exercises.FOLDER}/{task.id}/{inside}"] = task.solution
     for name, path in found.items():
         yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import carried_exercises, course_files, parts
 from course_kit.authoring.parts import Owner
 from course_kit.grading import exercise
-from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise_folders import DRILLS
 from course_kit.learner.workspace import PRISTINE
@@ -49,7 +48,6 @@ class EditionPlan:
         git: why git could not be asked; empty where it answered.
         of_exercises: the files of exercises that are left out.
         added: the exercises of other folders that go in, and where they lie.
-        asking: exercises of other folders left out, because their checks ask the solution.
         solutions: by exercise the file of its solution.
     """
 
@@ -67,7 +65,6 @@ class EditionPlan:
     git: str = ""
     of_exercises: list[str] = field(default_factory=list)
     added: dict[str, Path] = field(default_factory=dict)
-    asking: list[str] = field(default_factory=list)
     solutions: dict[str, Path] = field(default_factory=dict)
 
     @property
@@ -185,9 +182,6 @@ class _Planner:
             self._made.unwanted.append(exercise_id)
             return
         task = exercise.load(exercise_id)
-        if asking.are_asked(task):
-            self._made.asking.append(exercise_id)
-            return
         self._made.exercises.append(exercise_id)
         self._made.added[exercise_id] = task.folder
         self._made.solutions[exercise_id] = task.solution

@@ -86,11 +86,6 @@ def _of_exercises(planned: EditionPlan) -> Iterator[str]:
         yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
     for name, folder in planned.added.items():
         yield f"Put in from another folder: {name} ({folder})."
-    if planned.asking:
-        yield (
-            f"Exercises left out, because checks of theirs ask the solution, which students do not get: "
-            f"{', '.join(planned.asking)}. Write what is expected as an expression instead of `oracle`."
-        )
     if planned.without_starter:
         pristine = f".venv/bin/python -m course_kit.authoring.pristine {' '.join(planned.without_starter)}"
         yield (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
@@ -24,13 +24,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.grading.checks.declared.declaration import Declaration
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.plain_data import Record
     from course_kit.grading.sentences import Sentence
 
 FORMAT_VERSION = 1
-_CHECKS = "checks"
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
 _TEXTS = ("id", "title", "starter", "notebook")
 ENDPOINT_KINDS = ("service", "action", "publisher", "subscription")
@@ -59,7 +57,7 @@ class Exercise:
         starter: the file name of the starter program.
         notebook: the file name of its notebook.
         solution: the file with its solution, which may be missing, as in a student edition.
-        grader: the module or file with checks in Python, see `workers.grader_module`; empty when all are declared.
+        grader: the module or file with checks in Python, see `workers.grader_module`.
         class_name: the Node class a submission defines.
         variable: what a submission sets instead, in exercises without ROS.
         seed: what the checks draw from when nobody gives a seed; drawn itself when None.
@@ -68,9 +66,6 @@ class Exercise:
         diagnoses: by code, those that it words in its own way or links elsewhere.
         sentences: its task, sentence by sentence.
         endpoints: what a submission's node offers, publishes and subscribes to.
-        declared: the checks that its exercise.toml declares.
-        check_order: the ids of checks in the order in which that names them; others come last.
-        variables: environment variables that a submission is started with, for these.
         practice: whether it counts for nothing: a drill.
         symptom: of a drill, what somebody who uses its program sees.
     """
@@ -93,9 +88,6 @@ class Exercise:
     diagnoses: Mapping[str, Diagnosis]
     sentences: tuple[Sentence, ...] = ()
     endpoints: tuple[Record, ...] = ()
-    declared: tuple[Declaration, ...] = ()
-    check_order: tuple[str, ...] = ()
-    variables: Mapping[str, str] = field(default_factory=dict)
     practice: bool = False
     symptom: str = ""
 
@@ -157,23 +149,17 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
 
 def read(folder: Path) -> Exercise:
     """Read the exercise in a folder."""
-    text, table = _read(folder)
+    table = table_of(folder)
     try:
-        found = _parse(table, folder)
+        return _parse(table, folder)
     except (ValueError, KeyError, TypeError) as problem:
         raise _unusable(folder, problem) from problem
-    return _with_declared(found, text, table) if _CHECKS in table else found
 
 
 def table_of(folder: Path) -> Record:
     """All that stands in the exercise.toml of a folder."""
-    return _read(folder)[1]
-
-
-def _read(folder: Path) -> tuple[str, Record]:
     try:
-        text = (folder / exercise_folders.TOML).read_text(encoding="utf-8")
-        return text, tomllib.loads(text)
+        return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
         raise _unusable(folder, problem) from problem
 
@@ -226,10 +212,10 @@ def _parse(table: Record, folder: Path) -> Exercise:
 
 
 def _grader(table: Record, folder: Path) -> str:
-    """What checks it beside what is declared: a module, or a file of its folder."""
-    grader = table.get("grader", "") if _CHECKS in table else table["grader"]
-    if grader == "" and _CHECKS in table:
-        return ""
+    """What checks it: a module, or a file of its folder."""
+    if "checks" in table:
+        raise ValueError("checks are written in Python now, in a file that 'grader' names, instead of [[checks]]")
+    grader = table["grader"]
     if not isinstance(grader, str) or not grader:
         raise ValueError("'grader' is not a text")
     if not grader.endswith(_OWN_MODULE):
@@ -249,14 +235,6 @@ def solution_of(table: Record, folder: Path) -> Path:
     if not isinstance(named, str) or not named:
         raise ValueError("'solution' is not a text")
     return folder / named
-
-
-def _with_declared(task: Exercise, text: str, table: Record) -> Exercise:
-    """The exercise with the checks that its exercise.toml declares."""
-    from course_kit.grading.checks.declared import loading  # only for exercises that declare checks
-
-    declared, order = loading.load(text, table, task.folder / exercise_folders.TOML)
-    return replace(task, declared=declared, check_order=order, variables=loading.variables(table))
 
 
 def _endpoints(tables: object) -> tuple[Record, ...]:

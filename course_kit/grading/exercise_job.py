@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading import hidden_files
-from course_kit.grading.checks.declared import asking
 from course_kit.grading.errors import GradingError
 from course_kit.grading.job import Job
 from course_kit.grading.workers import grader_module
@@ -48,10 +47,6 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
         interfaces=task.interfaces,
         points=task.points,
         endpoints=task.endpoints,
-        declared=tuple(asdict(one) for one in task.declared),
-        check_order=task.check_order,
-        variables=dict(task.variables),
-        solution=asking.text_for(task),
     )
     if command is None:
         return job

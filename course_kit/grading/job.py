@@ -16,7 +16,7 @@ class Job:
     """One grading.
 
     Attributes:
-        grader: what checks it beside what is declared, see `workers.grader_module`; empty when all is declared.
+        grader: what checks it, see `workers.grader_module`.
         mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
         name: the submission's file name as it appears in tracebacks.
         source: Python text.
@@ -41,10 +41,6 @@ class Job:
         interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
         points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
         endpoints: what the exercise wants offered, published and subscribed to, as its exercise.toml has it.
-        declared: the checks that the exercise declares in its exercise.toml; see `checks.declared.declaration`.
-        check_order: the ids of checks in the order in which they are run; others come last.
-        variables: environment variables that the submission is started with.
-        solution: the text of the exercise's solution, where it is asked as an oracle; no submission ever sees it.
     """
 
     grader: str
@@ -71,10 +67,6 @@ class Job:
     scratch: str = ""
     first_failure: bool = False
     endpoints: tuple[Record, ...] = ()
-    declared: tuple[Record, ...] = ()
-    check_order: tuple[str, ...] = ()
-    variables: Record = field(default_factory=dict)
-    solution: str = ""
 
     @property
     def start_cpu_s(self) -> float:

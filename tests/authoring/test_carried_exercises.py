@@ -18,30 +18,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 pytestmark = [pytest.mark.answers, pytest.mark.timeout(300)]  # each release has its own deadline in `Course.run`
-GRADER = 'grader = "checks.py"'
-ASKS = """
-[[endpoints]]
-kind = "service"
-name = "/add_three"
-type = "three_interfaces/srv/Three"
-
-[[checks]]
-id = "offered"
-kind = "offered"
-title = "The service is there"
-points = 1.0
-proves = ["service"]
-
-[[checks]]
-id = "adds"
-kind = "answers"
-title = "It adds"
-points = 2.0
-depends_on = ["offered"]
-proves = ["addition"]
-requests = { a = { draw = [1, 9], count = 3 }, b = 2, c = 3 }
-expect = "oracle"
-"""
 CARRIED = {
     "add_three.ipynb", "add_three.py", "checks.py", "exercise.toml", "interfaces/three_interfaces/srv/Three.srv",
     "samples.py",
@@ -98,23 +74,6 @@ def test_it_can_be_left_out(mine: Path, one_exercise: Callable[[str], Course], t
     assert done.returncode == 0, done.stderr
     assert "Left out, as you asked: temperature_service, add_three." in done.stdout
     assert not (tmp_path / "student/exercises" / ID).exists()
-
-
-def test_checks_that_ask_the_solution_keep_it_out_of_an_edition_and_take_it_to_an_autograder(
-    mine: Path, one_exercise: Callable[[str], Course], tmp_path: Path
-) -> None:
-    (mine / "checks.py").unlink()
-    toml = mine / "exercise.toml"
-    toml.write_text(f"{toml.read_text().replace(GRADER, '')}\n{ASKS}")
-    course = one_exercise(TEMPERATURE)
-    done = course.run("release", str(tmp_path / "student"), "--exercises", str(mine))
-    assert done.returncode == 0, done.stderr
-    assert "checks of theirs ask the solution, which students do not get: add_three." in done.stdout
-    assert not (tmp_path / "student/exercises" / ID).exists()
-    done = course.run("export", "gradescope", ID, "--to", str(tmp_path / "it.zip"), "--exercises", str(mine))
-    assert done.returncode == 0, done.stderr
-    with zipfile.ZipFile(tmp_path / "it.zip") as archive:
-        assert f"ros2-course/exercises/{ID}/solution/add_three.py" in archive.namelist()
 
 
 def test_an_autograder_has_it_where_the_kit_looks(mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

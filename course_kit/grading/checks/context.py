@@ -66,7 +66,7 @@ class CheckContext:
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self._supervisor = supervisor
         self._grader_node: GraderNode | None = None
-        self._started = self._spoiled = self._asking = False
+        self._started = self._spoiled = False
         self.deadline_s = 0.0
         self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._clock: FairClock | None = None
@@ -103,8 +103,6 @@ class CheckContext:
         Raises:
             NotRun: arguments for a program that somebody else has started.
         """
-        if self._asking:  # never the submission, whose answers would count as the solution's
-            raise Failed(Evidence(got="it has ended, or hangs"), "It has ended, or hangs.")
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
         began = time.monotonic()
@@ -117,21 +115,6 @@ class CheckContext:
         domain = None if self.job.mode == "attach" else self._start(arguments, files or {}, variables or {}, "launch")
         self._grader_node = GraderNode(domain)
         self.spent["start"] += time.monotonic() - began
-
-    @contextmanager
-    def solution(self, deadline_s: float) -> Iterator[None]:
-        """Run the exercise's own solution, for at most so many seconds; it has ended before the submission starts."""
-        began, spent = time.monotonic(), dict(self.spent)
-        self._grader_node = GraderNode(self._start((), {}, {}, "launch solution"))
-        self._asking = True
-        self.begin(deadline_s)
-        try:
-            yield
-        finally:
-            self.close()
-            self._ask("end solution")
-            self._clock, self._asking, self._spoiled = None, False, False
-            self.spent = {**spent, "start": spent["start"] + time.monotonic() - began}
 
     def run_to_end(self) -> ProcessStatus:
         """Start the submission and wait until it has ended; for exercises that ask for a value, not for a node.

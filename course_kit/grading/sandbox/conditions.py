@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,11 +54,6 @@ def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> P
         folder=job.folder,
         variable=job.variable,
     )
-
-
-def of_solution(job: Job) -> Job:
-    """The job of running the exercise's own solution, under the same conditions as a submission."""
-    return replace(job, mode="run", name="solution.py", source=job.solution, solution="", command=(), places=())
 
 
 def expect_few_participants() -> dict[str, str]:

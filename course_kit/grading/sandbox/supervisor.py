@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
-_SOLUTION_S = 30.0  # for asking the exercise's solution, which does not count as the submission's time
 _GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
 _NO_DOMAIN = (
     "no ROS domain became free within {:g} s: courses and graders on this machine use all. Close some, then grade again"
@@ -65,8 +64,6 @@ class Supervisor:
         self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
-        self._asking_since: float | None = None  # when the exercise's own solution was started, while that runs
-        self._asked_s = 0.0  # for how long it ran, which is not the submission's time
         self._results: list[Record] = []
         self._extra: Record = {}
         self._fault = ""
@@ -148,8 +145,7 @@ class Supervisor:
 
     def _look_after_everything(self) -> None:
         """End a submission whose time is up."""
-        now, asking = time.monotonic(), self._asking_since
-        deadline = self._wall_end() if asking is None else asking + _SOLUTION_S
+        now, deadline = time.monotonic(), self._wall_end()
         if self._collector is not None and (fault := self._collector.fault()):
             raise _BrokenOffError(fault)
         if now > deadline and self._collector is not None and not self._collector.over:
@@ -162,45 +158,33 @@ class Supervisor:
         if what == "result":
             self._results.append(message["result"])
             return None
-        if what.startswith("launch"):
-            return self._launch(message, solution=what == "launch solution")
+        if what == "launch":
+            return self._launch(message)
         if what == "time is up":
             self._end_submission("time")
         elif what == "running":  # asked fifty times a second
             return {"running": self._collector is not None and not self._collector.over}
         elif what == "stacks":
             return {"stacks": self._stacks()}
-        elif what == "end solution":
-            self._end_solution()
         elif what == "finish":
             self._finish(message["seconds"])
         return self._facts(fresh=what == "facts")
 
-    def _launch(self, message: Record, *, solution: bool = False) -> Record:
-        """Start the submission, or the exercise's own solution, of which nothing reaches a report."""
+    def _launch(self, message: Record) -> Record:
+        """Start the submission."""
         self._stop()
         self._arguments = arguments = tuple(message["arguments"])
         self._launches += 1
         domain, queued_s = self._domain()
-        job, totals = self._job, self._totals
-        if solution:
-            self._asking_since = time.monotonic()
-            job, totals = conditions.of_solution(job), (BoundedOutput(), BoundedOutput())
+        job = self._job
         program = conditions.program(job, arguments, message["files"])
         cell = conditions.of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
-        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, totals)
+        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}
 
-    def _end_solution(self) -> None:
-        """End the exercise's own solution."""
-        self._stop()
-        if self._asking_since is not None:
-            self._asked_s += time.monotonic() - self._asking_since
-        self._asking_since = None
-
     def _wall_end(self) -> float:
-        return self._began + self._asked_s + self._job.limits.wall_s
+        return self._began + self._job.limits.wall_s
 
     def _finish(self, seconds: float) -> None:
         """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""

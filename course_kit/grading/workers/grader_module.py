@@ -1,4 +1,4 @@
-"""What checks an exercise: the checks that its exercise.toml declares, and the module or the file that it names.
+"""What checks an exercise: the module or the file that its exercise.toml names.
 
 Only trusted processes load it. A file is loaded by its path, as a module of a package of its own: what lies beside it
 can be imported as `from .helpers import ...`, and no folder is put among those that Python searches.
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.check import Check
-    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
 
 _DIGITS = 16  # hexadecimal
@@ -56,54 +55,32 @@ def load(grader: str) -> Grader:
     return found
 
 
-def load_for(job: Job) -> Grader | None:
-    """The grader of a job, None where all checks are declared; the interfaces of these are loaded, too."""
+def load_for(job: Job) -> Grader:
+    """The grader of a job; the interfaces of its endpoints are loaded, too."""
     if job.interfaces:
         os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
-    if job.declared or job.endpoints:
+    if job.endpoints:
         from rclpy.type_support import check_for_type_support
 
         for interface in interfaces_of(None, job):
             check_for_type_support(interface)
-    return load(job.grader) if job.grader else None
+    return load(job.grader)
 
 
 def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
     found = list(grader.INTERFACES) if grader is not None else []
     found += [get_type(one["type"]) for one in job.endpoints]
-    if job.declared:
-        from course_kit.grading.checks.declared import building
-
-        found += building.interfaces_of(building.around_of(job.declared).declarations)
     return found
 
 
-def checks_of(grader: Grader | None, job: Job, context: CheckContext | None = None) -> list[Check]:
-    """The checks of an exercise, those it declares and those of its grader, in the order of its exercise.toml."""
-    made: list[Check] = []
-    if job.declared:
-        from course_kit.grading.checks.declared import building, oracle
-
-        around = building.around_of(job.declared)
-        if context is not None and not job.fault:
-            oracle.ask(context, around)
-        made += building.checks_of(around)
-    if grader is not None:
-        made += grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS  # type: ignore[attr-defined]
-    made = _ordered(made, job.check_order)
+def checks_of(grader: Grader, job: Job) -> list[Check]:
+    """The checks of an exercise."""
+    made: list[Check] = list(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)  # type: ignore[attr-defined]
     worth = sum(one.points for one in made)
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
     return made
-
-
-def _ordered(checks: list[Check], order: Sequence[str]) -> list[Check]:
-    """The checks in this order; those that it does not name come last, as they were."""
-    if missing := set(order) - {one.id for one in checks}:
-        raise GradingError(f"exercise.toml names the check '{min(missing)}', and the grader has none of this id")
-    places = {name: place for place, name in enumerate(order)}
-    return sorted(checks, key=lambda one: places.get(one.id, len(places)))
 
 
 def interfaces_beside(grader: str) -> str:

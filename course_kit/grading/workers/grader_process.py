@@ -31,8 +31,8 @@ def warm_up() -> None:
     from rclpy.type_support import check_for_type_support
     from type_description_interfaces.srv import GetTypeDescription
 
-    import course_kit.grading.checks.declared.building
     import course_kit.grading.checks.grader_node
+    import course_kit.grading.checks.vocabulary
 
     machine.processor_share()
     for of_every_node in (
@@ -69,9 +69,9 @@ def main(supervisor: Channel, job: Job) -> None:
 def _run(supervisor: Channel, job: Job) -> Record:
     began = time.monotonic()
     grader = grader_module.load_for(job)
-    context = CheckContext(supervisor, job, {**job.variables, **getattr(grader, "VARIABLES", {})})
+    context = CheckContext(supervisor, job, dict(getattr(grader, "VARIABLES", {})))
     times = {}
-    checks = grader_module.checks_of(grader, job, context)
+    checks = grader_module.checks_of(grader, job)
     if not job.fault and not job.variable:
         context.launch()
     try:
