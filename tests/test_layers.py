@@ -70,8 +70,8 @@ STILL_ABOVE = {
     "course_kit/launch": 2520,
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,
-    "course_kit/grading": 16450,  # checks/declared beside what replaces it, until the last exercise has moved
-    "course_kit/graders": 3100,
+    "course_kit/grading": 12400,
+    "course_kit/graders": 2650,
     "course_kit/classroom": 7250,
     "course_kit/learner": 1600,
     "course_kit/authoring": 5750,
