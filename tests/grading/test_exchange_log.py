@@ -117,9 +117,9 @@ def grade_wrong(worker: grading.Worker, tmp_path: Path) -> Callable[[str, str], 
             "service.no_return",
             "answers",
             [
-                "grader -> your node: request /convert_temperature: value=100.0, from_unit='celsius'",
+                "grader -> your node: request /convert_temperature: value=",
                 "your node --x grader: no answer: the program ended",
-                "expected: an answer with success=True",
+                "expected: an answer",
             ],
         ),
         (
@@ -149,7 +149,7 @@ def test_a_failed_check_carries_its_exchange(
     for words in told:
         assert any(words in line for line in steps), steps
     assert all(not one.steps for one in report.checks if one.status != "failed")
-    assert "steps" not in report.to_json()
+    assert '"steps"' not in report.to_json()
 
 
 def test_a_topic_that_stays_silent_is_missed(worker: grading.Worker, tmp_path: Path) -> None:
@@ -160,9 +160,11 @@ def test_a_topic_that_stays_silent_is_missed(worker: grading.Worker, tmp_path: P
     (tmp_path / "answer.py").write_text("".join(lines))
     report = grading.grade(exercise, tmp_path / "answer.py", worker=worker, seed=3)
     steps = steps_of(report, "reacts")
-    assert [line.partition(":")[0] for line in steps] == ["grader -> your node", "your node --x grader", "expected"]
+    assert [line.partition(":")[0] for line in steps] == [
+        "grader -> your node", "your node -> grader", "your node --x grader", "expected",
+    ]  # fmt: skip
     assert "/cmd_vel_in" in steps[0]
-    assert "nothing on /wheel_speed" in steps[1]
+    assert "nothing on /wheel_speed" in steps[2]
 
 
 def test_what_a_submission_answers_is_told_as_text(grade_source: Callable[..., grading.Report], solution: str) -> None:
