@@ -42,10 +42,11 @@ class Reader(LaunchService):
         self.missing: list[str] = []
 
     def start(self, description: ProcessDescription) -> None:
-        """Note a process, and say that it has ended."""
+        """Note a process, and say that it has started and ended."""
         self.started.append(description.command)
         if len(self.started) < MOST:
             about = (description.action, description.label, description.command)
+            self.emit(events.ProcessStarted(*about))
             self.emit(events.ProcessExited(*about))
         for path in description.temporary:
             path.unlink(missing_ok=True)

@@ -165,6 +165,18 @@ class GroupAction(Action):
         return self.actions
 
 
+class SetEnvironmentVariable(Action):
+    """An environment variable for the processes after it."""
+
+    def __init__(self, name: Text, value: Text, *, condition: Condition | None = None) -> None:
+        super().__init__(condition=condition)
+        self._name, self._value = name, value
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set it."""
+        context.environment[as_text(self._name, context)] = as_text(self._value, context)
+
+
 class PushROSNamespace(Action):
     """A namespace for the nodes after it, within the one there is."""
 

@@ -35,8 +35,8 @@ class Shutdown(LaunchEvent):
 
 
 @dataclass
-class ProcessExited(LaunchEvent):
-    """A process has ended; the return code is the negative number of the signal that has ended it."""
+class RunningProcessEvent(LaunchEvent):
+    """Something about a process."""
 
     action: Action
     process_name: str
@@ -44,30 +44,74 @@ class ProcessExited(LaunchEvent):
     cwd: str | None = None
     env: dict[str, str] = field(default_factory=dict)
     pid: int = 0
+
+
+@dataclass
+class ProcessStarted(RunningProcessEvent):
+    """A process has started."""
+
+
+@dataclass
+class ProcessExited(RunningProcessEvent):
+    """A process has ended; the return code is the negative number of the signal that has ended it."""
+
     returncode: int = 0
 
 
-class OnProcessExit(LaunchEntity):
-    """Actions for the end of a process, or of any."""
+class EventHandler(LaunchEntity):
+    """Actions for an event."""
 
-    def __init__(self, *, on_exit: Reaction, target_action: object = None) -> None:
-        if target_action is not None and not isinstance(target_action, Action):
-            raise LaunchError(f"OnProcessExit(target_action={target_action!r}): expected a Node or an ExecuteProcess.")
-        self._target, self.reaction = target_action, on_exit
+    def __init__(self, kind: type[LaunchEvent], reaction: Reaction) -> None:
+        self._kind, self.reaction = kind, reaction
 
     def matches(self, event: LaunchEvent) -> bool:
         """Whether an event is meant."""
-        return isinstance(event, ProcessExited) and (self._target is None or event.action is self._target)
+        return isinstance(event, self._kind)
 
     def handle(self, event: LaunchEvent, context: LaunchContext) -> object:
         """The actions to be done."""
         return self.reaction(event, context) if callable(self.reaction) else self.reaction
 
 
+class _OfAProcess(EventHandler):
+    """Actions for an event of one process, or of any."""
+
+    def __init__(self, kind: type[RunningProcessEvent], target: object, reaction: Reaction) -> None:
+        if target is not None and not isinstance(target, Action):
+            raise LaunchError(f"{type(self).__name__}(target_action={target!r}): expected a Node or an ExecuteProcess.")
+        super().__init__(kind, reaction)
+        self._target = target
+
+    def matches(self, event: LaunchEvent) -> bool:
+        """Whether an event is meant."""
+        return super().matches(event) and (self._target is None or getattr(event, "action", None) is self._target)
+
+
+class OnProcessStart(_OfAProcess):
+    """Actions for the start of a process."""
+
+    def __init__(self, *, on_start: Reaction, target_action: object = None) -> None:
+        super().__init__(ProcessStarted, target_action, on_start)
+
+
+class OnProcessExit(_OfAProcess):
+    """Actions for the end of a process."""
+
+    def __init__(self, *, on_exit: Reaction, target_action: object = None) -> None:
+        super().__init__(ProcessExited, target_action, on_exit)
+
+
+class OnShutdown(EventHandler):
+    """Actions for the end of the launch."""
+
+    def __init__(self, *, on_shutdown: Reaction) -> None:
+        super().__init__(Shutdown, on_shutdown)
+
+
 class RegisterEventHandler(Action):
     """From here on, an event has consequences."""
 
-    def __init__(self, event_handler: OnProcessExit, *, condition: Condition | None = None) -> None:
+    def __init__(self, event_handler: EventHandler, *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
         self.event_handler = event_handler
 
@@ -104,9 +148,9 @@ class EventDispatcher:
 
     def __init__(self) -> None:
         self._events: deque[LaunchEvent] = deque()
-        self._handlers: list[tuple[OnProcessExit, LaunchContext]] = []
+        self._handlers: list[tuple[EventHandler, LaunchContext]] = []
 
-    def register(self, handler: OnProcessExit, context: LaunchContext) -> None:
+    def register(self, handler: EventHandler, context: LaunchContext) -> None:
         """Have an event handled from now on, with this context for what is done."""
         self._handlers.append((handler, context))
 

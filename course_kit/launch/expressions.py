@@ -19,6 +19,7 @@ from course_kit.launch.substitutions import (
     LaunchConfiguration,
     Substitution,
     Text,
+    ThisLaunchFileDir,
     as_text,
     described,
 )
@@ -141,7 +142,7 @@ class FindPackageShare(Substitution):
     def perform(self, context: LaunchContext) -> str:
         """The folder."""
         name = as_text(self._package, context)
-        return str(Path(prefix_of(name), "share", name))
+        return str(Path(FindPackagePrefix(name).perform(context), "share", name))
 
     def find(self, package_name: Text) -> str:
         """The folder for a package, as launch files ask for it that need it before they run."""
@@ -149,7 +150,15 @@ class FindPackageShare(Substitution):
 
     def describe(self) -> str:
         """The package."""
-        return f"FindPackageShare(pkg={described(self._package)})"
+        return f"{type(self).__name__}(pkg={described(self._package)})"
+
+
+class FindPackagePrefix(FindPackageShare):
+    """The folder that a package is installed in."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """The folder."""
+        return prefix_of(as_text(self._package, context))
 
 
 class ExecutableInPackage(Substitution):
@@ -175,9 +184,11 @@ class ExecutableInPackage(Substitution):
 _SUBSTITUTION = re.compile(r"\$\((?P<kind>[\w-]+)(?P<rest>[^()$]*)\)")  # one without another one in it
 _IN_TEXT: dict[str, Callable[..., Substitution]] = {
     "command": Command,
+    "dirname": ThisLaunchFileDir,
     "env": lambda name, default=None: EnvironmentVariable(name, default_value=default),
     "eval": PythonExpression,
     "find-exec": lambda name: FindExecutable(name=name),
+    "find-pkg-prefix": FindPackagePrefix,
     "find-pkg-share": FindPackageShare,
     "var": lambda name, default=None: LaunchConfiguration(name, default=default),
 }

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from types import ModuleType
 
-_PARAMETERS = dict.fromkeys(("ParameterFile", "ParameterValue"), "parameters")
+_PARAMETERS = dict.fromkeys(("Parameter", "ParameterFile", "ParameterValue"), "parameters")
 # module -> public name -> module of the course kit that has it, with another name behind a colon
 CONTENTS: dict[str, dict[str, str]] = {
     "launch": {
@@ -25,7 +25,7 @@ CONTENTS: dict[str, dict[str, str]] = {
     },
     "launch.actions": {
         **dict.fromkeys(("DeclareLaunchArgument", "GroupAction", "IncludeLaunchDescription", "LogInfo"), "actions"),
-        **dict.fromkeys(("OpaqueFunction", "TimerAction"), "actions"),
+        **dict.fromkeys(("OpaqueFunction", "SetEnvironmentVariable", "TimerAction"), "actions"),
         **dict.fromkeys(("EmitEvent", "RegisterEventHandler"), "events"),
         "ExecuteProcess": "execute_process",
         "Shutdown": "events:ShutdownAction",
@@ -33,14 +33,15 @@ CONTENTS: dict[str, dict[str, str]] = {
     "launch.conditions": dict.fromkeys(
         ("IfCondition", "LaunchConfigurationEquals", "LaunchConfigurationNotEquals", "UnlessCondition"), "substitutions"
     ),
-    "launch.event_handlers": {"OnProcessExit": "events"},
+    "launch.event_handlers": dict.fromkeys(("OnProcessExit", "OnProcessStart", "OnShutdown"), "events"),
     "launch.events": {"Shutdown": "events"},
-    "launch.events.process": {"ProcessExited": "events"},
+    "launch.events.process": dict.fromkeys(("ProcessExited", "ProcessStarted"), "events"),
     "launch.launch_description_sources": {"PythonLaunchDescriptionSource": "description"},
     "launch.logging": {"get_logger": "modules"},
     "launch.some_substitutions_type": {"SomeSubstitutionsType": "substitutions:Text"},
     "launch.substitutions": {
         **dict.fromkeys(("LaunchConfiguration", "PathJoinSubstitution"), "substitutions"),
+        **dict.fromkeys(("TextSubstitution", "ThisLaunchFileDir"), "substitutions"),
         **dict.fromkeys(("Command", "EnvironmentVariable", "FindExecutable", "PythonExpression"), "expressions"),
     },
     "launch_ros": {},
@@ -52,7 +53,9 @@ CONTENTS: dict[str, dict[str, str]] = {
     },
     "launch_ros.descriptions": _PARAMETERS,
     "launch_ros.parameter_descriptions": _PARAMETERS,
-    "launch_ros.substitutions": dict.fromkeys(("ExecutableInPackage", "FindPackageShare"), "expressions"),
+    "launch_ros.substitutions": dict.fromkeys(
+        ("ExecutableInPackage", "FindPackagePrefix", "FindPackageShare"), "expressions"
+    ),
 }
 _SNAKE = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 _FOR_CPP = re.compile("Composable|Lifecycle|StateTransition|ChangeState|lifecycle")

@@ -13,7 +13,7 @@ from course_kit.launch.errors import LaunchError
 from course_kit.launch.executables import find
 from course_kit.launch.execute_process import ExecuteProcess
 from course_kit.launch.expressions import replace_substitutions
-from course_kit.launch.parameters import ParameterFile, values_of
+from course_kit.launch.parameters import Parameter, ParameterFile, value_of, values_of
 from course_kit.launch.substitutions import Substitution, Text, as_text, truth
 
 if TYPE_CHECKING:
@@ -91,6 +91,9 @@ class Node(ExecuteProcess):
             values = values_of(parameters, context)
             text = yaml.safe_dump({whose: {"ros__parameters": values}}, default_flow_style=False)
             return self._file_of(text, temporary)
+        if isinstance(parameters, Parameter):
+            name = as_text(parameters.name, context)
+            return ["-p", f"{name}:={_typed(value_of(name, parameters.value, context))}"]
         replaces = isinstance(parameters, ParameterFile) and truth(parameters.allow_substs, context, parameters.place)
         if isinstance(parameters, ParameterFile):
             parameters = parameters.path

@@ -50,6 +50,13 @@ class ParameterFile(LaunchEntity):
         self.path, self.allow_substs = param_file, allow_substs
 
 
+class Parameter(LaunchEntity):
+    """A parameter by its name and value."""
+
+    def __init__(self, name: Text, value: object, *, value_type: Any = None) -> None:
+        self.name, self.value = name, ParameterValue(value, value_type=value_type)
+
+
 def values_of(parameters: Mapping[Any, Any], context: LaunchContext, before: str = "") -> dict[str, object]:
     """The values of a dict of parameters; those of a dict within it have dotted names."""
     found: dict[str, object] = {}

@@ -25,7 +25,7 @@ from course_kit.launch.process import LaunchedProcess
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_kit.launch.events import OnProcessExit
+    from course_kit.launch.events import EventHandler
     from course_kit.launch.process import ProcessDescription
 
 _ALWAYS_CHECK = 1.0  # seconds; a signal wakes the loop, this is for what no signal tells
@@ -82,7 +82,7 @@ class LaunchService:
         """Call a function after a while, unless the launch ends before."""
         self._timers.append((time.monotonic() + seconds, function))
 
-    def register(self, handler: OnProcessExit, context: LaunchContext) -> None:
+    def register(self, handler: EventHandler, context: LaunchContext) -> None:
         """Have an event handled from now on."""
         self._dispatcher.register(handler, context)
 
@@ -122,6 +122,12 @@ class LaunchService:
         for stream in child.streams:
             self._selector.register(stream, selectors.EVENT_READ, (child, stream))
         self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
+        self._tell(events.ProcessStarted, child)
+
+    def _tell(self, kind: type[events.RunningProcessEvent], child: LaunchedProcess, **more: object) -> None:
+        plan = child.description
+        about = (plan.action, child.label, plan.command, plan.folder, dict(plan.environ), child.process.pid)
+        self.emit(kind(*about, **more))  # type: ignore[arg-type]
 
     def _reap(self) -> None:
         for child in [child for child in self._children if child.process.exit_code() is not None]:
@@ -136,11 +142,9 @@ class LaunchService:
                     f"cmd '{child.command}']."
                 )
             child.clean_up()
-            plan = child.description
-            about = (plan.action, child.label, plan.command, plan.folder, dict(plan.environ), child.process.pid)
-            self.emit(events.ProcessExited(*about, code or 0))
-            if plan.respawn and not self.stopping:
-                self.later(plan.respawn_delay_s, partial(self._restart, child))
+            self._tell(events.ProcessExited, child, returncode=code)
+            if child.description.respawn and not self.stopping:
+                self.later(child.description.respawn_delay_s, partial(self._restart, child))
 
     def _restart(self, child: LaunchedProcess) -> None:
         try:

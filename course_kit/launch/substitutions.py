@@ -32,6 +32,22 @@ class Substitution(LaunchEntity):
 Text = Union[str, PurePath, Substitution, Iterable[object]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
 
 
+class TextSubstitution(Substitution):
+    """Text as it stands."""
+
+    def __init__(self, *, text: str) -> None:
+        self.text = text
+
+    def perform(self, context: LaunchContext) -> str:
+        """The text."""
+        del context
+        return self.text
+
+    def describe(self) -> str:
+        """The text in quotes."""
+        return repr(self.text)
+
+
 class LaunchConfiguration(Substitution):
     """The value of a launch argument."""
 
@@ -73,6 +89,14 @@ class PathJoinSubstitution(Substitution):
     def describe(self) -> str:
         """Its parts."""
         return f"PathJoin({', '.join(map(described, self._parts))})"
+
+
+class ThisLaunchFileDir(Substitution):
+    """The folder of the launch file."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """The folder."""
+        return str(context.file.parent)
 
 
 def as_text(value: object, context: LaunchContext) -> str:

@@ -23,6 +23,7 @@ ECHO = "ExecuteProcess(cmd=['echo', {what}], output='screen')"
         ("LogInfo(msg='no', condition=UnlessCondition('true')), say('end')", "end", "no\n"),
         ("LogInfo(msg='unset', condition=LaunchConfigurationEquals('a', None))", "unset", ""),
         ("LogInfo(msg='unset', condition=LaunchConfigurationNotEquals('a', 'b'))", "unset", ""),
+        ("SetEnvironmentVariable('COLOUR', 'red'), say(EnvironmentVariable('COLOUR'))", "red", ""),
         ("say(EnvironmentVariable('NO_SUCH', default_value='plain'))", "plain", ""),
         ("say(PythonExpression(['1 + ', '2 * floor(2.5)']))", "]: 5\n", ""),
         ("say(PathJoinSubstitution(['a', 'b']))", "a/b", ""),
@@ -45,17 +46,17 @@ def test_what_is_done_and_what_not(run: Run, actions: str, shown: str, never: st
 
 def test_a_group_ends_what_is_set_in_it(run: Run) -> None:
     done = run(
-        "DeclareLaunchArgument('v', default_value='outer'),"
-        "GroupAction(launch_configurations={'v': 'inner'}, actions=["
+        "DeclareLaunchArgument('v', default_value='outer'), SetEnvironmentVariable('E', 'outer'),"
+        "GroupAction(launch_configurations={'v': 'inner'}, actions=[SetEnvironmentVariable('E', 'inner'),"
         " PushRosNamespace('fleet'), PushRosNamespace('one'), SetParameter('speed', 2.5),"
-        " say('1 ', LaunchConfiguration('v')),"
+        " say('1 ', LaunchConfiguration('v'), ' ', EnvironmentVariable('E')),"
         " Node(executable='tell.py', namespace='arm', name='n', output='screen'),"
         " Node(executable='tell.py', namespace='/else', output='screen')]),"
-        "say('2 ', LaunchConfiguration('v')),"
+        "say('2 ', LaunchConfiguration('v'), ' ', EnvironmentVariable('E')),"
         "Node(executable='tell.py', output='screen')"
     )
-    assert "1 inner" in done
-    assert "2 outer" in done
+    assert "1 inner inner" in done
+    assert "2 outer outer" in done
     told = sorted(line.partition("told ")[2] for line in done.splitlines() if "told" in line)
     assert told == [
         "['--ros-args', '-r', '__node:=n', '-r', '__ns:=/fleet/one/arm', '-p', 'speed:=2.5']",
@@ -65,15 +66,16 @@ def test_a_group_ends_what_is_set_in_it(run: Run) -> None:
 
 
 def test_one_program_after_the_other(run: Run) -> None:
-    """The chain that courses write: what starts when another has ended; a function decides."""
+    """The chain that courses write: what starts when another has started, or has ended; a function decides."""
     done = run(
         "(first := ExecuteProcess(cmd=['sh', '-c', 'exit 3'])),"
+        "RegisterEventHandler(OnProcessStart(target_action=first, on_start=[say('started')])),"
         "RegisterEventHandler(OnProcessExit(target_action=first, on_exit="
         "lambda event, context: [say('ended with ', str(event.returncode)), (second)])),"
         "*[(second := ExecuteProcess(cmd=['echo', 'second'], output='screen'))][:0],"
         "RegisterEventHandler(OnProcessExit(target_action=second, on_exit=say('second is over')))"
     )
-    order = [done.index(word) for word in ("ended with 3", "-2] second", "second is over")]
+    order = [done.index(word) for word in ("started\n", "ended with 3", "-2] second", "second is over")]
     assert order == sorted(order)
     assert done.endswith("ended with 0")
 
@@ -89,8 +91,11 @@ def test_one_program_after_the_other(run: Run) -> None:
     ],
 )
 def test_one_program_ends_all(run: Run, how: str) -> None:
-    done = run(f"ExecuteProcess(cmd=['sleep', '60']), {how}")
+    done = run(
+        f"ExecuteProcess(cmd=['sleep', '60']), RegisterEventHandler(OnShutdown(on_shutdown=[say('so long')])), {how}"
+    )
     assert "shutting down: enough" in done
+    assert "so long" in done
     assert "[sleep-1]: sending signal 'SIGINT' to process[sleep-1]" in done
     assert done.endswith("ended with 0")
 

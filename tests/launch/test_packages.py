@@ -71,7 +71,7 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     (source / "robots" / "arm" / "scripts" / "wave.py").write_text("print('waving')")
     monkeypatch.chdir("/")
     done = run(
-        "say(FindPackageShare('arm')), say('found ', FindPackageShare('x').find('arm')),"
+        "say(FindPackageShare('arm')), say(FindPackagePrefix('arm')), say('found ', FindPackageShare('x').find('arm')),"
         "say(Command(['cat ', PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf'])])),"
         "say(Command(['cat ', FindPackageShare('arm'), '/files/two.txt'])),"
         "Node(package='arm', executable='wave.py', output='screen'),"
@@ -83,6 +83,7 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     )
     share = Path(re.findall(r"launch.user\]: (.*share/arm)\n", done)[0])
     assert (share / "config" / "arm.yaml").resolve() == source / "robots" / "arm" / "config" / "arm.yaml"
+    assert f"]: {share.parent.parent}\n" in done
     assert f"]: found {share}\n" in done
     assert "urdf/arm.urdf" in done
     assert "data/two.txt" in done

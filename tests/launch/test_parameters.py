@@ -10,7 +10,7 @@ import yaml
 from course_kit.launch.context import LaunchContext
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.parameters import ParameterValue, values_of
-from course_kit.launch.substitutions import LaunchConfiguration
+from course_kit.launch.substitutions import LaunchConfiguration, TextSubstitution
 
 from .conftest import FIRST_LINE
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     Run = Callable[..., str]
 
 
-def given(text: str) -> LaunchConfiguration:
-    return LaunchConfiguration("given", default=text)
+def given(text: str) -> TextSubstitution:
+    return TextSubstitution(text=text)
 
 
 @pytest.mark.parametrize(
@@ -92,10 +92,12 @@ def test_each_node_gets_its_own_file(run: Run) -> None:
     assert whole == {"/ns/n": {"ros__parameters": {"list": [1.0, 2.5], "text": ""}}}
 
 
-def test_a_file_by_its_class(run: Run, folder: Path) -> None:
+def test_one_parameter_and_a_file_by_their_classes(run: Run, folder: Path) -> None:
     (folder / "more.yaml").write_text("{}")
-    done = run("Node(executable='tell.py', parameters=[ParameterFile('more.yaml')], output='screen')")
-    assert "['--ros-args', '--params-file', '" in done
+    done = run(
+        "Node(executable='tell.py', parameters=[Parameter('speed', 2.0), ParameterFile('more.yaml')], output='screen')"
+    )
+    assert "'-p', 'speed:=2.0', '--params-file', '" in done
     assert "more.yaml']" in done
 
 
@@ -110,7 +112,7 @@ def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder
 def test_a_parameter_file_in_which_substitutions_are_replaced(run: Run, folder: Path) -> None:
     """As drivers' launch files give it; without `allow_substs` the text is passed on as it stands."""
     (folder / "say.yaml").write_text(
-        "/**:\n  ros__parameters:\n    who: $(var who)\n    place: $(env NO_SUCH $(var who))/x\n"
+        "/**:\n  ros__parameters:\n    who: $(var who)\n    place: $(env NO_SUCH $(dirname))/x\n"
         "    sum: $(eval '1 + 2')\n"
     )
     done = run(
@@ -120,7 +122,7 @@ def test_a_parameter_file_in_which_substitutions_are_replaced(run: Run, folder: 
         who="eve",
     )
     assert "who: eve\n" in done
-    assert "place: eve/x\n" in done
+    assert f"place: {folder}/x\n" in done
     assert "sum: 3\n" in done
     (folder / "say.yaml").write_text("/**:\n  ros__parameters:\n    who: $(anon who)\n")
     file = "Node(executable='tell.py', output='screen', parameters=[ParameterFile('say.yaml', allow_substs={})])"

@@ -107,7 +107,7 @@ def test_the_arguments_are_shown_once_as_they_are_declared_first(
         "IncludeLaunchDescription('in.launch.py'), IncludeLaunchDescription('in.launch.py')",
         "IncludeLaunchDescription(LaunchConfiguration('not_yet_known'))",
         f"GroupAction([{argument.format('speed', '2', 'second')}, {argument.format('deep', '3', 'in a group')}])",
-        f"RegisterEventHandler(OnProcessExit(on_exit=[{argument.format('late', '4', 'for the end')}]))",
+        f"RegisterEventHandler(OnShutdown(on_shutdown=[{argument.format('late', '4', 'for the end')}]))",
     )
     (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ",\n".join(actions)))
     assert cli.run(["launch", "--show-args", "it.launch.py"]) == 0

@@ -21,7 +21,7 @@ HEAD = """
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, LogInfo, TimerAction
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, ThisLaunchFileDir
 from launch_ros.actions import Node
 
 def generate_launch_description():
@@ -81,8 +81,8 @@ def test_arguments_includes_and_timers(tell: Ros2) -> None:
         tell.folder,
         "DeclareLaunchArgument('speed', default_value='1.5', description='in m/s'),"
         "TimerAction(period=0.3, actions=[LogInfo(msg='late')]),"
-        "IncludeLaunchDescription(PythonLaunchDescriptionSource('in.launch.py'), "
-        "launch_arguments={'who': 'me'}.items()),"
+        "IncludeLaunchDescription(PythonLaunchDescriptionSource(PathJoinSubstitution([ThisLaunchFileDir(), "
+        "'in.launch.py'])), launch_arguments={'who': 'me'}.items()),"
         "Node(package='my_package', executable='tell', output='screen',"
         " parameters=[{'speed': LaunchConfiguration('speed')}])",
     )
