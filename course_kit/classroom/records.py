@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.rules.adjustments import Adjustment, sentences
 from course_kit.environment import write_atomically
+from course_kit.grading.errors import GradingError
 from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
@@ -152,6 +153,14 @@ class Records:
                 self._copy_superseded(self.path(record.entry))
             write_atomically(self.path(record.entry, ".html"), page)
         write_atomically(self.path(record.entry), record.to_json() + "\n")
+
+    def require_kept(self, records: Iterable[Record]) -> None:
+        """See that results are still where they were written."""
+        if not all(self.path(one.entry).exists() for one in records):
+            raise GradingError(
+                f"Results are gone from {self.folder}: the folder was removed or emptied while the class was graded. "
+                "Run the same command again, with --resume."
+            )
 
     def find(self, entry: Entry) -> Record | None:
         """The record of a submission if there is one that can be read."""

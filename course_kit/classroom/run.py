@@ -99,7 +99,9 @@ class ClassRun:
         finally:
             if executor is not None:
                 executor.close()
-        return self._gradebook([*self._kept, *self._loop.done])
+        done = [*self._kept, *self._loop.done]
+        self._records.require_kept(done)
+        return self._gradebook(done)
 
     def as_it_is(self) -> Gradebook:
         """The results there are, of what is handed in; nothing is graded."""

@@ -114,6 +114,34 @@ def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in
     assert "cem" in (folder / "temperature_service.html").read_text()
 
 
+class TakingAway(StandInForGrading):
+    """Somebody removes a folder when the last program is graded, or the one before."""
+
+    slots = 1
+
+    def __init__(self, folder: Path, when: str) -> None:
+        super().__init__()
+        self._folder = folder
+        self._when = when
+
+    def require_reachable(self) -> None:
+        if any(task.shown.startswith(self._when) for task in self.tasks):
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._when = "nobody"
+
+
+@pytest.mark.parametrize("folder", ["out", "out/students/ada"])
+@pytest.mark.parametrize("when", ["bob", "eve"])
+def test_results_that_are_removed_during_a_run_are_missed(
+    handed_in: Path, tmp_path: Path, folder: str, when: str
+) -> None:
+    out = tmp_path / "out"
+    with pytest.raises(GradingError, match=r"gone from .*/out/students.*--resume"):
+        run(handed_in, out, TakingAway(tmp_path / folder, when))
+    assert run(handed_in, out, StandInForGrading(), resume=True).complete
+    assert {record.entry.student for record in Records(out)} == {"ada", "bob", "cem", "dee", "eve"}
+
+
 class NamingTheFile(StandInForGrading):
     """Says what went wrong as the grader does: with the file's name, and the traceback of the program."""
 
