@@ -157,23 +157,3 @@ def _choice(record: Record) -> str:
     """The file, why it, and what else there was."""
     entry = record.entry
     return f"{entry.source}: {entry.why}. Not: {'; '.join(entry.others)}"
-
-
-def _lateness(record: Record, titles: Mapping[str, str]) -> str:
-    penalty = f", {number(record.adjustment.penalty)} points taken" if record.adjustment.penalty else ""
-    return f"{titles[record.entry.exercise]}{penalty}"
-
-
-def _warning(record: Record) -> str:
-    return record.adjustment.warning
-
-
-def _has_a_decision(record: Record) -> bool:
-    return record.adjustment.override is not None or bool(record.adjustment.comment)
-
-
-def _decision(record: Record) -> str:
-    """The score that was set, and the comment."""
-    override = record.adjustment.override
-    score_set = "" if override is None else f"{number(record.graded_score)} became {number(override)} points"
-    return "; ".join(filter(None, (score_set, record.adjustment.comment)))
