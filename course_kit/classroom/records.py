@@ -76,8 +76,8 @@ class Record:
 
     @property
     def score(self) -> float:
-        """The points that count: those of the checks less the penalty, or what the instructor has set."""
-        return self.adjustment.score(self.graded_score)
+        """The points that count: the checks', less the penalty, with those added; or what the instructor has set."""
+        return self.adjustment.score(self.graded_score, self.max_score)
 
     @property
     def passed(self) -> bool:

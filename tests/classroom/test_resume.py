@@ -171,6 +171,18 @@ def test_overrides_and_comments_survive_each_run_and_stand_in_report_and_grades(
     assert "has set this score" not in (out / "students/bob/temperature_service.html").read_text(encoding="utf-8")
 
 
+def test_a_score_with_a_plus_is_added_to_that_of_the_checks_up_to_full_marks(inbox: Path) -> None:
+    hand_in(inbox, "bob", "wrong = 1")
+    added = "student,exercise,score,comment\nbob,temperature_service,+1.5,Neat names.\nada,temperature_service,+1,\n"
+    out = settings(inbox, overrides=added)
+    book, _ = again(inbox)
+    assert scores(book) == {"ada": 10.0, "bob": 1.5, "cem": 10.0}
+    page = (out / "students/bob/temperature_service.html").read_text(encoding="utf-8")
+    assert "Your instructor has added 1.5 points." in page
+    assert "Neat names." in page
+    assert "set this score" not in page
+
+
 def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
     (inbox / "bob/pattern_choice.py").write_text("answers = {}  # right")
     out = settings(inbox, overrides="student;exercise;score;comment\nada;pattern_choice;7,5;Oral exam\n")

@@ -30,12 +30,13 @@ class Adjustment:
     late_s: float = 0.0  # how long after `due` it was handed in, in seconds; 0 where the time is not known
     penalty: float = 0.0  # points taken for that
     override: float | None = None  # the score that the instructor has set; None when the checks' one counts
+    added: float = 0.0  # points that the instructor has added to those of the checks
     comment: str = ""  # the instructor's, for the student
     warning: str = ""  # what the instructor should look at, such as a time that is not known; empty when all is clear
 
-    def score(self, graded: float) -> float:
-        """The score that counts, where the checks gave `graded`."""
-        return max(0.0, graded - self.penalty) if self.override is None else self.override
+    def score(self, graded: float, most: float) -> float:
+        """The score that counts, where the checks gave `graded` of `most`."""
+        return min(most, max(0.0, graded - self.penalty) + self.added) if self.override is None else self.override
 
 
 def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
@@ -48,6 +49,8 @@ def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
     if adjustment.override is not None:
         instead = "" if graded is None else f"; the checks gave {graded:g}"
         yield f"Your instructor has set this score to {in_points(adjustment.override)}{instead}."
+    if adjustment.added:
+        yield f"Your instructor has added {in_points(adjustment.added)}."
     if adjustment.comment:
         yield f"Comment of your instructor: {adjustment.comment}"
 

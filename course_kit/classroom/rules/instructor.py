@@ -53,7 +53,7 @@ class Instructions:
         moment = submitted(entry, self.deadlines.zone)
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
-            found = replace(found, override=decided.score, comment=decided.comment)
+            found = replace(found, override=decided.score, added=decided.added, comment=decided.comment)
         return replace(record, adjustment=found)
 
     def _without_submission(

@@ -1,4 +1,4 @@
-"""`overrides.csv`: scores that the instructor sets by hand, and comments for students.
+"""`overrides.csv`: scores that the instructor sets by hand, points that are added (`+1`), and comments for students.
 
 The file lies in the folder of the results and is the instructor's: no run writes it, and each run reads it anew.
 """
@@ -27,7 +27,8 @@ class Override:
     line: int  # its number
     student: str  # whom it is about
     exercise: str  # the exercise's id
-    score: float | None  # the points instead of those of the checks; None when only a comment is given
+    score: float | None  # the points instead of those of the checks; None when there is none
+    added: float  # the points on top of those of the checks, written with a plus; 0 without any
     comment: str  # for the student
 
 
@@ -72,5 +73,7 @@ def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
         elif not text and not comment:
             mistakes.add(row.line, "it has neither a score nor a comment")
         else:
-            found[student, exercise] = Override(row.line, student, exercise, score, comment)
+            adds = text.startswith("+")
+            instead, added = (None, score or 0.0) if adds else (score, 0.0)
+            found[student, exercise] = Override(row.line, student, exercise, instead, added, comment)
     return Overrides(mistakes, list(found.values()))
