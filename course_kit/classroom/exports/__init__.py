@@ -16,12 +16,14 @@ from course_kit.classroom.exports import (
     feedback,
     formats,
     lookalikes,
-    notices,
     page,
 )
 from course_kit.classroom.exports.files_written import FilesWritten
 from course_kit.classroom.exports.program_texts import ProgramTexts
+from course_kit.classroom.exports.results import headline
+from course_kit.classroom.records import Entry, Records
 from course_kit.environment import write_atomically
+from course_kit.grading import engine
 from course_kit.grading.render import html
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Record
 
 PAGE = "index.html"
 
@@ -50,7 +53,7 @@ def write_all(book: Gradebook, out: Path) -> Path:
         # Whatever a power cut takes of these is made again from the records, so that none waits for the disk.
         write_atomically(out / name, text, durable=False)
     note_of_files.end(made)  # takes away those of students and grades that are gone
-    notices.write(book, out)
+    _write_notices(book, out)
     feedback.write_all(book, out)
     with ProgramTexts(book) as texts:
         alike = lookalikes.find(book, texts)
@@ -58,6 +61,33 @@ def write_all(book: Gradebook, out: Path) -> Path:
     write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
     changes.remember(book, out)
     return out / PAGE
+
+
+def _write_notices(book: Gradebook, out: Path) -> None:
+    """Bring the notices on all report pages up to date; a page that says it already is not touched."""
+    records = Records(out)
+    for student, exercise in book.missing:  # who had a score all the same once, had a page for it
+        entry = Entry(student, exercise, "")
+        if not records.path(entry).exists():
+            records.path(entry, ".html").unlink(missing_ok=True)
+    for record in book.records:
+        path = records.path(record.entry, ".html")
+        before = _page(path, record, book)
+        after = html.with_notice(before, headline(record), record.remarks)
+        if after and (after != before or not path.exists()):
+            write_atomically(path, after, durable=False)
+
+
+def _page(path: Path, record: Record, book: Gradebook) -> str:
+    """The page as it is; made for whoever handed in nothing and has a score."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        if record.entry.source:
+            return ""
+    exercise = next(one for one in book.exercises if one.id == record.entry.exercise)
+    report = engine.unreadable(exercise, "", str(record.report["stderr"]))
+    return html.render_page(report, record.entry.name or record.entry.student)
 
 
 def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.LookAlikes, out: Path) -> None:
