@@ -47,7 +47,7 @@ _OWN_SPEED = {_SCALE: "1"}
 _ORIGIN = Place(0.0, 0.0)
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
 _AT_ONCE_S = 1.0  # a goal at the present position
-_LONGEST_AT_OWN_SPEED_M = 1.2
+_LONGEST_AT_OWN_SPEED_M = 1.6
 _NEAR_M = 2.5  # farther edges are not driven to: that they are accepted is enough
 _PROMPT_S = 1.0  # within which the statuses of two goals have come
 _OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays
@@ -149,7 +149,7 @@ class RobotModel(Model):
 
         self.fairly(node, act)
 
-    @rule("feedback", way=_ways(*_LONG), often=2)
+    @rule("feedback", way=_ways(between(1.6, 2.2)), often=2)
     def report(self, node: GradedNode, way: _Way) -> None:
         """There is feedback all along."""
         self.judged(node, way, "feedback")
