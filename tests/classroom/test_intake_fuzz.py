@@ -6,17 +6,18 @@ import os
 import sys
 import warnings
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from course_kit.classroom.intake import collecting, known_starters
 from course_kit.grading import GradingError, exercise
+from course_kit.grading.diagnosis import catalogue
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 SERVICE = exercise.load("temperature_service")
 SEEDS = range(12)  # each gives ten inboxes
@@ -55,7 +56,9 @@ def collect(inbox: Inbox, home: Path, opened: Opened) -> collecting.Intake:
     with opened.listening() as paths:
         found = collecting.collect(inbox.source, (SERVICE,), home / "workspace")
     assert any(path.startswith(str(inbox.source)) for path in paths)
-    ours = (home / "workspace", home / ".workspace_is_unpacked", known_starters.FILE, os.devnull)
+    own_texts = SERVICE.folder.parent  # what else the course wants, to tell another exercise's program
+    codes = Path(catalogue.__file__).with_name("diagnoses.toml")
+    ours = (home / "workspace", home / ".workspace_is_unpacked", known_starters.FILE, own_texts, codes, os.devnull)
     places = (inbox.source, *ours, *PYTHONS_OWN)
     for path in paths:
         assert any(belongs(os.path.realpath(path), str(place)) for place in places), f"{path} was opened"
