@@ -174,7 +174,7 @@ def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course, tmp_
     found = {name for name in planned.files if name.startswith("exercises/drills/")}
     drill = "exercises/drills/dark_lamp"
     assert {name for name in found if name.startswith(drill)} == {
-        f"{drill}/exercise.toml", f"{drill}/dark_lamp.py", f"{drill}/dark_lamp.ipynb"
+        f"{drill}/exercise.toml", f"{drill}/checks.py", f"{drill}/dark_lamp.py", f"{drill}/dark_lamp.ipynb"
     }  # fmt: skip
     assert f"{drill}/solution/dark_lamp.py" in planned.instructors
     assert f"{drill}/proof/slips.toml" in planned.instructors

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.records import Record
 
-BROKEN = REPOSITORY / "tests/broken/temperature_service/math.formula.py"
+BROKEN = REPOSITORY / "tests/broken/temperature_service/service.exception.py"
 RUNNER = {
     "CLASSROOM": "ros-2026",
     "ASSIGNMENT": "temperature",
