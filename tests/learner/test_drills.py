@@ -119,7 +119,7 @@ def test_a_copy_of_a_shared_course_has_the_drills_without_their_solutions(tmp_pa
 
     workspace.make_copy(REPOSITORY, tmp_path / "mine")
     copied = tmp_path / "mine" / "exercises" / "drills" / DRILL
-    assert {path.name for path in copied.iterdir()} == {"exercise.toml", f"{DRILL}.py", f"{DRILL}.ipynb"}
+    assert {path.name for path in copied.iterdir()} == {"checks.py", "exercise.toml", f"{DRILL}.py", f"{DRILL}.ipynb"}
 
 
 def test_drills_of_an_instructor_are_listed_and_no_exercises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
