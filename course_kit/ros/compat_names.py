@@ -35,6 +35,7 @@ RECORDING = Feature(
         "rclpy.executors:Executor._take_client",
         "rclpy.executors:Executor._take_subscription",
         "rclpy.executors:Executor._take_timer",
+        "rclpy.executors:Executor._is_shutdown",
         "rclpy.client:Client._lock",
         "rclpy.client:Client._pending_requests",
         "rclpy.client:Client.logger_name",
@@ -70,9 +71,8 @@ EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
     (
         "lab/runtime/actions.py",
-        "lab/runtime/goal_callbacks.py",
         "lab/runtime/execution.py",
-        "lab/recording/execution_hooks.py",
+        "lab/recording/action_hooks.py",
     ),
     (_SERVER + "_execute_goal", _SERVER + "_node"),
 )

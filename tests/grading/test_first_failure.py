@@ -29,7 +29,7 @@ def test_nothing_is_checked_after_the_first_failure(tmp_path: Path) -> None:
     wrong.write_text(SOLUTION.read_text().replace("- 32.0", "- 31.0"))
     whole, short = graded(wrong, first_failure=False), graded(wrong, first_failure=True)
     assert [check.id for check in short.checks] == [check.id for check in whole.checks][: len(short.checks)]
-    assert [check.status for check in short.checks[:-1]] == ["passed"] * (len(short.checks) - 1)
+    assert {check.status for check in short.checks[:-1]} <= {"passed", "skipped"}  # skipped: its talk was cut short
     assert short.checks[-1].id == "fahrenheit_to_celsius"
     assert short.checks[-1].status == "failed"
     assert len(short.checks) < len(whole.checks)

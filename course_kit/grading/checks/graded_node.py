@@ -41,6 +41,8 @@ class GradedNode:
     def __init__(self, context: CheckContext) -> None:
         self.context = context
         self._heard: dict[str, int] = context.memory.setdefault("heard", {})
+        self._last_sent = ""
+        self._turn: Exchange | None = None
 
     # --- services
 
@@ -138,8 +140,8 @@ class GradedNode:
         made = message_of(self._type(topic), message, fields)
         for name in self._published():
             self._heard[name] = self.inbox(name).count
-        self._sent = f"{topic}: {in_one_line(made)}"
-        self._turn: Exchange = self.context.record.sent(self._sent, "message")
+        self._last_sent = f"{topic}: {in_one_line(made)}"
+        self._turn = self.context.record.sent(self._last_sent, "message")
         self.context.grader_node.publisher(self._type(topic), topic).publish(made)
         return self
 
@@ -178,7 +180,7 @@ class GradedNode:
         found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
         for path, one, got in differences(found, message):
             evidence = Evidence(
-                self._last_sent(), f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
+                self._last_sent, f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
             )
             told = why or f"{path or topic} has to be {describe_wanted(one)}, and is {got!r}."
             raise Failed(evidence, told, diagnosis, breaks=breaks)
@@ -205,7 +207,7 @@ class GradedNode:
         def extra() -> list[str]:
             return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
-        evidence = Evidence(self._last_sent(), f"no message more on {' and '.join(listened)}")
+        evidence = Evidence(self._last_sent, f"no message more on {' and '.join(listened)}")
         with exceptions.explained(self.context, evidence):
             self.context.wait_until(lambda: bool(extra()), seconds)
         for name in extra():
@@ -238,9 +240,9 @@ class GradedNode:
         wanted = {**(values or {}), **more}
         remote, clock = self.parameters(of), self.context.clock()
         result: SetResult = remote.set(*next(iter(wanted.items()))) if len(wanted) == 1 else remote.set_together(wanted)
-        self._sent = f"set {shown(wanted)}"
+        self._last_sent = f"set {shown(wanted)}"
         latency_s = clock.fair() if clock.wall() > _NUDGE_S else clock.wall()
-        return Change(self._sent, result.shown(), latency_s, wanted, result)
+        return Change(self._last_sent, result.shown(), latency_s, wanted, result)
 
     def get(self, *names: str, of: str = "") -> dict[str, Any]:
         """The values of parameters; None for one that is not declared.
@@ -407,15 +409,12 @@ class GradedNode:
         """What has come on a topic so far."""
         return self.context.grader_node.inbox(self._type(topic), topic)
 
-    def _last_sent(self) -> str:
-        return getattr(self, "_sent", "")
-
     def _exchange(self) -> Exchange:
-        return getattr(self, "_turn", None) or self.context.record.sent("(nothing)", minor=True)
+        return self._turn or self.context.record.sent("(nothing)", minor=True)
 
     def _next(self, topic: str, within_s: float, breaks: str) -> Message:
         inbox, place = self.inbox(topic), self._heard.setdefault(topic, 0)
-        evidence = Evidence(self._last_sent(), f"a message on {topic}")
+        evidence = Evidence(self._last_sent, f"a message on {topic}")
         clock = self.context.clock()
         try:
             with exceptions.explained(self.context, evidence):
@@ -427,7 +426,7 @@ class GradedNode:
             seconds = hangs.told(clock.fair(), within_s)
             self._exchange().missed(f"within {seconds} s nothing on {topic}")
             evidence = replace(evidence, got=f"within {seconds} s nothing on {topic}")
-            sent = self._last_sent().partition(":")[0]
+            sent = self._last_sent.partition(":")[0]
             raise Failed(evidence, *topics.why_nothing(self.context, sent, topic, seconds)[::-1], breaks=breaks)
         message = inbox.since(place)[0]
         self._heard[topic] = place + 1
