@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType, Message
     from course_kit.ros2cli.session import Session
 
+_PROOF_S = 1.0
+
 
 class SentGoal:
     """A goal of one action."""
@@ -30,6 +32,7 @@ class SentGoal:
 
         self._session, self._node, self._name, self._timeout = session, node, name, timeout
         self._client = GoalClient(node, action_type, name)
+        self._result_type = action_type.Impl.GetResultService
         self._seen = 0  # feedback messages
 
     def close(self) -> None:
@@ -42,6 +45,8 @@ class SentGoal:
 
         print("Waiting for an action server to become available...", flush=True)
         self._wait_for_server()
+        if show_feedback:
+            self._wait_until_heard()
         print(f"Sending goal:\n     {to_yaml(goal)}", flush=True)
         tracker = GoalTracker(self._client, goal)
         tracker.begin()
@@ -102,6 +107,19 @@ class SentGoal:
 
         hint = did_you_mean(self._name, set(graph.offered(self._node, graph.RUNS)) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
+
+    def _wait_until_heard(self) -> None:
+        """Wait until the server knows the reader of its feedback: else that of a short goal would be lost.
+
+        A server learns of endpoints in the order in which they were made. So an answer to a client made after the
+        reader proves it; the question is for the result of a goal that nobody sent. A busy server gets the goal anyway.
+        """
+        asking = self._node.create_client(self._result_type, f"{self._client.action_name}/_action/get_result")
+        try:
+            self._session.wait_on_graph(asking.service_is_ready, _PROOF_S)
+            self._session.spin_until(asking.call_async(self._result_type.Request()).done, _PROOF_S)
+        finally:
+            self._node.destroy_client(asking)
 
 
 class _Interrupt:
