@@ -36,7 +36,7 @@ class HastyError(Failed):
     """A fault that might not show with the robot at its own speed: a learner's own clock keeps real time."""
 
 
-class Place(NamedTuple):
+class ArenaPoint(NamedTuple):
     """A place in the arena, in metres."""
 
     x: float
@@ -46,12 +46,15 @@ class Place(NamedTuple):
         return f"({self.x:.2f}, {self.y:.2f})"
 
 
+ORIGIN = ArenaPoint(0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Move:
     """A move that has ended SUCCEEDED."""
 
-    begin: Place
-    target: Place
+    begin: ArenaPoint
+    target: ArenaPoint
     goal: CheckedGoal
     ended: Ended
 
@@ -61,17 +64,17 @@ class Move:
         return math.dist(self.begin, self.target)
 
 
-def place_of(point: Any) -> Place:
+def place_of(point: Any) -> ArenaPoint:
     """The place of a geometry_msgs/Point."""
-    return Place(point.x, point.y)
+    return ArenaPoint(point.x, point.y)
 
 
-def in_the_arena(place: Place) -> Place:
+def in_the_arena(place: ArenaPoint) -> ArenaPoint:
     """The place itself, or the nearest that a robot can be at."""
-    return Place(*(0.0 if math.isnan(value) else min(max(value, 0.0), ARENA) for value in place))
+    return ArenaPoint(*(0.0 if math.isnan(value) else min(max(value, 0.0), ARENA) for value in place))
 
 
-def misses(place: Place, target: Place) -> bool:
+def misses(place: ArenaPoint, target: ArenaPoint) -> bool:
     """Whether a place is not the target, within the tolerance; NaN misses."""
     return not math.dist(place, target) <= TOLERANCE
 
@@ -90,14 +93,14 @@ def describe_end(ended: Ended) -> str:
     )
 
 
-def beside(begin: Place, end: Place, place: Place) -> float:
+def beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> float:
     """How far a place lies from the straight way between two others, in metres; NaN for a place that is none."""
     way = math.dist(begin, end)
     if way == 0.0:
         return math.dist(begin, place)
     along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / way**2
     along = min(max(along, 0.0), 1.0)
-    nearest = Place(begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
+    nearest = ArenaPoint(begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
     return math.dist(nearest, place)
 
 
@@ -192,7 +195,7 @@ def explain_z(move: Move, z: float) -> str:
     return ""
 
 
-def require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: Place, target: Place) -> None:
+def require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: ArenaPoint, target: ArenaPoint) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped.
 
     Raises:
@@ -217,7 +220,7 @@ def require_stopped(goal: CheckedGoal, ended: Ended, evidence: Evidence, begin: 
         raise Failed(evidence, why)
 
 
-def _last_seen(goal: CheckedGoal, begin: Place, target: Place) -> Place | None:
+def _last_seen(goal: CheckedGoal, begin: ArenaPoint, target: ArenaPoint) -> ArenaPoint | None:
     """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
     seen = [place_of(one.feedback.position) for one in goal.feedback]
     return next((place for place in reversed(seen) if beside(begin, target, place) <= BESIDE), None)
@@ -278,3 +281,56 @@ def _is_progress_with_z(value: float, right: float, ways: tuple[float, float], z
         return math.isnan(value)
     left, whole = ((way, math.hypot(way, z)) for way in ways)
     return any(abs(value - (1.0 - one / other)) <= _SAME for one in left for other in whole)
+
+
+def is_right(aspect: str, move: Move) -> bool:
+    try:
+        judge(aspect, move)
+    except Failed:
+        return False
+    return True
+
+
+def judge(aspect: str, move: Move, breaks: str = "") -> None:
+    """One aspect of a move that ended SUCCEEDED is right."""
+    judge = {
+        "arrives": _require_arrived,
+        "distance": _require_distance,
+        "feedback": require_enough,
+        "progress": require_sense,
+    }[aspect]
+    try:
+        judge(move)
+    except Failed as failed:
+        failed.breaks = breaks or aspect
+        raise
+
+
+def _require_arrived(move: Move) -> None:
+    final = place_of(move.ended.result.final_position)
+    expected = f"SUCCEEDED, final_position within {TOLERANCE} m of {move.target}"
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    if not misses(final, move.target):
+        return
+    if is_blank(move.ended.result):
+        raise Failed(evidence, "The result still has its default values: your callback set none of its fields.")
+    off = math.dist(final, move.target)
+    raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
+
+
+def _require_distance(move: Move) -> None:
+    travelled = move.ended.result.distance_travelled
+    tolerance = max(TOLERANCE, 0.05 * move.length)
+    expected = f"distance_travelled within {tolerance:.3g} m of {move.length:.3g} m, the way from {move.begin}"
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    if abs(travelled - move.length) <= tolerance:
+        return
+    if abs(travelled - math.dist(ORIGIN, move.target)) <= tolerance:
+        why = f"That is the distance from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
+    elif travelled > move.length:
+        why = "distance_travelled is more than this move: does it count earlier moves, too?"
+    elif travelled == 0.0:
+        why = "The field was not filled in."
+    else:
+        why = "That is less than the straight line to the target."
+    raise Failed(evidence, why)

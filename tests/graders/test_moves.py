@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from course_kit.graders._feedback import Place, beside, find_jump, is_spread
+from course_kit.graders._feedback import ArenaPoint, beside, find_jump, is_spread
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
 
-ORIGIN = Place(0.0, 0.0)
+ORIGIN = ArenaPoint(0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -22,12 +22,12 @@ ORIGIN = Place(0.0, 0.0)
     [((1.0, 0.5), 0.5), ((-1.0, 0.0), 1.0), ((3.0, 0.0), 1.0), ((0.0, 0.0), 0.0), ((1.5, -0.2), 0.2)],
 )
 def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
-    assert beside(ORIGIN, Place(2.0, 0.0), Place(*place)) == pytest.approx(distance)
+    assert beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(*place)) == pytest.approx(distance)
 
 
 def test_a_place_that_is_none_is_beside_every_way() -> None:
-    assert not beside(ORIGIN, Place(2.0, 0.0), Place(math.nan, 0.0)) <= 1e9
-    assert beside(ORIGIN, ORIGIN, Place(3.0, 4.0)) == 5.0
+    assert not beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(math.nan, 0.0)) <= 1e9
+    assert beside(ORIGIN, ORIGIN, ArenaPoint(3.0, 4.0)) == 5.0
 
 
 @pytest.mark.parametrize(

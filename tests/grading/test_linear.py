@@ -158,7 +158,7 @@ FRAME = '  File "answer.py", line 3, in f\n'
 DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {
     "status": _limiter.read_status,
-    "reason": lambda given: _limiter.missing_in_reason("max_velocity", "max_velocity " + given),
+    "reason": lambda given: _limiter.missing_in_reason("max_velocity", 7.2, "max_velocity " + given),
     "exception": lambda given: tracebacks.last_exception("Traceback (most recent call last):\n" + given, "answer.py"),
     "activity": lambda given: tracebacks.activity(DUMP + given, "answer.py"),
     "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
