@@ -19,12 +19,14 @@ function dockable(panel, name) {
   }
 
   async function dock(host) {
-    if (docked && !docked.isDisposed) {
+    const own = host.content.widgets.findIndex((cell) => cell.node.contains(panel));
+    docked = hosts().find((one) => one.content?._cell === host.content.widgets[own]); // also of a run before
+    if (docked) {
       app().shell.activateById(docked.id); // one is enough
       return;
     }
     const before = new Set(hosts());
-    host.content.activeCellIndex = host.content.widgets.findIndex((cell) => cell.node.contains(panel));
+    host.content.activeCellIndex = own;
     await app().commands.execute("notebook:create-output-view");
     const view = hosts().find((one) => !before.has(one));
     if (!view) return;

@@ -98,6 +98,14 @@ def scores() -> list[Score]:
     return found
 
 
+def chosen() -> dict[str, str]:
+    """What was chosen last, by the question's text; both without the marks around code."""
+    record = GuessRecord()
+    asked = [one for lesson in guesses.lessons() for one in guesses.of_lesson(lesson).values()]
+    found = {one.text: record.of(one) for one in asked}
+    return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
+
+
 def _read(folder: Path | None, name: str) -> Guessed | None:
     """What a file says; None where there is none, or something else in it."""
     try:
