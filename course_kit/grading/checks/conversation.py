@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun, name_lost_node
 from course_kit.grading.checks.context import SubmissionEndedError
-from course_kit.grading.checks.drawing import Draw, drawn_values
 from course_kit.grading.checks.graded_node import GradedNode
+from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
 
@@ -26,7 +26,6 @@ _SHRINK_S = 2.5  # for all tries on one failure, after the first
 _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
 _OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
-_RULE = "_course_kit_rule"
 _KEPT = 40  # turns of the record; what was before them is of no use
 
 
@@ -60,53 +59,6 @@ class Model:
 
     def end(self, node: GradedNode) -> None:
         """Called after the last step; for what may come late."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A kind of step of a model.
-
-    Attributes:
-        name: of the method.
-        check: the id of the check that a failure costs, unless the sentence that it names belongs to another.
-        draws: by argument.
-        when: whether it may be done, asked of the model.
-        often: in how many steps of a round it is done.
-        run: the method.
-    """
-
-    name: str
-    check: str
-    draws: dict[str, Any]
-    when: Callable[[Any], bool] | None
-    often: int
-    run: Callable[..., None]
-
-
-def rule(
-    check: str = "", *, when: Callable[[Any], bool] | None = None, often: int = 0, **draws: Any
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Decorator that makes a method of a `Model` a kind of step.
-
-    Args:
-        check: the id of the check that a failure costs, where the conversation has several.
-        when: says of the model whether the step may be done now.
-        often: how often it is done while each other rule goes through its options once; as many times as its longest
-            `either` has options when 0.
-        draws: a drawing or a constant for each argument of the method after `node`.
-
-    Example:
-        >>> @rule(when=lambda model: model.critical)
-        ... def reset(self, node):
-        ...     node.call("/reset").refused()
-    """
-
-    def declare(function: Callable[..., None]) -> Callable[..., None]:
-        times = often or max([1, *(len(one.options) for one in draws.values() if isinstance(one, Draw))])
-        setattr(function, _RULE, Rule(function.__name__, check, draws, when, times, function))
-        return function
-
-    return declare
 
 
 @dataclass(frozen=True)
@@ -167,54 +119,6 @@ def conversation(
     return [check_of(one) for one in made]
 
 
-@dataclass(frozen=True)
-class Step:
-    """One step: a rule, and what was drawn for it."""
-
-    rule: Rule
-    arguments: dict[str, Any]
-
-    def do(self, node: GradedNode, model: Model) -> None:
-        """Do it, unless the model does not allow it now.
-
-        Raises:
-            Failed: the node disagrees with the model.
-        """
-        if self.rule.when is None or self.rule.when(model):
-            self.rule.run(model, node, **self.arguments)
-
-
-class Steps:
-    """Draws steps without end: each option of each rule once, in any order, then all again."""
-
-    def __init__(self, rules: Sequence[Rule], rng: random.Random) -> None:
-        self._rng, self._rules = rng, tuple(rules)
-        self._hands: dict[int, list[Any]] = {}
-        self.round = sum(one.often for one in rules)
-        self._waiting: list[Rule] = []
-
-    def next(self, *, apart: bool) -> Step:
-        """The next step."""
-        if not self._waiting:
-            self._waiting = [one for one in self._rules for _ in range(one.often - 1)]
-            self._rng.shuffle(self._waiting)
-            self._waiting += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
-        if apart:
-            self._waiting.sort(key=lambda one: one.name)
-        chosen = self._waiting.pop()
-        return Step(chosen, {name: self._drawn(one) for name, one in chosen.draws.items()})
-
-    def _drawn(self, draw: Any) -> Any:
-        if not isinstance(draw, Draw):
-            return drawn_values(draw, self._rng)
-        if draw.make is not None:
-            return draw.make(self._rng)
-        hand = self._hands.setdefault(id(draw), [])
-        if not hand:
-            hand += self._rng.sample(draw.options, len(draw.options))
-        return self._drawn(hand.pop())
-
-
 @dataclass
 class _Tally:
     done: int = 0
@@ -238,15 +142,15 @@ class Conversation:
     def hold(self) -> None:
         """Hold it: all steps, or as many as there is time for."""
         self._tallies = {one.id: _Tally() for one in self.parts}
-        steps = Steps(_rules_of(self.model), random.Random(self.context.job.seed))  # noqa: S311 - test values, not secrets
+        steps = Steps(rules_of(self.model), random.Random(self.context.job.seed))  # noqa: S311 - test values, not secrets
         node, model, done = self._begin()
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
-            step = steps.next(apart=self._apart)
+            step = steps.next(model, apart=self._apart)
             if self._is_lost(step.rule):
                 continue
             on_the_wall = clock.wall() > self.context.job.limits.wall_s / 2  # after which the program would be ended
-            talked = clock.past(_TALK_S) and number > len(_rules_of(self.model))
+            talked = clock.past(_TALK_S) and number > len(rules_of(self.model))
             if on_the_wall or talked or self.context.time_is_up():
                 return
             if self._apart and done and done[-1].rule != step.rule:
@@ -289,7 +193,7 @@ class Conversation:
         tally = self._tallies[one.id]
         if tally.failed is not None:
             raise tally.failed
-        if not tally.done and any(each.check in (one.id, "") for each in _rules_of(self.model)):
+        if not tally.done and any(each.check in (one.id, "") for each in rules_of(self.model)):
             why = f'"{tally.hindered_by}" has to pass first.' if tally.hindered_by else "no time was left for it."
             raise NotRun(why)
         got = f"{tally.done} drawn steps, each as it should be"
@@ -422,7 +326,3 @@ class Conversation:
         if before:
             failed.evidence = replace(failed.evidence, sent="; ".join([*before, failed.evidence.sent]))
         return failed
-
-
-def _rules_of(model: type[Model]) -> list[Rule]:
-    return [found for name in dir(model) if (found := getattr(getattr(model, name), _RULE, None))]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from course_kit.grading.checks.answers import Answer, Change
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.conversation import Model, conversation, part, rule
+from course_kit.grading.checks.conversation import Model, conversation, part
 from course_kit.grading.checks.drawing import between, drawn, either
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
@@ -21,6 +21,7 @@ from course_kit.grading.checks.ready_made import (
 )
 from course_kit.grading.checks.ready_made_goals import goal_cancelled, goal_feedback, goal_refused, goal_succeeds
 from course_kit.grading.checks.ready_made_parameters import parameter_acts, parameter_declared, parameter_refuses
+from course_kit.grading.checks.steps import rule
 
 __all__ = [
     "Answer",

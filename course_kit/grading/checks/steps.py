@@ -1,0 +1,161 @@
+"""The steps of a conversation: rules, each a kind of step, and the order in which they are drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from course_kit.grading.checks.drawing import Draw, drawn_values
+
+if TYPE_CHECKING:
+    import random
+    from collections.abc import Callable, Sequence
+
+    from course_kit.grading.checks.graded_node import GradedNode
+
+_FEW_STATES = 8  # that a model is seen in; with more of them each option in each would take too long
+_BY_STATE = 0.7  # of the steps, as long as there is something untried
+_RULE = "_course_kit_rule"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A kind of step of a model.
+
+    Attributes:
+        name: of the method.
+        check: the id of the check that a failure costs, unless the sentence that it names belongs to another.
+        draws: by argument.
+        when: whether it may be done, asked of the model.
+        often: in how many steps of a round it is done.
+        run: the method.
+    """
+
+    name: str
+    check: str
+    draws: dict[str, Any]
+    when: Callable[[Any], bool] | None
+    often: int
+    run: Callable[..., None]
+
+
+def rule(
+    check: str = "", *, when: Callable[[Any], bool] | None = None, often: int = 0, **draws: Any
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorator that makes a method of a `Model` a kind of step.
+
+    Args:
+        check: the id of the check that a failure costs, where the conversation has several.
+        when: says of the model whether the step may be done now.
+        often: how often it is done while each other rule goes through its options once; as many times as its longest
+            `either` has options when 0.
+        draws: a drawing or a constant for each argument of the method after `node`.
+
+    Example:
+        >>> @rule(when=lambda model: model.critical)
+        ... def reset(self, node):
+        ...     node.call("/reset").refused()
+    """
+
+    def declare(function: Callable[..., None]) -> Callable[..., None]:
+        times = often or max([1, *(len(one.options) for one in draws.values() if isinstance(one, Draw))])
+        setattr(function, _RULE, Rule(function.__name__, check, draws, when, times, function))
+        return function
+
+    return declare
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step: a rule, and what was drawn for it."""
+
+    rule: Rule
+    arguments: dict[str, Any]
+
+    def do(self, node: GradedNode, model: Any) -> None:
+        """Do it, unless the model does not allow it now.
+
+        Raises:
+            Failed: the node disagrees with the model.
+        """
+        if self.rule.when is None or self.rule.when(model):
+            self.rule.run(model, node, **self.arguments)
+
+
+class Steps:
+    """Draws steps without end: each option of each rule once, in any order, then all again.
+
+    Of a model with few states each option comes in each state: what depends on what was before is not left to chance.
+    """
+
+    def __init__(self, rules: Sequence[Rule], rng: random.Random) -> None:
+        self._rng, self._rules = rng, tuple(rules)
+        self._hands: dict[int, list[int]] = {}
+        self.round = sum(one.often for one in rules)
+        self._waiting: list[Rule] = []
+        self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
+
+    def next(self, model: Any, *, apart: bool) -> Step:
+        """The next step."""
+        state = _state_of(model)
+        seen = self._seen.get(state)
+        if seen is not None and len(self._seen) <= _FEW_STATES and not apart and self._rng.random() < _BY_STATE:
+            allowed = [one for one in self._rules if one.when is None or one.when(model)]
+            untried = [option for one in allowed for option in _options_of(one) if option not in seen]
+            if untried:
+                chosen = self._rng.choice(untried)
+                return self._step(next(one for one in allowed if one.name == chosen.rule), state, chosen)
+        if not self._waiting:
+            self._waiting = [one for one in self._rules for _ in range(one.often - 1)]
+            self._rng.shuffle(self._waiting)
+            self._waiting += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
+        if apart:
+            self._waiting.sort(key=lambda one: one.name)
+        return self._step(self._waiting.pop(), state)
+
+    def _step(self, rule: Rule, state: str, wanted: _Option | None = None) -> Step:
+        arguments, tried = {}, self._seen.setdefault(state, set())
+        for name, draw in rule.draws.items():
+            if not isinstance(draw, Draw) or not draw.options:
+                arguments[name] = drawn_values(draw, self._rng)
+                continue
+            place = wanted.place if wanted and wanted.argument == name else self._dealt(draw)
+            tried.add(_Option(rule.name, name, place))
+            arguments[name] = drawn_values(draw.options[place], self._rng)
+        tried.add(_Option(rule.name))
+        return Step(rule, arguments)
+
+    def _dealt(self, draw: Draw) -> int:
+        """The place of the next option, as from a hand of cards."""
+        hand = self._hands.setdefault(id(draw), [])
+        if not hand:
+            hand += self._rng.sample(range(len(draw.options)), len(draw.options))
+        return hand.pop()
+
+
+class _Option(NamedTuple):
+    """An option of a rule's argument; of a rule without options the rule itself."""
+
+    rule: str
+    argument: str = ""
+    place: int = 0
+
+
+def _options_of(rule: Rule) -> list[_Option]:
+    found = [
+        _Option(rule.name, name, place)
+        for name, draw in rule.draws.items()
+        if isinstance(draw, Draw)
+        for place in range(len(draw.options))
+    ]
+    return found or [_Option(rule.name)]
+
+
+def _state_of(model: Any) -> str:
+    kept = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    return repr({name: value for name, value in kept.items() if not callable(value)})
+
+
+def rules_of(model: type) -> list[Rule]:
+    """The rules of a model's class, by name."""
+    return [found for name in dir(model) if (found := getattr(getattr(model, name), _RULE, None))]

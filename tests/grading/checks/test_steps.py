@@ -1,0 +1,70 @@
+"""The order in which the steps of a conversation are drawn."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+from course_kit.grading.checks.steps import Step, Steps, rules_of
+from course_kit.grading.checks.vocabulary import Model, either, rule
+
+VOLTS = (9.0, 10.0, 10.2, 10.5)
+STATES = ("ok", "critical", "recovered")
+
+
+class Battery(Model):
+    state = "ok"
+
+    @rule(volts=either(*VOLTS))
+    def measure(self, _node: object, volts: float) -> None:
+        recovers = self.state == "critical" and volts >= 10.5
+        self.state = "critical" if volts < 10.0 else "recovered" if recovers else self.state
+
+    @rule(when=lambda model: model.state != "critical")
+    def reset(self, _node: object) -> None:
+        self.state = "ok"
+
+
+class Counter(Model):
+    """A model that is in another state after each step."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    @rule(amount=either(1, 2, 3))
+    def add(self, _node: object, amount: int) -> None:
+        self.count += amount
+
+    @rule(often=2)
+    def skip(self, _node: object) -> None:
+        self.count += 10
+
+
+def talk(model: Any, seed: int, count: int) -> list[tuple[str, Step]]:
+    steps, done = Steps(rules_of(type(model)), random.Random(seed)), []  # noqa: S311
+    for _ in range(count):
+        step = steps.next(model, apart=False)
+        done.append((getattr(model, "state", ""), step))
+        step.do(None, model)  # type: ignore[arg-type] - a model that needs no node
+    return done
+
+
+def test_a_model_of_few_states_meets_each_option_in_each_state() -> None:
+    for seed in range(30):
+        met = {(state, step.arguments.get("volts")) for state, step in talk(Battery(), seed, 80)}
+        assert met >= {(state, volts) for state in STATES for volts in VOLTS}, seed
+        assert {("ok", None), ("recovered", None)} <= met, seed
+
+
+def test_in_a_round_each_option_comes_once() -> None:
+    for seed in range(30):
+        first = [step for _, step in talk(Counter(), seed, 5)]
+        assert sorted(step.arguments.get("amount", 0) for step in first) == [0, 0, 1, 2, 3], seed
+
+
+def test_the_same_seed_draws_the_same_steps() -> None:
+    def told(seed: int) -> list[tuple[str, dict[str, Any]]]:
+        return [(step.rule.name, step.arguments) for _, step in talk(Battery(), seed, 60)]
+
+    assert told(1) == told(1)
+    assert told(1) != told(2)
