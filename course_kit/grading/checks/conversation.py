@@ -112,6 +112,8 @@ def conversation(
             if held is None:
                 held = context.conversations[model] = Conversation(context, model, made, steps)
                 held.hold()
+                if not model.history:
+                    context.spoil()  # what the node remembers of it is nothing that a later check knows
             return held.verdict_of(one)
 
         return Check(one.id, one.title, one.points, (*after, *one.after), deadline_s, run, one.proves)
