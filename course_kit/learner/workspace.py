@@ -7,6 +7,7 @@ home directory. `watch`, `reset` and the like find the files there, or where one
 
 from __future__ import annotations
 
+import io
 import os
 import shlex
 import shutil
@@ -18,7 +19,11 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.grading.reading_answers import Glance
+from course_kit.grading.readings import Readings
+from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.learner import handed_out, learner_folder, own_versions
+from course_kit.reader import fingerprints, text
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
@@ -42,6 +47,7 @@ sys.exit(main())' "$@"
 )
 # A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
 _IN_AUTHORS_COURSE = (environment.PACKAGE / "authoring").is_dir()
+_AT_ONCE_S = 60.0  # files that one download or one copy wrote are of one age
 _WORK = (".ipynb", ".py")  # what a learner changes
 _LEFT_OUT = shutil.ignore_patterns(
     ".ipynb_checkpoints", "__pycache__", "*.backup-*", f"*.{learner_folder.BESIDE}*", "solution", exercise_folders.PROOF
@@ -187,16 +193,55 @@ def no_files_of(task: Exercise, verb: str) -> GradingError:
 
 
 def own_file(task: Exercise, verb: str) -> Path:
-    """This user's program of an exercise, or its notebook where only that is there.
+    """This user's program of an exercise, or its notebook where that is the answer: see `_choose_own`.
 
     Raises:
         GradingError: there is none; `verb` is what the user wanted.
     """
+    return _choose_own(task, verb)[0]
+
+
+def _choose_own(task: Exercise, verb: str) -> tuple[Path, str]:
+    """Of program and notebook the one that a class run would grade, and why where both are there."""
     folder = exercise_folder(task)
     if folder is None:
         raise no_files_of(task, verb)
     program, notebook = folder / task.starter, folder / task.notebook
-    return notebook if notebook.is_file() and not program.is_file() else program
+    if not (program.is_file() and notebook.is_file()):
+        return (notebook if notebook.is_file() else program), ""
+    with Readings() as readings:
+        seen = {path: _glance(readings, path, task) for path in (program, notebook)}
+    given = set(_identities_of_starters(task))
+    changed = [path for path, glance in seen.items() if glance.identity not in given]
+    fitting = [path for path in changed if seen[path].asked_for]
+    if len(changed) == 1 or len(fitting) == 1:
+        best = (fitting or changed)[0]
+        other = program if best == notebook else notebook
+        lacks = "is the starter still" if len(changed) == 1 else f"does not hold {task.class_name or task.variable}"
+        return best, f", because {other.name} {lacks}"
+    if not changed:
+        return program, ""
+    best, other = program, notebook
+    if notebook.stat().st_mtime > program.stat().st_mtime + _AT_ONCE_S:
+        best, other = notebook, program
+    named = f"{environment.command()} {verb} {task.id} {shown(other)}"
+    return best, f", the newer of your two answers. For the other one: {named}"
+
+
+def _glance(readings: Readings, path: Path, task: Exercise) -> Glance:
+    """What a file looks like; one that cannot be read is graded if it is all there is, and the report says why."""
+    with suppress(UnreadableError, GradingError), Copy(path, whole=False) as copy:
+        return readings.glance(copy, task)
+    return Glance()
+
+
+def _identities_of_starters(task: Exercise) -> Iterator[str]:
+    """Of the starters and of an empty program: nobody has begun with these."""
+    yield ""
+    for name in (task.starter, task.notebook):
+        with suppress(OSError, text.UnreadableTextError):
+            content = _pristine(task.folder / name) or (task.folder / name).read_bytes()
+            yield fingerprints.identity(text.program(name, io.BytesIO(content), task.id)[0])
 
 
 def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
@@ -206,8 +251,8 @@ def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
         GradingError: there is no such exercise, or no file of theirs.
     """
     if path is None:
-        own = str(shown(own_file(exercise.load(exercise_id), "grade")))
-        return own, f"grading {own}"
+        own, why = _choose_own(exercise.load(exercise_id), "grade")
+        return str(shown(own)), f"grading {shown(own)}{why}"
     course, mine = exercise_folders.course_folder(), _my_folder() / "exercises"
     here = Path(path).absolute()
     if course is None or not here.is_relative_to(course):

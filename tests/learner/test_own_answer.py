@@ -1,0 +1,105 @@
+"""Which of a learner's two files `grade` and `watch` mean: the one with the answer, as in a class run."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from course_kit import environment
+from course_kit.classroom.intake import collecting
+from course_kit.grading import exercise
+from course_kit.learner import workspace
+from tests.course_copy import REPOSITORY, TEMPERATURE, Course
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+NOTEBOOK, PROGRAM = f"{TEMPERATURE}.ipynb", f"{TEMPERATURE}.py"
+TODO, ANSWER = "# Your code goes here.", "response.success = True"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    made = tmp_path / "student"
+    made.mkdir()
+    for name in (NOTEBOOK, PROGRAM):
+        shutil.copy(REPOSITORY / "exercises" / TEMPERATURE / name, made / name)
+        os.utime(made / name, (1e9, 1e9))
+    monkeypatch.chdir(made)
+    return made
+
+
+def answer(path: Path, *, after_s: int = 0) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert TODO in text
+    path.write_text(text.replace(TODO, ANSWER), encoding="utf-8")
+    os.utime(path, (1e9 + after_s, 1e9 + after_s))
+
+
+def by_class(folder: Path, workspace_folder: Path) -> str:
+    task = exercise.load(TEMPERATURE)
+    (entry,) = collecting.collect(folder.parent, [task], workspace_folder, "folders").entries
+    return entry.source.rpartition("/")[2]
+
+
+@pytest.mark.parametrize(
+    ("answered", "graded", "said"),
+    [
+        ({NOTEBOOK: 0}, NOTEBOOK, f"because {PROGRAM} is the starter still"),
+        ({PROGRAM: 0}, PROGRAM, f"because {NOTEBOOK} is the starter still"),
+        ({PROGRAM: 0, NOTEBOOK: 3600}, NOTEBOOK, f"the newer of your two answers. For the other one: {{}} {PROGRAM}"),
+        ({PROGRAM: 3600, NOTEBOOK: 0}, PROGRAM, f"the newer of your two answers. For the other one: {{}} {NOTEBOOK}"),
+        ({}, PROGRAM, f"grading {PROGRAM}"),
+    ],
+)
+def test_it_is_the_one_that_a_class_run_grades_and_it_is_named(
+    folder: Path, tmp_path: Path, answered: dict[str, int], graded: str, said: str
+) -> None:
+    for name, after_s in answered.items():
+        answer(folder / name, after_s=after_s)
+    path, sentence = workspace.to_grade(TEMPERATURE, None)
+    assert path == graded == by_class(folder, tmp_path / "unpacked")
+    assert sentence.endswith(said.format(f"{environment.command()} grade {TEMPERATURE}"))
+
+
+def test_a_program_without_the_class_is_not_graded_in_place_of_a_notebook_that_has_it(folder: Path) -> None:
+    answer(folder / NOTEBOOK)
+    (folder / PROGRAM).write_text("print('a try')\n")
+    path, sentence = workspace.to_grade(TEMPERATURE, None)
+    assert (path, sentence.partition("because ")[2]) == (NOTEBOOK, f"{PROGRAM} does not hold TemperatureService")
+
+
+def test_a_notebook_that_was_only_run_is_the_starter_still(folder: Path) -> None:
+    notebook = json.loads((folder / NOTEBOOK).read_text(encoding="utf-8"))
+    for number, cell in enumerate(notebook["cells"]):
+        if cell["cell_type"] == "code":
+            cell.update(execution_count=number, outputs=[])
+    (folder / NOTEBOOK).write_text(json.dumps(notebook), encoding="utf-8")
+    answer(folder / PROGRAM)
+    assert workspace.to_grade(TEMPERATURE, None)[0] == PROGRAM
+
+
+def test_watch_means_the_same_file(folder: Path) -> None:
+    answer(folder / NOTEBOOK)
+    assert workspace.own_file(exercise.load(TEMPERATURE), "watch") == folder / NOTEBOOK
+
+
+def test_the_command_grades_the_notebook_and_says_so(folder: Path) -> None:
+    answer(folder / NOTEBOOK)
+    course = Course(folder.parent)
+    done = subprocess.run(
+        course.command("grade", TEMPERATURE),
+        cwd=folder,
+        env=course.environ(),
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert NOTEBOOK in done.stdout
+    assert f"grading {NOTEBOOK}, because {PROGRAM} is the starter still" in " ".join(done.stderr.split())
