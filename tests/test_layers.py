@@ -73,7 +73,7 @@ STILL_ABOVE = {
     "course_kit/grading": 12480,
     "course_kit/graders": 2670,
     "course_kit/classroom": 7250,
-    "course_kit/learner": 1600,
+    "course_kit/learner": 1530,
     "course_kit/authoring": 5750,
     "course_kit/integrations": 1225,
     "course_kit/presentation": 600,

@@ -54,15 +54,7 @@ class Row:
 
 
 def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
-    """All exercises in their order, and what to tell the user about files that cannot be used.
-
-    Args:
-        folder: the folder of exercises; the course's own, and those that were added, when None.
-        practice: the drills instead, which count for nothing.
-
-    Raises:
-        GradingError: this installation has no exercises.
-    """
+    """All exercises in their order, and what to tell the user about files that cannot be used."""
     records, trouble = progress.read_or_tell()
     found_folders = exercise.find(folder)
     names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}

@@ -21,15 +21,7 @@ _INDENT = " " * 4
 
 
 def listed(encoding: str | None, folder: Path | None = None) -> tuple[str, list[str]]:
-    """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files.
-
-    Args:
-        encoding: of the terminal, which may have no tick.
-        folder: the folder of exercises; the course's own, and those that were added, when None.
-
-    Raises:
-        GradingError: this installation has no exercises.
-    """
+    """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files."""
     rows, told = course_list.rows(folder, practice=True)
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in rows:
@@ -42,15 +34,7 @@ def listed(encoding: str | None, folder: Path | None = None) -> tuple[str, list[
 
 
 def begin(drill_id: str, folder: Path | None = None) -> str:
-    """What a drill is about, and how to work on it; its program is put where it belongs if it is not there.
-
-    Args:
-        drill_id: which.
-        folder: see `listed`.
-
-    Raises:
-        GradingError: there is no such drill, or no folder of this user's for it.
-    """
+    """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
     task = _drill(drill_id, folder)
     place = workspace.exercise_folder(task) if folder is None else task.folder
     if place is None:

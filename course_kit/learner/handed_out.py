@@ -19,12 +19,7 @@ _NOTEBOOK = ".ipynb"
 
 
 def as_handed_out(name: str, content: bytes) -> bytes:
-    """The content of a file of the course as a learner gets it; a damaged notebook stays as it is.
-
-    Args:
-        name: the file's name, whose ending says what it is.
-        content: what is in it.
-    """
+    """The content of a file of the course as a learner gets it; a damaged notebook stays as it is."""
     notebook = _notebook(name, content)
     if notebook is None:
         return content
@@ -56,12 +51,7 @@ def language_info() -> dict[str, Any]:
 
 
 def digest(name: str, content: bytes) -> str:
-    """What a learner has written in a file, as a hash: of a notebook its cells, whatever their outputs are.
-
-    Args:
-        name: the file's name.
-        content: what is in it.
-    """
+    """What a learner has written in a file, as a hash: of a notebook its cells, whatever their outputs are."""
     notebook = _notebook(name, content)
     if notebook is not None:
         cells = [[cell["cell_type"], _text(cell.get("source", ""))] for cell in notebook["cells"]]
@@ -70,11 +60,7 @@ def digest(name: str, content: bytes) -> str:
 
 
 def digest_of(path: Path) -> str | None:
-    """The hash of a file; None where there is none, and "" for what is no file or cannot be read: nobody's hash.
-
-    Raises:
-        OSError: the system cannot tell.
-    """
+    """The hash of a file; None where there is none, and "" for what is no file or cannot be read: nobody's hash."""
     try:
         return digest(path.name, path.read_bytes())
     except FileNotFoundError:

@@ -24,15 +24,7 @@ _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
 
 @dataclass(frozen=True)
 class HintLadder:
-    """The hints for one thing.
-
-    Attributes:
-        key: its name among the hints taken.
-        rungs: the hints, from a nudge to a push.
-        about: what they help with.
-        read_on: where the course teaches it; "" when that is not known.
-        in_report: how many of them the report has shown already.
-    """
+    """The hints for one thing."""
 
     key: str
     rungs: tuple[str, ...]
@@ -42,20 +34,7 @@ class HintLadder:
 
 
 def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
-    """The next hint, and from then on the one after it; never the solution.
-
-    Args:
-        exercise_id: which exercise.
-        command: how the user asks for one more, for the last line: `course-kit hint`.
-        again: repeat those that were given, and go no further.
-        folder: the folder of exercises, the course's own when None.
-
-    Returns:
-        The text, and what to tell the user when something was wrong with the progress file, else "".
-
-    Raises:
-        GradingError: there is no such exercise.
-    """
+    """The next hint, and from then on the one after it; never the solution."""
     task = exercise.load(exercise_id, folder)
     records, trouble = progress.read_or_tell()
     known = records.get(task.id, progress.ProgressRecord())

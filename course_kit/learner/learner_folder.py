@@ -23,14 +23,7 @@ _FORMAT_VERSION = 1
 
 @dataclass
 class Update:
-    """What was done to a learner's folder.
-
-    Attributes:
-        renewed: files that have a new version, which the learner had not changed.
-        beside: by file of the learner's the new version that lies beside it.
-        taken_over: files that the learner had changed in the course's own folder.
-        removed: files that the course no longer has.
-    """
+    """What was done to a learner's folder."""
 
     renewed: list[str] = field(default_factory=list)
     beside: dict[str, str] = field(default_factory=dict)
@@ -56,17 +49,7 @@ class Update:
 
 
 def update(folder: Path, course: Mapping[str, bytes], own: Mapping[str, bytes], *, restore: bool = False) -> Update:
-    """Bring a learner's folder up to date, or make it.
-
-    Args:
-        folder: the learner's.
-        course: each file of the course as it is handed out, by its path below the folder.
-        own: what the learner has made of some of them in the course's folder; counts for a folder that is new.
-        restore: bring back what the learner has deleted, too.
-
-    Raises:
-        OSError: something cannot be read or written. What was done is in order, and the next update goes on.
-    """
+    """Bring a learner's folder up to date, or make it."""
     known = _read_manifest(folder)
     if known is None:
         known = {}

@@ -13,12 +13,7 @@ _OF_GIT_S = 20.0
 
 
 def committed(root: Path, folders: Sequence[str]) -> dict[str, bytes]:
-    """By path the last commit's version of each file that differs from it; empty where git knows nothing.
-
-    Args:
-        root: the course's folder, which need not be a clone.
-        folders: where to look, below it.
-    """
+    """By path the last commit's version of each file that differs from it; empty where git knows nothing."""
     listed = _git(root, "diff", "--name-only", "--relative", "--diff-filter=M", "-z", "HEAD", "--", *folders)
     found = {path: _git(root, "show", f"HEAD:./{path}") for path in (listed or b"").decode().split("\0") if path}
     return {path: content for path, content in found.items() if content is not None}

@@ -52,16 +52,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class ProgressRecord:
-    """One exercise.
-
-    Attributes:
-        best: the best score so far, in points.
-        tries: how often it was graded.
-        first_passed: when it was first passed, ISO 8601 in UTC; empty before that.
-        last_try: when it was last graded.
-        failed: what failed then; None when nothing did.
-        hints: for each failure how many rungs of its ladder were shown.
-    """
+    """One exercise."""
 
     best: float = 0.0
     tries: int = 0
@@ -77,11 +68,7 @@ class ProgressRecord:
 
 
 def record(report: Report) -> str:
-    """Add a grading to the file.
-
-    Returns:
-        What to tell the user when that could not be done, else "". The grade stands in either case.
-    """
+    """Add a grading to the file."""
     if report.status not in _COUNTED:
         return ""
     return update(report.exercise, lambda old: _after(old, report))
@@ -104,11 +91,7 @@ def _failure(check: CheckReport) -> Failure:
 
 
 def read() -> dict[str, ProgressRecord]:
-    """All records, by exercise.
-
-    Raises:
-        ProgressError: there is a file, and it cannot be used.
-    """
+    """All records, by exercise."""
     try:
         path = environment.progress_file()
         return {} if path is None else _read(path)
@@ -125,11 +108,7 @@ def read_or_tell() -> tuple[dict[str, ProgressRecord], str]:
 
 
 def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
-    """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile.
-
-    Returns:
-        What to tell the user when something was wrong with the file, else "".
-    """
+    """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile."""
     try:
         path = environment.progress_file()
         if path is None:
@@ -197,11 +176,7 @@ def _read(path: Path) -> dict[str, ProgressRecord]:
 
 
 def _record(entry: dict[str, Any]) -> ProgressRecord:
-    """An entry as a record.
-
-    Raises:
-        TypeError, ValueError, AttributeError: it is none.
-    """
+    """An entry as a record."""
     failed = None if entry.get("failed") is None else Failure(**entry["failed"])
     made = ProgressRecord(**{**entry, "failed": failed})
     if not math.isfinite(made.best):
