@@ -202,6 +202,7 @@ class ClassRun:
             others=self.intake.others,
             absent=tuple((one.student, one.name) for one in fit.absent) if fit else (),
             unknown=fit.unknown if fit else (),
+            canvas_assignments=fit.roster.canvas_assignments if fit else (),
         )
         return self._instructions.apply(book)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _LARGEST = 20 * 1024**2  # bytes
+_ASSIGNMENT = re.compile(r".+ \(\d+\)")
 _DELIMITERS = ",;\t|"
 _TEST_STUDENT = "student, test"  # Canvas's own, with which instructors try things
 _NO_STUDENT = "points possible"  # the second row of Canvas's gradebook
@@ -56,6 +58,8 @@ class Roster:
     # each column's header and what it was taken for; those that were not used are left out
     read_as: tuple[tuple[str, str], ...]
     path: Path | None = None  # the file
+    # the assignments of Canvas's gradebook, as its import has to call them: "Title (number)"
+    canvas_assignments: tuple[str, ...] = ()
 
 
 def read(path: Path) -> Roster:
@@ -75,7 +79,8 @@ def read(path: Path) -> Roster:
     if not people:
         raise GradingError(f"{path} lists nobody.")
     read_as = tuple((one_line(head), kind) for head, kind in zip(header, kinds, strict=True) if kind)
-    return Roster(path.name, _once(people), read_as, path)
+    found = [head.strip() for head in header if _ASSIGNMENT.fullmatch(head.strip())] if columns.CANVAS in kinds else []
+    return Roster(path.name, _once(people), read_as, path, tuple(found))
 
 
 def _rows(path: Path) -> list[list[str]]:

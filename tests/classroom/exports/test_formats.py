@@ -14,6 +14,7 @@ import pytest
 from course_kit.classroom import exports
 from course_kit.classroom.exports import texts
 from course_kit.classroom.exports.formats import canvas as canvas_format
+from course_kit.classroom.intake import roster
 from course_kit.classroom.records import safe_name
 from course_kit.text.sanitize import printable
 from tests.classroom.exports import books, rules
@@ -74,6 +75,27 @@ def test_no_cell_of_a_table_begins_a_formula_that_does_anything(name: str, match
             if cell.startswith(("=", "+", "-", "@", "\t", "\r")):
                 assert column in matched
                 assert set(cell) <= set(string.ascii_letters + string.digits + "_.@+-"), cell
+
+
+def test_grades_land_in_the_assignment_of_canvas_that_is_called_like_the_exercise(tmp_path: Path) -> None:
+    """The gradebook that Canvas exports is the roster: its titles and SIS ids come back."""
+    listed = tmp_path / "gradebook.csv"
+    listed.write_text(
+        "Student,ID,SIS User ID,SIS Login ID,Section,Week 1: temperature service (811),Essay (812),Essay Final Score\n"
+        "    Points Possible,,,,,10,5,\n"
+        '"Doe, Jane",4711,S-1,jane,A,,,\n'
+    )
+    found = roster.read(listed)
+    assert found.canvas_assignments == ("Week 1: temperature service (811)", "Essay (812)")
+    jane = good("jane", platform=found.people[0].platform)
+    one = replace(
+        book(jane, good("li"), bad("jane", of=ROBOT), exercises=(SERVICE, ROBOT)),
+        canvas_assignments=found.canvas_assignments,
+    )
+    points, rows = rules.canvas(written(one)["exports/canvas.csv"])
+    assert list(points) == ["Week 1: temperature service (811)", ROBOT.title]
+    assert [rows[0][name] for name in ("ID", "SIS User ID", "SIS Login ID")] == ["4711", "S-1", "jane"]
+    assert [rows[1][name] for name in ("ID", "SIS User ID", "SIS Login ID")] == ["", "", "li"]
 
 
 def test_a_login_that_begins_with_a_sign_is_found_by_its_platform() -> None:
