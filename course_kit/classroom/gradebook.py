@@ -37,6 +37,9 @@ class Gradebook:
     # identifier and name of those on the roster who handed in nothing; they are among `missing`, too
     absent: tuple[tuple[str, str], ...] = ()
     unknown: tuple[tuple[str, str], ...] = ()  # student and reason of those who do not match the roster
+    earlier: frozenset[str] = (
+        frozenset()
+    )  # ids of the exercises that an earlier run has graded: their files are elsewhere
     canvas_assignments: tuple[str, ...] = ()  # see `Roster`
     others: tuple[Entry, ...] = ()  # who has no submission at all, in entries without exercise and source
 

@@ -1,4 +1,4 @@
-"""Grades results of a class run again, as when a fault of a grader was mended: a table first, then the change.
+"""Grades an exercise of a class again, as when its grader was repaired: a table first, then the change.
 
 New results lie in `regrade` beside the old ones until they are written, so that a command that was stopped, or only
 looked, has not worked in vain.
@@ -17,13 +17,11 @@ from course_kit.classroom.exports.texts import csv_text, number
 from course_kit.classroom.gradebook import outcome
 from course_kit.classroom.grading_loop import GradingLoop
 from course_kit.classroom.records import Records
-from course_kit.classroom.rules.tables import unknown
 from course_kit.environment import write_atomically
-from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import ReadingStoppedError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterator, Sequence
     from pathlib import Path
 
     from course_kit.classroom.executors import Executor
@@ -37,41 +35,6 @@ if TYPE_CHECKING:
 STAGING = "regrade"
 TABLE = "regrade.csv"
 HEADER = ("student", "name", "exercise", "was", "is", "checks that changed", "remarks")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """What to grade again: results that fit each of these; an empty one fits all."""
-
-    exercises: Sequence[str] = ()  # ids
-    checks: Sequence[str] = ()  # ids; results that have one of them, however it came out
-    students: Sequence[str] = ()  # identifiers, or names
-
-    def of(self, records: Sequence[Record]) -> list[Record]:
-        """Those that fit."""
-        chosen = [record for record in records if record.entry.source]  # a score for nothing handed in stays
-        for what, wanted, names in (
-            ("exercise", self.exercises, _exercise),
-            ("check", self.checks, _checks),
-            ("student", self.students, _people),
-        ):
-            there = {name for record in records for name in names(record)}
-            if absent := next((one for one in wanted if one not in there), None):
-                raise GradingError(f"Among these results {unknown(what, absent, there)}")
-            chosen = [record for record in chosen if not wanted or names(record) & set(wanted)]
-        return chosen
-
-
-def _exercise(record: Record) -> set[str]:
-    return {record.entry.exercise}
-
-
-def _checks(record: Record) -> set[str]:
-    return {check["id"] for check in record.report["checks"]}
-
-
-def _people(record: Record) -> set[str]:
-    return {record.entry.student, record.entry.name} - {""}
 
 
 @dataclass(frozen=True)
@@ -125,24 +88,22 @@ def _told(record: Record) -> str:
 class Regrade:
     """One regrade of a class run's results."""
 
-    def __init__(self, run: ClassRun, out: Path, selection: Selection, watcher: Watcher) -> None:
+    def __init__(self, run: ClassRun, out: Path, exercises: Collection[str], watcher: Watcher) -> None:
         self._run = run
         self._out = out
         self._watcher = watcher
         book = run.as_it_is()
         self._exercises = {one.id: one for one in book.exercises}
-        self._chosen = selection.of(book.records)
+        # A score for nothing handed in stays.
+        self._chosen = [one for one in book.records if one.entry.source and one.entry.exercise in exercises]
         self._records = Records(out)
         self._staging = Records(out / STAGING)
         self._new: list[Record] = []
-        self.not_at_hand: list[str] = []
         self.complete = False
 
-    def grade(
-        self, start: Callable[[], Executor], stops: Callable[[], int], hidden: tuple[str, ...]
-    ) -> list[GradeChange]:
+    def grade(self, start: Callable[[], Executor], stops: Callable[[], int]) -> list[GradeChange]:
         """Grade; what differs is returned and written into the table, and nothing else is written yet."""
-        loop = GradingLoop(self._staging, self._watcher, stops, hidden)
+        loop = GradingLoop(self._staging, self._watcher, stops, self._run.hidden_folders)
         groups = self._take_stock(stops)
         if groups:
             executor = start()
@@ -151,7 +112,7 @@ class Regrade:
             finally:
                 executor.close()
         self._new += loop.done
-        self.complete = len(self._new) + len(self.not_at_hand) == len(self._chosen)
+        self.complete = len(self._new) == len(self._chosen)
         changes = self._changes()
         rows = [HEADER, *(change.row for change in changes)]
         write_atomically(self._out / TABLE, csv_text(rows, mark=True))
@@ -196,9 +157,7 @@ class Regrade:
                 for record in self._chosen:
                     staged = self._staged(record, now)
                     one = self._read(record, readings, staged)
-                    if one.digest != record.digest:  # it has changed, or cannot be had
-                        self.not_at_hand.append(f"{record.entry.student}, {record.entry.exercise}")
-                    elif staged is not None and one.has_result(staged):
+                    if staged is not None and one.has_result(staged):
                         self._new.append(staged)
                     else:
                         groups.setdefault(one.key, []).append(one)

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import secrets
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import run_note, submissions
 from course_kit.classroom.concurrency import early
 from course_kit.classroom.gradebook import Gradebook
 from course_kit.classroom.grading_loop import GradingLoop
-from course_kit.classroom.intake import collecting, roster, table
+from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
 from course_kit.classroom.records import Records
 from course_kit.classroom.rules import instructor
@@ -28,6 +27,7 @@ from course_kit.grading.readings import Readings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import Watcher
@@ -70,7 +70,8 @@ class ClassRun:
         self._records = Records(plan.out)
         require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
-        self._instructions = instructor.read(plan.out, plan.exercises)
+        self.exercises = (*plan.exercises, *self._earlier_exercises())
+        self._instructions = instructor.read(plan.out, self.exercises)
         try:
             self.intake = collecting.collect(
                 plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self.readings, plan.roster
@@ -81,8 +82,10 @@ class ClassRun:
         require_submissions(self.intake, plan.sources, plan.exercises)
         self._apply_to_class()
         run_note.write(plan, self.seed)
+        # No submission may see these: one student's program must not read another's, nor the results.
+        self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
         self._loop = GradingLoop(
-            self._records, watcher, stops, hidden_folders(plan), require_isolation=plan.require_isolation
+            self._records, watcher, stops, self.hidden_folders, require_isolation=plan.require_isolation
         )
         self._kept: list[Record] = []
         self.gone: list[str] = []
@@ -110,7 +113,7 @@ class ClassRun:
 
     def adjusted(self, record: Record) -> Record:
         """A result with its lateness, penalty, override and comment."""
-        return self._instructions.adjusted(record, self._plan.exercises)
+        return self._instructions.adjusted(record, self.exercises)
 
     def _stopped(self) -> bool:
         return self._stops() > 0
@@ -124,23 +127,25 @@ class ClassRun:
                 f"{self._plan.out} holds the results of an earlier run. Add --resume to continue it, or name "
                 "another folder."
             )
-        self._require_all_exercises()
         if before is not None and asked not in (None, before):
             raise GradingError(f"The earlier run used the seed {before}. Leave --seed out to continue it.")
         return next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
 
-    def _require_all_exercises(self) -> None:
-        """See that no result of an earlier run would be missing from the grades."""
+    def _earlier_exercises(self) -> tuple[Exercise, ...]:
+        """Those of which there are results already, and which are not graded now: their grades stay as they are."""
         named = {one.id for one in self._plan.exercises}
-        if left_out := sorted({record.entry.exercise for record in self._records} - named):
-            raise GradingError(
-                f"{self._plan.out} also holds results of {', '.join(left_out)}; they would be missing from the grades. "
-                f"Add {' '.join(f'--exercise {one}' for one in left_out)}, or name another folder."
-            )
+        there = {record.entry.exercise for record in self._records} - named
+        return tuple(run_note.exercise_of(self._plan.out, one) for one in sorted(there))
+
+    def _earlier_records(self) -> list[Record]:
+        """The results of exercises that are not graded now."""
+        named = {one.id for one in self._plan.exercises}
+        return [record for record in self._records if record.entry.exercise not in named]
 
     def _apply_to_class(self) -> None:
         """See that what the instructor has written is about this class, before hours go into grading it."""
-        people = People((*self.intake.entries, *self.intake.others))
+        earlier = (record.entry for record in self._earlier_records())
+        people = People((*self.intake.entries, *self.intake.others, *earlier))
         self._instructions = self._instructions.of(people)
         self._seeds = self._plan.seeds and self._plan.seeds.of_class(self.intake.entries, people)
 
@@ -186,11 +191,18 @@ class ClassRun:
         return submissions.read(entry, self.intake.root, task, seed, self.readings, known=known)
 
     def _gradebook(self, done: list[Record]) -> Gradebook:
-        fit = self.intake.roster
+        fit, earlier = self.intake.roster, self._earlier_records()
+        records = sorted([*done, *earlier], key=lambda one: (one.entry.student, one.entry.exercise))
+        there = {(one.entry.student, one.entry.exercise) for one in records}
+        missing = dict.fromkeys(self.intake.missing)
+        if earlier:  # somebody who handed in one week's exercise and not the other's
+            students = dict.fromkeys([*(one.entry.student for one in records), *(one for one, _ in missing)])
+            missing |= dict.fromkeys((student, one.id) for student in students for one in self.exercises)
         book = Gradebook(
-            exercises=self._plan.exercises,
-            records=tuple(sorted(done, key=lambda one: (one.entry.student, one.entry.exercise))),
-            missing=self.intake.missing,
+            exercises=tuple(sorted(self.exercises, key=lambda one: one.order)),
+            records=tuple(records),
+            missing=tuple(pair for pair in missing if pair not in there),
+            earlier=frozenset(one.entry.exercise for one in earlier),
             left=self.intake.left,
             layout=self.intake.layout,
             seed=self.seed,
@@ -205,25 +217,3 @@ class ClassRun:
             canvas_assignments=fit.roster.canvas_assignments if fit else (),
         )
         return self._instructions.apply(book)
-
-
-def hidden_folders(plan: Plan) -> tuple[str, ...]:
-    """What no submission may see: one student's program must not read another's, nor the results."""
-    return tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
-
-
-def plan_of(out: Path) -> Plan:
-    """The plan of the run that has written into a folder, to go on with; see `run_note`."""
-    try:
-        noted = run_note.read(out)
-        source, *more = (Path(one) for one in noted["sources"])
-        layout, ids = str(noted["layout"]), [str(one) for one in noted["exercises"]]
-        listed = Path(noted["roster"]) if noted["roster"] else None
-    except (ValueError, KeyError, TypeError):
-        raise GradingError(
-            f"{out} does not hold the results of a class run, or of one by an earlier version of the course kit. Name "
-            "the folder that you gave as --out; with an earlier version run course-kit class with --resume once."
-        ) from None
-    exercises = tuple(run_note.exercise_of(out, one) for one in ids)
-    everybody = roster.read(listed) if listed else None
-    return Plan(source, out, exercises, layout=layout, resume=True, more=tuple(more), roster=everybody)

@@ -21,17 +21,9 @@ FORMAT_VERSION = 1
 
 def write(plan: Plan, seed: int) -> None:
     """Note a run."""
-    listed = plan.roster.path if plan.roster else None
-    added = [one for one in plan.exercises if exercise_folders.is_added(one.folder)]
-    noted = {
-        "format_version": FORMAT_VERSION,
-        "seed": seed,
-        "sources": [str(source.resolve()) for source in plan.sources],
-        "roster": str(listed.resolve()) if listed else None,
-        "layout": plan.layout,
-        "exercises": [one.id for one in plan.exercises],
-        "exercise_folders": {one.id: str(one.folder.resolve()) for one in added},
-    }
+    added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
+    folders = {**_noted_folders(plan.out), **added}
+    noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": folders}
     write_atomically(plan.out / FILE, f"{encodable(json.dumps(noted))}\n")
 
 
@@ -54,8 +46,7 @@ def seed_of(out: Path) -> int | None:
 
 def exercise_of(out: Path, exercise_id: str) -> Exercise:
     """An exercise of the run that has written into a folder: as it is known now, else where the run has found it."""
-    folders = read(out).get("exercise_folders")
-    noted = folders.get(exercise_id) if isinstance(folders, dict) else None
+    noted = _noted_folders(out).get(exercise_id)
     if noted is None or exercise_id in exercise_folders.find().folders:
         return exercise.load(exercise_id)
     if not Path(noted).is_dir():
@@ -63,3 +54,8 @@ def exercise_of(out: Path, exercise_id: str) -> Exercise:
             f"The exercise {exercise_id} was in {noted}, and is not there any more. Name its folder with --exercises."
         )
     return exercise.read(Path(noted))
+
+
+def _noted_folders(out: Path) -> dict[str, Any]:
+    folders = read(out).get("exercise_folders")
+    return folders if isinstance(folders, dict) else {}

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit import environment
-from course_kit.cli import intake_words
+from course_kit.cli import grade_again, intake_words
 from course_kit.cli.class_words import FAILED, INTERRUPTED, command_to_continue, interrupts, many, say, some, told
 from course_kit.text.console import tell
 
@@ -48,6 +46,14 @@ def add_to(verbs: Any) -> None:
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder for all results")
     parser.add_argument("--resume", action="store_true", help="continue an earlier run into DIR")
+    parser.add_argument(
+        "--again",
+        action="append",
+        default=[],
+        metavar="ID",
+        help="with --resume: grade an exercise again, show who changes from what to what, and ask before it is written",
+    )
+    parser.add_argument("--write", action="store_true", help="with --again: write the changes without asking")
     parser.add_argument(
         "--dry-run", action="store_true", help="show which file would be graded for whom and why, and grade nothing"
     )
@@ -116,6 +122,10 @@ def _run(options: argparse.Namespace) -> int:
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
+    if options.again and not options.resume:
+        raise GradingError("--again grades results that are there already. Add --resume.")
+    if unknown := [one for one in options.again if one not in chosen]:
+        raise GradingError(f"--again names {', '.join(unknown)}, and --exercise does not. Name it with both.")
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
     require_machine(options, chosen.values())
@@ -158,6 +168,8 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
         with interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: early or executor(options, plan.exercises))
+            if options.again and book.complete:
+                book = grade_again.run(options, grading, tally, stops) or book
         tally.end()
         intake_words.say(grading.intake, say)
         if grading.gone:
@@ -216,7 +228,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
         odd = [f"{student} ({reason})" for student, reason in book.odd]
         say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
     print(page)
-    for notice in _notices(book, out):
+    for notice in _notices(book):
         say(notice)
     worries = list(_worries(book))
     for worry in worries:
@@ -227,7 +239,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     return FAILED if worries else 0
 
 
-def _notices(book: Gradebook, out: Path) -> Iterator[str]:
+def _notices(book: Gradebook) -> Iterator[str]:
     """What the instructor may want to look at, a sentence each."""
     from course_kit.classroom import regrade
     from course_kit.classroom.rules import instructor
@@ -237,7 +249,7 @@ def _notices(book: Gradebook, out: Path) -> Iterator[str]:
         counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
         yield (
             f"Graded by another version of the kit, the exercise or its grader than today's: {counts}. "
-            f"To see what it would change, run:\n  {environment.command()} regrade {shlex.quote(str(out))}"
+            "To see what it would change, run the same command with --resume and --again EXERCISE."
         )
 
 

@@ -11,7 +11,6 @@ from course_kit.cli import (
     new_command,
     present,
     prove_command,
-    regrade_command,
     release_command,
     seeds_command,
 )
@@ -24,7 +23,6 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add them to the command line's parser."""
     release_command.add_to(verbs)
     class_command.add_to(verbs)
-    regrade_command.add_to(verbs)
     seeds_command.add_to(verbs)
     export_command.add_to(verbs)
     prove_command.add_to(verbs)

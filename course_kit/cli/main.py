@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         streams.read_names_as_utf_8()
     parser = build_parser()
-    arguments = spelled_out(sys.argv[1:] if arguments is None else arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
     folders, words = added_exercises.taken_out(arguments)
     options, others = parser.parse_known_args(words)
     if others and "others" not in options:
@@ -146,12 +146,6 @@ def _add_exercises(folders: Sequence[str]) -> int:
     except GradingError as problem:
         return cannot(problem)
     return 0
-
-
-def spelled_out(arguments: Sequence[str]) -> Sequence[str]:
-    """`class regrade DIR` is `regrade DIR`; a class run into a folder `--out` may be of a folder called `regrade`."""
-    is_regrade = list(arguments[:2]) == ["class", "regrade"] and not any(one.startswith("--o") for one in arguments)
-    return arguments[1:] if is_regrade else arguments
 
 
 def _doctor(options: argparse.Namespace) -> int:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 HELPER = "course_kit/interfaces/native/_helper.so"  # built by the set-up, in the student edition as here
-INSTRUCTORS_VERBS = ("class", "dev", "export", "otter", "present", "regrade", "release", "seeds")
+INSTRUCTORS_VERBS = ("class", "dev", "export", "otter", "present", "release", "seeds")
 _LINK = re.compile(r"\]\((?!https?:|mailto:|#|attachment:)([^)#?\s]+)")
 
 pytestmark = [pytest.mark.answers, pytest.mark.timeout(400)]  # the first test makes the edition, with its proof

@@ -92,14 +92,16 @@ def test_a_class_is_graded_exported_resumed_and_graded_again(mine: Path, handed_
 
     checks = mine / "checks.py"
     checks.write_text(checks.read_text().replace("points=1.0", "points=1.5").replace("points=2.0", "points=1.5"))
-    again = course_kit("regrade", out, "--exercise", ID, "--write")  # the run has noted where the exercise lies
+    again = run(mine, handed_in, "--resume", "--again", ID, "--write")
     assert again.returncode == 0, again.stderr
     assert scores(out) == {"ann": 3.0, "ben": 3.0, "cem": 1.5}
     hidden = course_kit("export", "anonymous", out, "--to", tmp_path / "hidden")
     assert hidden.returncode == 0, hidden.stderr
 
     mine.rename(tmp_path / "moved")
-    gone = course_kit("regrade", out, "--write")
+    gone = course_kit(
+        "class", handed_in, "--out", out, "--exercise", OF_COURSE, "--resume"
+    )  # the run has noted where it was
     assert gone.returncode == 2
     assert f"The exercise {ID} was in {mine}" in gone.stderr
     assert "Traceback" not in gone.stderr
@@ -110,7 +112,7 @@ def test_a_change_of_a_file_beside_the_checks_is_another_grader(mine: Path, hand
     (mine / "samples.py").write_text("SAMPLES = [(1, 2, 0)]\n")
     done = run(mine, handed_in, "--resume")
     assert f"Graded by another version of the kit, the exercise or its grader than today's: 3 of {ID}" in done.stderr
-    again = course_kit("regrade", tmp_path / "out", "--write")
+    again = run(mine, handed_in, "--resume", "--again", ID, "--write")
     assert again.returncode == 0, again.stderr
     assert scores(tmp_path / "out") == {"ann": 3.0, "ben": 3.0, "cem": 1.0}
     (mine / "proof").mkdir()

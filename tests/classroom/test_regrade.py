@@ -1,4 +1,4 @@
-"""`course-kit regrade`: who changes from what to what is shown before anything is written; nothing is lost by it."""
+"""`class --resume --again EXERCISE`: who changes is shown before anything is written; nothing is lost."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.cli.main import main, spelled_out
+from course_kit.cli.main import main
 from tests.course_copy import REPOSITORY, copy_course
 
 if TYPE_CHECKING:
@@ -65,9 +65,17 @@ def scores(out: Path) -> dict[str, float]:
 
 
 def class_run(course: Course, inbox: Path, out: Path, *more: str) -> str:
-    done = course.run("class", str(inbox), "--exercise", EXERCISE, "--out", str(out), "--workers", "2", *more)
+    done = course.run(*command(inbox, out, *more))
     assert done.returncode == 0, done.stderr
     return done.stderr
+
+
+def command(inbox: Path, out: Path, *more: str) -> list[str]:
+    return ["class", str(inbox), "--exercise", EXERCISE, "--out", str(out), "--workers", "2", *more]
+
+
+def again(inbox: Path, out: Path, *more: str) -> list[str]:
+    return command(inbox, out, "--resume", "--again", EXERCISE, *more)
 
 
 def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course, inbox: Path, tmp_path: Path) -> None:
@@ -80,9 +88,9 @@ def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course,
     mend_grader(course)
     said = class_run(course, inbox, out, "--resume")
     assert f"Graded by another version of the kit, the exercise or its grader than today's: 4 of {EXERCISE}" in said
-    assert scores(out) == faulty, "that is for regrade"
+    assert scores(out) == faulty, "that is for --again"
 
-    looked = course.run("class", "regrade", str(out))
+    looked = course.run(*again(inbox, out))
     assert looked.returncode == 0, looked.stderr
     assert "Nothing was written" in looked.stderr
     assert scores(out) == faulty
@@ -97,7 +105,7 @@ def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course,
         assert row["was"] in line
         assert row["checks that changed"] in line
 
-    written = course.run("regrade", str(out), "--write")
+    written = course.run(*again(inbox, out, "--write"))
     assert written.returncode == 0, written.stderr
     class_run(course, inbox, clean)
     assert scores(out) == scores(clean)
@@ -113,38 +121,15 @@ def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course,
     assert "another version" not in class_run(course, inbox, out, "--resume")
 
 
-def test_only_what_was_named_is_graded_again(course: Course, inbox: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    break_grader(course)
-    class_run(course, inbox, out)
-    faulty = scores(out)
-    mend_grader(course)
-    done = course.run("regrade", str(out), "--student", "ada", "--exercise", EXERCISE, "--write")
-    assert done.returncode == 0, done.stderr
-    assert scores(out) == {**faulty, "ada": 10.0}
-    check = next(row["checks that changed"].partition(":")[0] for row in table(out))
-    done = course.run("regrade", str(out), "--check", check, "--write")
-    assert "3 submissions" in done.stderr, "of an empty file no check was run"
-    assert scores(out) == {**faulty, "ada": 10.0, "bob": faulty["bob"] + 0.5, "cem": 10.0}
-    for option, name, meant in (("--student", "ad", "ada"), ("--check", f"{check}s", check), ("--exercise", "x", "")):
-        done = course.run("regrade", str(out), option, name)
-        assert done.returncode == 2
-        assert f"Among these results there is no {option[2:]} '{name}' here." in done.stderr
-        assert (f"Did you mean {meant}?" in done.stderr) == bool(meant)
-
-
-def test_what_was_handed_in_anew_meanwhile_keeps_its_result_and_is_named(
-    course: Course, inbox: Path, tmp_path: Path
-) -> None:
+def test_what_was_handed_in_anew_meanwhile_is_graded_as_it_is_now(course: Course, inbox: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     break_grader(course)
     class_run(course, inbox, out)
     mend_grader(course)
     (inbox / f"ada/{EXERCISE}.py").write_text("answers = {}")
-    done = course.run("regrade", str(out), "--write")
-    assert done.returncode == 2
-    assert f"1 submission changed after the grading, or cannot be read: ada, {EXERCISE}." in done.stderr
-    assert (scores(out)["ada"], scores(out)["cem"]) == (9.5, 10.0)
+    done = course.run(*again(inbox, out, "--write"))
+    assert done.returncode == 0, done.stderr
+    assert (scores(out)["ada"], scores(out)["cem"]) == (0.0, 10.0)
 
 
 @pytest.mark.parametrize(("answer", "score"), [("y", 10.0), ("n", 9.5)])
@@ -157,7 +142,7 @@ def test_at_a_terminal_it_asks(answer: str, score: float, course: Course, inbox:
     try:
         os.write(ours, f"{answer}\n".encode())
         done = subprocess.run(
-            course.command("regrade", str(out), "--student", "ada"),
+            course.command(*again(inbox, out)),
             cwd=course.root,
             env=course.environ(),
             stdin=theirs,
@@ -170,17 +155,36 @@ def test_at_a_terminal_it_asks(answer: str, score: float, course: Course, inbox:
         os.close(ours)
         os.close(theirs)
     assert done.returncode == 0, done.stderr
-    assert "Write 1 result? [y/N]" in done.stderr
+    assert "Write 3 results? [y/N]" in done.stderr
     assert scores(out)["ada"] == score
 
 
-def test_a_folder_without_results_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["regrade", str(tmp_path)]) == 2
-    assert "does not hold the results of a class run" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [(("--again", EXERCISE), "Add --resume"), (("--resume", "--again", "move_robot"), "--exercise does not")],
+)
+def test_what_cannot_be_graded_again_is_said(
+    more: tuple[str, ...], said: str, inbox: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(command(inbox, tmp_path / "out", *more)) == 2
+    assert said in capsys.readouterr().err
 
 
-def test_submissions_in_a_folder_called_regrade_are_still_a_class() -> None:
-    assert spelled_out(["class", "regrade", "out"]) == ["regrade", "out"]
-    run = ["class", "regrade", "--exercise", EXERCISE, "--out", "out"]
-    assert spelled_out(run) == run
+def test_an_exercise_is_added_without_what_was_handed_in_for_the_others(inbox: Path, tmp_path: Path) -> None:
+    """Week 3 after week 1: both exercises are in every table, and an earlier grade is not touched."""
+    later, out = tmp_path / "week3", tmp_path / "out"
+    for student in ("ada", "eve"):
+        (later / student).mkdir(parents=True)
+        (later / student / "temperature_service.py").write_text("def broken(:\n")
+    assert main([*command(inbox, out)]) == 0
+    before = scores(out)
+    week3 = ["class", str(later), "--exercise", "temperature_service", "--out", str(out), "--resume"]
+    assert main(week3) == 0
+    rows = {row["student"]: row for row in csv.DictReader(io.StringIO((out / "grades.csv").read_text("utf-8-sig")))}
+    assert rows["ada"][f"{EXERCISE} status"] == "passed"
+    assert rows["ada"]["temperature_service status"] == "crashed"
+    assert rows["bob"]["temperature_service status"] == rows["eve"][f"{EXERCISE} status"] == "missing"
+    kept = {path.parent.name for path in out.glob(f"students/*/{EXERCISE}.json")}
+    assert kept == set(before)
+    assert main([*command(inbox, out, "--resume")]) == 0
+    assert (out / "grades.csv").read_text("utf-8-sig").count("crashed") == 2

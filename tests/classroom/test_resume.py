@@ -12,6 +12,7 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.submission_times import submitted
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
@@ -183,6 +184,21 @@ def test_a_score_with_a_plus_is_added_to_that_of_the_checks_up_to_full_marks(inb
     assert "set this score" not in page
 
 
+def test_the_points_of_one_check_can_be_set(inbox: Path) -> None:
+    first, _ = again(inbox)
+    check = first.records[0].report["checks"][0]
+    lines = ("student,exercise,check,score,comment", f"ada,temperature_service,{check['id']},0.5,Late name.")
+    more = ("bob,temperature_service,x,1,", "ada,temperature_service,,+1,")
+    out = settings(inbox, overrides="\n".join((*lines, *more)))
+    book, graded = again(inbox)
+    assert graded == []
+    ada = next(one for one in book.records if one.entry.student == "ada")
+    assert ada.score == ada.graded_score - check["points"] + 0.5 + 1.0
+    page = (out / "students/ada/temperature_service.html").read_text(encoding="utf-8")
+    assert f"to 0.5 points; the check gave {check['points']:g}." in page
+    assert any("no such check: bob" in one for one in instructor.warnings(book))
+
+
 def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
     (inbox / "bob/pattern_choice.py").write_text("answers = {}  # right")
     out = settings(inbox, overrides="student;exercise;score;comment\nada;pattern_choice;7,5;Oral exam\n")
@@ -210,6 +226,10 @@ def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
         ("student,exercise,score\n\nbob,temperature_service,11\n", "line 3: the score '11' is no number from 0 to 10"),
         ("student,exercise,score\nbob,temperature_service,nan\n", "line 2: the score 'nan' is no number"),
         ("student,exercise\nbob,temperature_service\n", "line 2: it has neither a score nor a comment"),
+        (
+            "student,exercise,check,score\nbob,temperature_service,offered,\n",
+            "line 2: the check offered needs the points",
+        ),
         ("student,score\nbob,3\n", "line 1: the column 'exercise' is missing"),
         (
             'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n',

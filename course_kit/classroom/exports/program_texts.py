@@ -23,7 +23,7 @@ class ProgramTexts(Closing):
     """Reads them, while the submissions are at hand; for one thread."""
 
     def __init__(self, book: Gradebook) -> None:
-        self._root = book.root
+        self._root, self._elsewhere = book.root, book.earlier
         self._exercises = {one.id: one for one in book.exercises}
         self._readings = Readings() if book.readings is None else book.readings.remembered()
         self._lines: dict[str, list[str]] = {}
@@ -35,7 +35,7 @@ class ProgramTexts(Closing):
 
     def fingerprints(self, record: Record) -> Fingerprints:
         """Those of a submission; none of what cannot be read."""
-        if self._root is None or record.status == "unreadable":
+        if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
             return Fingerprints()
         return self.of_file(self._root / record.entry.source, self._exercises[record.entry.exercise])
 
@@ -47,7 +47,7 @@ class ProgramTexts(Closing):
 
     def lines(self, record: Record) -> list[str]:
         """A program's lines; none of what cannot be read."""
-        source = record.entry.source
+        source = f"{record.entry.exercise}/{record.entry.source}"
         if source not in self._lines:
             self._lines[source] = self._read(record)
         return self._lines[source]
@@ -57,7 +57,7 @@ class ProgramTexts(Closing):
         self._readings.close()
 
     def _read(self, record: Record) -> list[str]:
-        if self._root is not None:
+        if self._root is not None and record.entry.exercise not in self._elsewhere:
             with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
                 return self._readings.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
         return []

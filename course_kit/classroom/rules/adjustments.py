@@ -31,12 +31,17 @@ class Adjustment:
     penalty: float = 0.0  # points taken for that
     override: float | None = None  # the score that the instructor has set; None when the checks' one counts
     added: float = 0.0  # points that the instructor has added to those of the checks
+    # titles of checks whose points the instructor has set, each with the points before and after
+    checks: tuple[tuple[str, float, float], ...] = ()
     comment: str = ""  # the instructor's, for the student
     warning: str = ""  # what the instructor should look at, such as a time that is not known; empty when all is clear
 
     def score(self, graded: float, most: float) -> float:
         """The score that counts, where the checks gave `graded` of `most`."""
-        return min(most, max(0.0, graded - self.penalty) + self.added) if self.override is None else self.override
+        if self.override is not None:
+            return self.override
+        graded += sum(after - before for _, before, after in self.checks)
+        return min(most, max(0.0, graded - self.penalty) + self.added)
 
 
 def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
@@ -46,6 +51,8 @@ def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
     if adjustment.penalty and adjustment.override is None:
         taken, whole = in_points(adjustment.penalty), in_points(graded or 0.0)
         yield f"Late penalty: {taken}, taken from the {whole} of the checks."
+    for title, before, after in adjustment.checks:
+        yield f'Your instructor has set "{title}" to {in_points(after)}; the check gave {before:g}.'
     if adjustment.override is not None:
         instead = "" if graded is None else f"; the checks gave {graded:g}"
         yield f"Your instructor has set this score to {in_points(adjustment.override)}{instead}."

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.rules.adjustments import Adjustment
     from course_kit.classroom.rules.deadlines import Deadlines
-    from course_kit.classroom.rules.overrides import Overrides
+    from course_kit.classroom.rules.overrides import Override, Overrides
     from course_kit.classroom.rules.people import People
     from course_kit.grading.exercise import Exercise
 
@@ -54,6 +55,7 @@ class Instructions:
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
             found = replace(found, override=decided.score, added=decided.added, comment=decided.comment)
+            found = _with_checks(found, decided, record)
         return replace(record, adjustment=found)
 
     def _without_submission(
@@ -75,6 +77,18 @@ class Instructions:
             adjustment = replace(adjustment, override=decided.score, comment=decided.comment, warning="")
             stand_ins.append(replace(record, adjustment=adjustment))
         return stand_ins, others
+
+
+def _with_checks(adjustment: Adjustment, decided: Override, record: Record) -> Adjustment:
+    """Set the points of single checks; one that the result does not have is named."""
+    there = {check["id"]: check for check in record.report["checks"]}
+    known = [(there[name], points) for name, points in decided.checks if name in there]
+    changed = tuple((str(check["title"]), float(check["points"]), points) for check, points in known)
+    absent = [name for name, _ in decided.checks if name not in there]
+    if not absent:
+        return replace(adjustment, checks=changed)
+    warning = f"{overrides.FILE} sets points of {', '.join(absent)}, and the result has no such check"
+    return replace(adjustment, checks=changed, warning="; ".join(filter(None, (adjustment.warning, warning))))
 
 
 def read(folder: Path, exercises: Sequence[Exercise]) -> Instructions:

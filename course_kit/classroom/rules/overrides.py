@@ -1,4 +1,4 @@
-"""`overrides.csv`: scores that the instructor sets by hand, points that are added (`+1`), and comments for students.
+"""`overrides.csv`: scores set by hand, for an exercise or for one check, added points (`+1`), comments for students.
 
 The file lies in the folder of the results and is the instructor's: no run writes it, and each run reads it anew.
 """
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.rules.tables import Mistakes, read_rows, to_number, unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from course_kit.classroom.rules.people import People
@@ -30,6 +30,7 @@ class Override:
     score: float | None  # the points instead of those of the checks; None when there is none
     added: float  # the points on top of those of the checks, written with a plus; 0 without any
     comment: str  # for the student
+    checks: tuple[tuple[str, float], ...] = ()  # ids of checks, each with the points instead of those it gave
 
 
 class Overrides:
@@ -58,22 +59,35 @@ def read(path: Path, exercises: Sequence[Exercise]) -> Overrides:
         return Overrides(mistakes)
     points = {one.id: one.points for one in exercises}
     found: dict[tuple[str, str], Override] = {}
-    for row in read_rows(path, ("student", "exercise"), ("score", "comment")):
-        student, exercise = row.cells["student"], row.cells["exercise"]
+    lines: dict[tuple[str, str, str], int] = {}
+    for row in read_rows(path, ("student", "exercise"), ("score", "comment", "check")):
+        student, exercise, check = row.cells["student"], row.cells["exercise"], row.cells["check"]
         text, comment = row.cells["score"], row.cells["comment"]
         score = to_number(text)
         if exercise not in points:
             mistakes.add(row.line, unknown("exercise", exercise, points))
         elif not student:
             mistakes.add(row.line, "the student is missing")
-        elif (before := found.get((student, exercise))) is not None:
-            mistakes.add(row.line, f"{student} and {exercise} stand in line {before.line} already")
+        elif (line := lines.setdefault((student, exercise, check), row.line)) != row.line:
+            what = f"the check {check}" if check else exercise
+            mistakes.add(row.line, f"{student} and {what} stand in line {line} already")
         elif text and (score is None or not 0 <= score <= points[exercise]):
             mistakes.add(row.line, f"the score '{text}' is no number from 0 to {points[exercise]:g}")
+        elif check and (score is None or text.startswith("+")):
+            mistakes.add(row.line, f"the check {check} needs the points that it is worth, such as 1.5")
         elif not text and not comment:
             mistakes.add(row.line, "it has neither a score nor a comment")
         else:
-            adds = text.startswith("+")
-            instead, added = (None, score or 0.0) if adds else (score, 0.0)
-            found[student, exercise] = Override(row.line, student, exercise, instead, added, comment)
+            before = found.get((student, exercise), Override(row.line, student, exercise, None, 0.0, ""))
+            found[student, exercise] = _with_row(before, row.cells, score)
     return Overrides(mistakes, list(found.values()))
+
+
+def _with_row(before: Override, cells: Mapping[str, str], score: float | None) -> Override:
+    """What the lines before say of a student and exercise, and one more."""
+    comments = " ".join(filter(None, (before.comment, cells["comment"])))
+    if cells["check"]:
+        return replace(before, comment=comments, checks=(*before.checks, (cells["check"], score or 0.0)))
+    if cells["score"].startswith("+"):
+        return replace(before, comment=comments, added=score or 0.0)
+    return replace(before, comment=comments, score=score)

@@ -63,7 +63,8 @@ def test_class_loads_nothing_from_the_folder_it_grades(kind: str, inbox: Path) -
         COMMANDS[kind], inbox, "class", ".", "--exercise", EXERCISE, "--out", str(out), "--layout", "files"
     )
     assert (out / "grades.csv").is_file(), done.stderr
-    again = course_kit(COMMANDS[kind], inbox, "regrade", str(out), "--write")
+    more = ("--layout", "files", "--resume", "--again", EXERCISE, "--write")
+    again = course_kit(COMMANDS[kind], inbox, "class", ".", "--exercise", EXERCISE, "--out", str(out), *more)
     assert again.returncode == 0, again.stderr
     assert not (inbox.parent / "loaded").exists(), (inbox.parent / "loaded").read_text()
 
