@@ -169,7 +169,9 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: early or executor(options, plan.exercises))
             if options.again and book.complete:
-                book = grade_again.run(options, grading, tally, stops) or book
+                book = (
+                    grade_again.run(options, grading, tally, lambda: executor(options, plan.exercises), stops) or book
+                )
         tally.end()
         intake_words.say(grading.intake, say)
         if grading.gone:

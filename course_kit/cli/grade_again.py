@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
 
+    from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.grading_loop import Watcher
     from course_kit.classroom.regrade import GradeChange
@@ -18,14 +19,17 @@ if TYPE_CHECKING:
 
 
 def run(
-    options: argparse.Namespace, class_run: ClassRun, watcher: Watcher, stops: Callable[[], int]
+    options: argparse.Namespace,
+    class_run: ClassRun,
+    watcher: Watcher,
+    start: Callable[[], Executor],
+    stops: Callable[[], int],
 ) -> Gradebook | None:
     """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""
     from course_kit.classroom.regrade import Regrade
-    from course_kit.cli import class_command
 
     regrade = Regrade(class_run, options.out, options.again, watcher)
-    changes = regrade.grade(lambda: class_command.executor(options, class_run.exercises), stops)
+    changes = regrade.grade(start, stops)
     if not regrade.complete:
         say("course-kit: stopped. No result was changed. The same command goes on.")
         return None
