@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TextIO
 from course_kit.authoring import rules
 from course_kit.grading import exercise_folders
 from course_kit.grading.diagnosis import catalogue
-from course_kit.text.console import wrapped
+from course_kit.text.console import in_points, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +38,7 @@ def progress(stream: TextIO) -> Callable[[int, int, ProofSubmission, Report], No
     before: dict[ProofSubmission, Report] = {}
 
     def show(done: int, total: int, submission: ProofSubmission, report: Report) -> None:
-        what = f"{submission.exercise} {submission.kind} {submission.name}: {report.score:g} points"
+        what = f"{submission.exercise} {submission.kind} {submission.name}: {in_points(report.score)}"
         line = f"[{done:>{len(str(total))}}/{total}] {what}, {report.duration_s:.1f} s"
         earlier = before.setdefault(submission, report)
         if rules.verdict(report) != rules.verdict(earlier):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import sentences, styles
 from course_kit.grading import exercise_folders, exit_code
 from course_kit.grading.diagnosis import catalogue
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -193,7 +194,7 @@ def verdict(report: Report) -> Verdict:
 def outcome(report: Report) -> str:
     """A report in one line: its score, and each check that is neither passed nor skipped."""
     wrong = [_shown(check) for check in report.checks if check.status not in ("passed", "skipped")]
-    points = f"{report.score:g} of {report.max_score:g} points, {report.status}"
+    points = f"{report.score:g} of {in_points(report.max_score)}, {report.status}"
     return "; ".join([points, *wrong, *([report.problem] if report.problem else [])])
 
 

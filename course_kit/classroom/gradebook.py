@@ -44,6 +44,11 @@ class Gradebook:
     others: tuple[Entry, ...] = ()  # who has no submission at all, in entries without exercise and source
 
     @property
+    def entries(self) -> tuple[Entry, ...]:
+        """What everybody handed in, and who handed in nothing."""
+        return (*(record.entry for record in self.records), *self.others)
+
+    @property
     def names(self) -> dict[str, str]:
         """The names of those without a submission, by student."""
         return {one.student: one.name for one in self.others if one.name}

@@ -50,6 +50,11 @@ class Entry:
     others: list[str] = field(default_factory=list)  # what else of theirs might have been, and why it was not
     worry: str = ""  # why somebody should look at the choice; empty when there is no doubt
 
+    @property
+    def called(self) -> str:
+        """The student in a sentence: `4711 Jane Doe`, or the identifier alone where it is the name."""
+        return f"{self.student} {self.name}" if self.name and self.name != self.student else self.student
+
 
 @dataclass(frozen=True)
 class Record:

@@ -155,7 +155,7 @@ class ClassRun:
         self._records.remove_pages_alone()
         for path in self._records.without(self.intake.entries, [one.id for one in self._plan.exercises]):
             record = self._records.supersede(path)
-            whose = record.entry.student if record else path.parent.name
+            whose = record.entry.called if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
 
     def _take_stock(self) -> list[list[Handed]]:

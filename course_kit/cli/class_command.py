@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Entry
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.run import Plan
     from course_kit.grading.exercise import Exercise
@@ -210,7 +211,7 @@ def _dry_run(plan: Plan) -> int:
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
-        say(f"course-kit: {_left_out(found.dropped)}")
+        say(f"course-kit: {_left_out(found.dropped, (*found.entries, *found.others))}")
     return FAILED if found.dropped else 0
 
 
@@ -227,7 +228,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
         )
         say(f"{what} listed in {page.name}, with the reason.")
     if book.odd:
-        odd = [f"{student} ({reason})" for student, reason in book.odd]
+        odd = _each_named(book.odd, book.entries)
         say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
     print(page)
     for notice in _notices(book):
@@ -258,17 +259,23 @@ def _notices(book: Gradebook) -> Iterator[str]:
 def _worries(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
-        yield _left_out(book.dropped)
+        yield _left_out(book.dropped, book.entries)
     if failed := book.not_graded:
-        whose = [f"{record.entry.student}, {record.entry.exercise}" for record in failed]
+        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in failed]
         yield (
             f"{many(whose, 'submission')} could not be graded, through no fault of the student: {some(whose, '; ')}. "
             "Run the same command with --resume."
         )
 
 
-def _left_out(dropped: Sequence[tuple[str, str]]) -> str:
-    reasons = [f"{student} ({reason})" for student, reason in dropped]
+def _each_named(reasons: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> list[str]:
+    """Students with their names, each with a reason."""
+    called = {entry.student: entry.called for entry in entries}
+    return [f"{called.get(student, student)} ({reason})" for student, reason in reasons]
+
+
+def _left_out(dropped: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> str:
+    reasons = _each_named(dropped, entries)
     return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
 
 

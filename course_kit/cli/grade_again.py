@@ -35,7 +35,7 @@ def run(
         return None
     book = regrade.write() if _is_wanted(changes, options) else None
     if regrade.failed:
-        whose = [f"{record.entry.student}, {record.entry.exercise}" for record in regrade.failed]
+        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
         say(
             f"course-kit: the grader failed for {many(whose, 'submission')}: "
             f"{some(whose, '; ')}. Their results stay as they are. Run the same command again."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster_matching import Fit
@@ -25,21 +25,23 @@ def say(found: Intake, tell: Callable[[str], None]) -> None:
 
 
 def _sentences(found: Intake) -> Iterator[str]:
-    doubtful = [f"{entry.student}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
+    called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
+    doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
     if doubtful:
         yield f"Look at the choice of file in intake.csv: {_some(doubtful)}."
     if found.roster is not None:
-        yield from _of_roster(found.roster)
+        yield from _of_roster(found.roster, called)
 
 
-def _of_roster(fit: Fit) -> Iterator[str]:
+def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
     read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
     total = len(fit.roster.people)
     yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
     if fit.absent:
         yield f"Not handed in: {_some([one.name or one.student for one in fit.absent])}."
     if fit.unknown:
-        yield f"Not matched with {fit.roster.called}: {_some([f'{who} ({why})' for who, why in fit.unknown])}."
+        unknown = [f"{called.get(who, who)} ({why})" for who, why in fit.unknown]
+        yield f"Not matched with {fit.roster.called}: {_some(unknown)}."
 
 
 def _some(parts: Sequence[str]) -> str:

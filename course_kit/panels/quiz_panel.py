@@ -12,6 +12,7 @@ from course_kit import quiz
 from course_kit.panels import quiz_answers
 from course_kit.panels.base import Panel, of_files
 from course_kit.panels.still import drawn, still
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -190,6 +191,6 @@ def _summary(answered: int, result: quiz.MarkedAnswers, marked: list[Marks]) -> 
         return f"{said} To pass: {needed} points."
     if len(marked) < len(result.marks):
         points = sum(marks.points for marks in marked)
-        return f"{said} {points:g} of {len(marked)} points so far; to pass: {needed}."
+        return f"{said} {points:g} of {in_points(len(marked))} so far; to pass: {needed}."
     verdict = "passed" if result.passed else f"not passed yet (to pass: {needed})"
-    return f"{said} {result.points:g} of {result.max_points:g} points: {verdict}."
+    return f"{said} {result.points:g} of {in_points(result.max_points)}: {verdict}."

@@ -130,6 +130,14 @@ def test_its_readme_is_for_students_and_what_it_names_is_there(student: Path) ->
     assert [name for name in paths if not (student / name).exists()] == []
 
 
+def test_it_has_the_guides_that_students_need_and_their_links_lead_somewhere(student: Path) -> None:
+    guides = {path.name: path for path in student.glob("course_kit/guides/*")}
+    assert guides.keys() == {"exercises.md", "own_programs.md"}
+    for path in (student / "README.md", *guides.values()):
+        links = [link for link in _links(path.read_text()) if "://" not in link]
+        assert [link for link in links if not (path.parent / link).exists()] == [], path
+
+
 def test_its_notebooks_are_whole_and_no_link_leads_to_a_file_that_is_not_there(student: Path) -> None:
     notebooks = [*student.glob("notebooks/**/*.ipynb"), *student.glob("exercises/**/*.ipynb")]
     assert len(notebooks) > 10

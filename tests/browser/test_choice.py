@@ -55,7 +55,7 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
     for _ in range((quiz.PATTERNS.index(right(first)[0]) - quiz.PATTERNS.index(pattern)) % len(quiz.PATTERNS)):
         lab.page.keyboard.press("ArrowDown")
     expect(panel.locator(".mark.right")).to_contain_text(first.why)
-    expect(panel).to_contain_text("1 of 1 points so far")
+    expect(panel).to_contain_text("1 of 1 point so far")
 
     for number, scenario in enumerate(scenarios[1:], start=2):
         panel.get_by_role("button", name="Next").press("Enter")

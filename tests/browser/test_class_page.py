@@ -10,6 +10,7 @@ from playwright.sync_api import expect
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Records
+from course_kit.grading import exercise
 from tests.browser.learner import ARTIFACTS, page
 from tests.browser.test_report_card import contrast
 from tests.classroom.exports import books, real_class
@@ -182,6 +183,18 @@ def test_three_hundred_students_on_a_page_that_anybody_can_read(
     opened.screenshot(path=ARTIFACTS / f"class_of_300_{width}_{scheme}.png")
     without_findings(opened)
     assert fetched == [large.as_uri()], "it is one file"
+
+
+def test_the_totals_of_three_exercises_are_on_a_small_screen(tmp_path: Path, chromium_page: Page) -> None:
+    exercises = tuple(exercise.load(one) for one in ("temperature_service", "move_robot", "robot_parameters"))
+    people = {"jane.doe@university.example": "Jane Doe-Whittington", "4711": "Jörg Müller"}
+    checks = [books.check("first"), books.check("second", "failed")]
+    records = [books.record(who, checks, of=one, name=name) for who, name in people.items() for one in exercises]
+    look(chromium_page, exports.write_all(books.book(*records, exercises=exercises), tmp_path), 1280, "light")
+    right = "one => one.getBoundingClientRect().right"
+    last, around = chromium_page.locator("#class thead th").last, chromium_page.locator(".wide:has(#class)")
+    assert last.inner_text().startswith("Total")
+    assert last.evaluate(right) <= around.evaluate(right)
 
 
 @pytest.mark.parametrize(("width", "scheme"), SIZES)

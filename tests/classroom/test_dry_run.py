@@ -68,12 +68,12 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
     assert f"ann/{SERVICE.notebook} " in lines[1]
     assert "the only one of 2 files that differs from the starter;" in lines[1]
     assert (
-        "Look at the choice of file in intake.csv: cem, temperature_service (it is the starter, unchanged)."
+        "Look at the choice of file in intake.csv: cem Cem C, temperature_service (it is the starter, unchanged)."
         in done.stderr
     )
     assert "list.csv: read 'login' as login, 'name' as full name; 4 of 5 on it handed something in." in done.stderr
     assert "Not handed in: Ned N." in done.stderr
-    assert "1 student handed in something that was not graded: dee (none of it belongs to these" in done.stderr
+    assert "1 student handed in something that was not graded: dee Dee D (none of it belongs to these" in done.stderr
     assert sorted(handed_in.rglob("*")) == before
     assert [path.name for path in (handed_in.parent / "out").iterdir()] == ["intake.csv"]
     with (handed_in.parent / "out/intake.csv").open(encoding="utf-8-sig", newline="") as file:

@@ -101,7 +101,7 @@ def warnings(book: Gradebook) -> Iterator[str]:
     reasons: dict[str, list[str]] = {}
     for record in book.records:
         if record.adjustment.warning:
-            reasons.setdefault(record.adjustment.warning, []).append(record.entry.student)
+            reasons.setdefault(record.adjustment.warning, []).append(record.entry.called)
     for reason, students in reasons.items():
         named = ", ".join(dict.fromkeys(students[:_MOST_NAMED]))
         more = len(students) - _MOST_NAMED
