@@ -1,0 +1,138 @@
+"""Hand-made faults and odd right programs of the exercises with a node, and a way to grade some by hand:
+
+.venv/bin/python -m tests.proof.fault_tables temperature_service [ID ...] [--right] [--seeds 1]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit.authoring import gradings, rules, sentences
+from course_kit.authoring.corpus import ProofSubmission
+from course_kit.grading import GradingError, exercise
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from concurrent.futures import Future
+
+    from course_kit.grading import Report
+
+ROOT = Path(__file__).resolve().parents[2]
+EXERCISES = tuple(sorted(path.stem for path in (Path(__file__).parent / "faults").glob("*.toml")))
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """A program of a table and how it was graded, once for each seed.
+
+    Attributes:
+        program: kind "fault" or "right".
+        reports: by seed; a text where the grading failed.
+    """
+
+    program: ProofSubmission
+    reports: dict[int, Report | str]
+
+    def unseen(self) -> Iterator[str]:
+        """Of a fault what is wrong with its verdicts: full marks, or no points lost for the sentence that it breaks."""
+        for seed, report in self.reports.items():
+            if isinstance(report, str):
+                yield f"seed {seed}: {report}"
+            elif report.score >= report.max_score:
+                yield f"seed {seed}: full marks"
+            elif not _costs(self.program, seed, report):
+                yield f"seed {seed}: nothing lost for '{', '.join(self.program.breaks)}': {rules.outcome(report)}"
+
+    def unjust(self) -> Iterator[str]:
+        """Of a right program each verdict below full marks."""
+        for seed, report in self.reports.items():
+            if isinstance(report, str):
+                yield f"seed {seed}: {report}"
+            elif report.score < report.max_score:
+                yield f"seed {seed}: {rules.outcome(report)}"
+
+    def complaints(self) -> list[str]:
+        return list(self.unseen() if self.program.kind == "fault" else self.unjust())
+
+
+def _costs(program: ProofSubmission, seed: int, report: Report) -> bool:
+    checks = sentences.checks_of(exercise.load(program.exercise), seed)
+    proving = {one.id for one in checks if set(program.breaks) & set(one.proves)}
+    return any(one.points < one.max_points for one in report.checks if one.id in proving)
+
+
+def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
+    """The faults ("fault") or the right programs ("right") of one exercise."""
+    table = Path(__file__).parent / "faults" / f"{exercise_id}.toml"
+    entries = tomllib.loads(table.read_text(encoding="utf-8")).get({"fault": "faults", "right": "right"}[kind], {})
+    found = [
+        ProofSubmission(
+            exercise_id,
+            kind,
+            name,
+            ROOT / "solutions" / exercise_id / f"{exercise_id}.py",
+            changes=tuple((one["old"], one["new"]) for one in entry["changes"]),
+            says=entry["says"],
+            breaks=tuple([entry["breaks"]] if isinstance(entry.get("breaks"), str) else entry.get("breaks", ())),
+            told_in=table,
+        )
+        for name, entry in entries.items()
+    ]
+    if kind == "right":
+        folder = Path(__file__).parent / "right" / exercise_id
+        found += [ProofSubmission(exercise_id, kind, path.stem, path) for path in sorted(folder.glob("*.py"))]
+    return found
+
+
+def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int], workers: int = 0) -> list[Verdicts]:
+    """Grade each program once for each seed, as a class is graded."""
+    with gradings.Gradings(ROOT / "exercises", workers) as pool:
+        begun = [
+            (one, {seed: pool.begin(replace(one, name=f"{one.name}-{seed}"), seed) for seed in seeds}) for one in chosen
+        ]
+        return [Verdicts(one, {seed: _report(future) for seed, future in each.items()}) for one, each in begun]
+
+
+def _report(future: Future[Report]) -> Report | str:
+    try:
+        return future.result()
+    except GradingError as problem:
+        return f"not graded: {problem}"
+
+
+def main() -> None:
+    """Say what is not as it should be."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("exercise", choices=EXERCISES)
+    parser.add_argument("ids", nargs="*", help="all of the table when none is named")
+    parser.add_argument("--right", action="store_true", help="the right programs, not the faults")
+    parser.add_argument("--seeds", type=int, default=3, help="how many: 1, 2, ...")
+    parser.add_argument("--workers", type=int, default=0)
+    parser.add_argument("--text", action="store_true", help="write the programs and grade nothing")
+    parser.add_argument("--verbose", action="store_true", help="write all verdicts")
+    options = parser.parse_args()
+    found = programs(options.exercise, "right" if options.right else "fault")
+    chosen = [one for one in found if not options.ids or one.name in options.ids]
+    if options.text:
+        sys.stdout.write("\n\n".join(one.text() for one in chosen))
+        return
+    verdicts = grade_all(chosen, range(1, options.seeds + 1), options.workers)
+    bad = [one for one in verdicts if one.complaints()]
+    for one in verdicts if options.verbose else bad:
+        said = one.complaints() or [rules.outcome(each) for each in one.reports.values() if not isinstance(each, str)]
+        head = f"{'NOT SO' if one in bad else 'ok'} {one.program.name}: {one.program.says}"
+        sys.stdout.write("\n    ".join([head, *said]) + "\n")
+    sys.stdout.write(f"{len(chosen) - len(bad)} of {len(chosen)} as they should be\n")
+
+
+if __name__ == "__main__":
+    main()
