@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 _TICKS = os.sysconf("SC_CLK_TCK")
 _ENDED = "Z"  # as a state: of a process, or of its first thread while others go on
 _PAGE = os.sysconf("SC_PAGE_SIZE")
+_TABLE_ENTRY = 8  # bytes of a page's table for each page
 
 
 @dataclass(frozen=True)
@@ -28,11 +29,13 @@ class Usage:
         cpu_s: seconds of computing; children that they have waited for are among it.
         tasks: processes and threads.
         memory: resident bytes, what forks share counted for each of them.
+        tables: bytes that the tables of all their pages can take at most.
     """
 
     cpu_s: float = 0.0
     tasks: int = 0
     memory: int = 0
+    tables: int = 0
 
 
 def descendants(root: int) -> list[int]:
@@ -52,7 +55,7 @@ def this_process() -> int:
 
 def usage(process_ids: Iterable[int]) -> Usage:
     """What these processes use together; of those that have ended only what their parents were told counts."""
-    cpu_s, tasks, memory = 0.0, 0, 0
+    cpu_s, tasks, memory, tables = 0.0, 0, 0, 0
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):
             fields = _stat(process_id)
@@ -61,7 +64,8 @@ def usage(process_ids: Iterable[int]) -> Usage:
             cpu_s += sum(map(int, fields[11:15])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
-    return Usage(cpu_s, tasks, memory)
+            tables += int(fields[20]) // _PAGE * _TABLE_ENTRY
+    return Usage(cpu_s, tasks, memory, tables)
 
 
 def speaker(process_id: int) -> int:

@@ -30,7 +30,7 @@ _SETTINGS = (
     *("ssl/certs", "ssl/openssl.cnf"),  # and not ssl/private, which holds the machine's keys
 )
 _SEARCH_PATHS = ("LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "COURSE_KIT_INTERFACE_PATH")
-_DEVICES = ("null", "zero", "random", "urandom")
+_DEVICES = ("null", "random", "urandom")  # not "zero": shared, it is memory that nothing counts
 _DEVICE_LINKS = {"fd": "/proc/self/fd", "stdin": "fd/0", "stdout": "fd/1", "stderr": "fd/2"}
 _ACCOUNTS = {
     "passwd": "root:x:0:0::/:/bin/sh\nlearner:x:{user}:{group}::{home}:/bin/sh\n",

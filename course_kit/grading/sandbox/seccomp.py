@@ -1,9 +1,9 @@
 """System calls that a submission does without (seccomp(2)): the kernel answers them with "not permitted".
 
 They would lead out of the sandbox (other processes' memory and descriptors, namespaces, mounts, keyrings, the
-terminal's input), make others wait for a file or watch what they do with it (leases, notices), take memory that
-nothing counts (System V's, large buffers of sockets), or hide what is counted (a process's descriptors). The filter
-holds for all descendants and cannot be taken back. It needs no privilege and works where namespaces do not.
+terminal's input), make others wait for a file or watch what they do with it (leases, notices), or take memory that
+nothing counts (shared memory that no file backs, large buffers of sockets). The filter holds for all descendants and
+cannot be taken back. It needs no privilege and works where namespaces do not.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _PR_SET_SECCOMP, _MODE_FILTER = 22, 2
 
 # Offsets in struct seccomp_data.
-_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT, _THIRD_ARGUMENT = 0, 4, 16, 24, 32
+_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT, _SECOND_ARGUMENT, _THIRD_ARGUMENT, _FOURTH_ARGUMENT = 0, 4, 16, 24, 32, 40
 _PRIO_USER = 2
 # BPF: load a word, compare, test bits, keep some bits, return.
 _LOAD, _EQUAL, _BITS, _AT_LEAST, _AND, _RETURN = 0x20, 0x15, 0x45, 0x35, 0x54, 0x06
@@ -35,10 +35,7 @@ _TIOCSTI, _TIOCLINUX = 0x5412, 0x541C  # type into a terminal
 # FS_IOC_SETFLAGS with its 32-bit form, and FS_IOC_FSSETXATTR: flags of a file that only root can take off
 _FILE_FLAGS = (0x40086602, 0x40046602, 0x401C5820)
 _LEASE, _NOTICES = 1024, 1026  # F_SETLEASE lets everybody else who opens a file wait; F_NOTIFY
-_CLONE_FILES, _CLONE_THREAD = 0x400, 0x10000
-_CLOSE_RANGE_UNSHARE = 2
-# Options of prctl: PR_SET_DUMPABLE would keep the init process from seeing which files in memory are open.
-_REFUSED_OPTIONS = (4,)
+_SHARED_ANONYMOUS = 0x21  # of mmap: its pages stay, uncounted, when a program gives them back
 # What can be counted: AF_UNIX, AF_INET, AF_INET6 and AF_NETLINK, with none of the protocols that come after IDP.
 _FAMILIES = (1, 2, 10, 16)
 _PROTOCOLS = 23
@@ -49,11 +46,10 @@ _AUDIT = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 _CLONE = {"x86_64": 56, "aarch64": 220}
 _IOCTL = {"x86_64": 16, "aarch64": 29}
 _FCNTL = {"x86_64": 72, "aarch64": 25}
-_PRCTL = {"x86_64": 157, "aarch64": 167}
+_MMAP = {"x86_64": 9, "aarch64": 222}
 _SOCKET = {"x86_64": 41, "aarch64": 198}
 _SOCKETPAIR = {"x86_64": 53, "aarch64": 199}
 _SETSOCKOPT = {"x86_64": 54, "aarch64": 208}
-_CLOSE_RANGE = 436
 _CLONE3 = 435  # its flags lie in memory where no filter can look; the C library falls back to clone
 
 # Newer calls have the same number everywhere.
@@ -89,6 +85,7 @@ _REFUSED = {
         "add_key": 248,
         "request_key": 249,
         "keyctl": 250,
+        "memfd_create": 319,
         "shmget": 29,
         "semget": 64,
         "msgget": 68,
@@ -124,6 +121,7 @@ _REFUSED = {
         "add_key": 217,
         "request_key": 218,
         "keyctl": 219,
+        "memfd_create": 279,
         "shmget": 194,
         "semget": 190,
         "msgget": 186,
@@ -146,7 +144,8 @@ _REFUSED = {
     },
 }
 
-# Where there is no PID namespace the kernel asks only whose the other process is. By the argument that names it:
+# Where there is no PID namespace the kernel asks only whose the other process is. No filter sees whether a thread is
+# the program's own, which Fast DDS wants to set: so these are answered as done. By the argument that names it:
 _OF_PROCESSES = {
     "x86_64": {
         _FIRST_ARGUMENT: (203, 144, 142, 314, 256),
@@ -208,7 +207,7 @@ def _more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
                 yield _instruction(_AT_LEAST, _PRIO_USER, 2, 0)
             yield _load(argument)
             yield _instruction(_EQUAL, 0, 1, 0)
-            yield _return(_ERRNO | errno.EPERM)
+            yield _return(_ERRNO | errno.EPERM if number == _LIMITS[machine] else _DONE)
             yield _load(_NUMBER)
 
 
@@ -229,13 +228,11 @@ def _filter(machine: str) -> Iterator[bytes]:
 def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:
     """System calls that are refused for some arguments: the number, and the instructions that find these."""
     refuse = _ERRNO | errno.EPERM
-    # A thread with descriptors of its own would have some that /proc does not list with those of its process.
-    threads = [_instruction(_AND, _CLONE_THREAD | _CLONE_FILES), *_if(_EQUAL, _CLONE_THREAD, refuse)]
-    yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_if(_BITS, _NAMESPACE_FLAGS, refuse), *threads]
-    yield _CLOSE_RANGE, [_load(_THIRD_ARGUMENT), *_if(_BITS, _CLOSE_RANGE_UNSHARE, refuse)]
+    yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_if(_BITS, _NAMESPACE_FLAGS, refuse)]
     yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_any((_TIOCSTI, _TIOCLINUX, *_FILE_FLAGS), refuse)]
     yield _FCNTL[machine], [_load(_SECOND_ARGUMENT), *_any((_LEASE, _NOTICES), refuse)]
-    yield _PRCTL[machine], [_load(_FIRST_ARGUMENT), *_any(_REFUSED_OPTIONS, refuse)]
+    shared = [_instruction(_AND, _SHARED_ANONYMOUS), *_if(_EQUAL, _SHARED_ANONYMOUS, refuse)]
+    yield _MMAP[machine], [_load(_FOURTH_ARGUMENT), *shared]
     sizes = [_load(_THIRD_ARGUMENT), *_any(_BUFFER_SIZES, _DONE)]
     yield _SETSOCKOPT[machine], [_load(_SECOND_ARGUMENT), _instruction(_EQUAL, _SOL_SOCKET, 0, len(sizes)), *sizes]
     families = [_instruction(_EQUAL, family, len(_FAMILIES) - at) for at, family in enumerate(_FAMILIES)]

@@ -1,7 +1,8 @@
 """Memory that sockets take: what was sent and nobody has received lies in the kernel, and in no process (socket(7)).
 
-The kernel tells it of UDP alone. Any other socket counts with as much as it can hold, which is its usual buffers: the
-filter of system calls grants no larger ones (`seccomp`), and in a network of its own TCP has no others (`bound_tcp`).
+Counted where a submission has a network to itself. The kernel tells it of UDP alone. Any other socket counts with as
+much as it can hold, which is its usual buffers: the filter of system calls grants no larger ones (`seccomp`), and TCP
+has no others there (`bound_tcp`).
 """
 
 from __future__ import annotations
@@ -46,17 +47,11 @@ def at_most(sockets: int) -> int:
     return sockets * max(_OF_UDP, _OF_OTHERS)
 
 
-def of_others(sockets: int) -> int:
-    """Bytes that so many sockets count with, of which nothing else is known."""
-    return sockets * _OF_OTHERS
-
-
 def in_use(sockets: int) -> int:
     """Bytes that the sockets of this network namespace count with, so many as `number_here` has said."""
     queued = [line.split()[4].split(":") for path in _UDP for line in _rows(path)]
-    return sum(int(sent, 16) + int(received, 16) for sent, received in queued) + of_others(
-        max(0, sockets - len(queued))
-    )
+    of_udp = sum(int(sent, 16) + int(received, 16) for sent, received in queued)
+    return of_udp + _OF_OTHERS * max(0, sockets - len(queued))
 
 
 def _rows(path: str) -> list[str]:

@@ -73,16 +73,6 @@ def call(name, *arguments):
     ),
 )
 
-_FILLER = """
-import os, threading, time
-held = []
-def fill():
-    for number in range(150):
-        held.append(os.memfd_create("x"))
-        for _ in range(10):
-            os.write(held[-1], bytes(2**20))
-"""
-
 ATTACKS = {
     "reads_the_solution": Attack(
         "runs the solution that lies in the checkout",
@@ -357,81 +347,64 @@ for folder in folders:
 """,
         ("files", "landlock"),
     ),
-    "fills_memory_files": Attack(
-        "takes 1.5 GB in files that exist in memory alone",
-        "they count as memory",
+    "takes_memory_that_nothing_counts": Attack(
+        "takes 1.5 GB in memory that belongs to no process: files in memory, and shared pages that it gives back",
+        "the calls are refused, and there is no /dev/zero to map",
+        """
+import mmap, os
+taken = []
+try:
+    taken.append(os.memfd_create("x"))
+except OSError:
+    pass
+for flags in (mmap.MAP_SHARED | mmap.MAP_ANONYMOUS, 3 | mmap.MAP_ANONYMOUS):
+    try:
+        taken.append(mmap.mmap(-1, 2**20, flags=flags))
+    except OSError:
+        pass
+try:
+    taken.append(mmap.mmap(os.open("/dev/zero", os.O_RDWR), 2**20, flags=mmap.MAP_SHARED))
+except OSError:
+    pass
+if taken:
+    print("WON:", taken)
+""",
+        ("syscalls",),
+    ),
+    "fills_page_tables": Attack(
+        "reads one byte of each 2 MB of 1 TB: no page is its own, but their tables take 2 GB",
+        "tables of pages count as memory",
+        """
+import mmap, time
+for _ in range(16):
+    room = mmap.mmap(-1, 2**36, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | 0x4000, prot=mmap.PROT_READ)
+    for place in range(0, 2**36, 2**21):
+        room[place]
+    time.sleep(0.02)
+    globals().setdefault("rooms", []).append(room)
+print("WON: 2 GB of tables")
+time.sleep(2)
+""",
+    ),
+    "floods_with_ended_children": Attack(
+        "starts children without end, that end at once, so that the process beside it computes and others wait",
+        "who starts too many is stopped",
         """
 import os, time
-held = []
-for number in range(150):
-    held.append(os.memfd_create("x"))
-    for _ in range(10):
-        os.write(held[-1], bytes(2**20))
-print("WON: 1.5 GB")
-time.sleep(2)
+begun, started = time.monotonic(), 0
+while time.monotonic() - begun < 8:
+    if os.fork() == 0:
+        os._exit(0)
+    started += 1
+    try:
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
+    except OSError:
+        pass
+if started > 4000:
+    print("WON:", started, "children")
 """,
-    ),
-    "hides_memory_files": Attack(
-        "takes 1.5 GB in files in memory behind the back of who counts: not dumpable, in a thread with descriptors of its own",
-        "the calls that hide descriptors are refused",
-        _FILLER
-        + """
-import ctypes
-libc = ctypes.CDLL(None, use_errno=True)
-done = [libc.prctl(4, 0, 0, 0, 0) == 0]  # PR_SET_DUMPABLE
-call = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
-stack = ctypes.create_string_buffer(2**16)
-top = (ctypes.addressof(stack) + 2**16) & -16
-flags = 0x100 | 0x200 | 0x800 | 0x10000  # CLONE_VM, CLONE_FS, CLONE_SIGHAND and CLONE_THREAD, without CLONE_FILES
-done.append(libc.clone(ctypes.cast(libc.pause, ctypes.c_void_p), ctypes.c_void_p(top), flags, None) > 0)
-def unshare():
-    done.append(libc.close_range(2**31, 2**31, 2) == 0)  # CLOSE_RANGE_UNSHARE
-    fill()
-if done == [False, False]:
-    thread = threading.Thread(target=unshare)
-    thread.start()
-    thread.join()
-else:
-    fill()
-if any(done):
-    print("WON: hidden", done)
-print("WON: 1.5 GB")
-time.sleep(2)
-""",
-    ),
-    "leaves_its_first_thread": Attack(
-        "takes 1.5 GB in files in memory, and 200 MB of other memory, after its first thread has ended",
-        "they count as memory, whichever thread is left",
-        _FILLER
-        + """
-import ctypes
-def go():
-    time.sleep(0.2)
-    held.append(bytearray(200 * 2**20))
-    fill()
-    print("WON: 1.5 GB", flush=True)
-    time.sleep(2)
-threading.Thread(target=go).start()
-ctypes.CDLL(None).syscall({"x86_64": 60, "aarch64": 93}[os.uname().machine], 0)
-""",
-    ),
-    "hands_memory_files_on": Attack(
-        "hands 1.5 GB in files in memory on to programs that nobody may read, and that therefore hide their descriptors",
-        "the process that counts may look into them; without a namespace of its own, hiding counts as too much memory",
-        """
-import os, shutil, subprocess, time
-shutil.copy("/bin/sleep", "sleep")
-os.chmod("sleep", 0o111)
-for number in range(50):
-    held = [os.memfd_create("x") for _ in range(3)]
-    for one in held * 10:
-        os.write(one, bytes(2**20))
-    subprocess.Popen(["./sleep", "60"], pass_fds=held)
-    for one in held:
-        os.close(one)
-print("WON: 1.5 GB")
-time.sleep(2)
-""",
+        ("processes",),
     ),
     "fills_sockets": Attack(
         "takes 400 MB in sockets: open, closed, waiting to be accepted, with larger buffers",
@@ -554,15 +527,14 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
         pass
     if other == 1:
         continue
-    for change in (
-        lambda: os.setpriority(os.PRIO_PROCESS, other, os.getpriority(os.PRIO_PROCESS, other)),
-        lambda: os.sched_setaffinity(other, os.sched_getaffinity(other)),
-    ):
-        try:
-            change()
+    try:
+        before = os.getpriority(os.PRIO_PROCESS, other), os.sched_getaffinity(other)
+        os.setpriority(os.PRIO_PROCESS, other, 19)
+        os.sched_setaffinity(other, list(before[1])[:1])
+        if before != (os.getpriority(os.PRIO_PROCESS, other), os.sched_getaffinity(other)):
             print("WON: priority or processors of", name)
-        except OSError:
-            pass
+    except OSError:
+        pass
 """,
         ("syscalls",),
     ),
