@@ -93,13 +93,16 @@ class Steps:
         self._hands: dict[int, list[int]] = {}
         self.round = sum(one.often for one in rules)
         self._waiting: list[Rule] = []
+        self._drawn = 0
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
 
     def next(self, model: Any, *, apart: bool) -> Step:
         """The next step."""
         state = _state_of(model)
         seen = self._seen.get(state)
-        if seen is not None and len(self._seen) <= _FEW_STATES and not apart and self._rng.random() < _BY_STATE:
+        self._drawn += 1
+        by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
+        if by_state and seen is not None and len(self._seen) <= _FEW_STATES:
             allowed = [one for one in self._rules if one.when is None or one.when(model)]
             untried = [option for one in allowed for option in _options_of(one) if option not in seen]
             if untried:

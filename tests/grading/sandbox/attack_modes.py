@@ -163,8 +163,6 @@ def refuse_namespaces(more: dict[str, int]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
     machine = os.uname().machine
     known = seccomp._REFUSED[machine]
-    options = seccomp._REFUSED_OPTIONS
     seccomp._REFUSED[machine] = {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
-    seccomp._REFUSED_OPTIONS = ()
     seccomp.install()
-    seccomp._REFUSED[machine], seccomp._REFUSED_OPTIONS = known, options
+    seccomp._REFUSED[machine] = known

@@ -48,7 +48,7 @@ def test_sockets_of_an_ordinary_program_are_far_from_the_limit_on_memory(
     if worker.ready().network:
         sockets = int(report.stdout.split()[2])
         assert sockets > 2
-        assert socket_memory.of_others(sockets) < Limits().memory_mb * 1024 * 1024 / 10
+        assert socket_memory.at_most(sockets) < Limits().memory_mb * 1024 * 1024 / 10
 
 
 @pytest.mark.parametrize(("threads", "expected"), [(10, None), (80, "limit.processes")])
