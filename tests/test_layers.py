@@ -78,7 +78,7 @@ STILL_ABOVE = {
     "course_kit/integrations": 1225,
     "course_kit/presentation": 600,
     "course_kit/dev": 1700,
-    "course_kit/cli": 1950,
+    "course_kit/cli": 1660,
     "course_setup": 960,
     "tests": 51500,
     "benchmarks": 2850,

@@ -17,14 +17,7 @@ FORMATS = ("gradescope", "classroom50")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Grade a file or folder, and print the result or write it to a file.
-
-    Returns:
-        0 when there is a grade, whichever; platforms take anything else for a fault of the autograder.
-
-    Raises:
-        GradingError: it could not be graded; nothing is written then, as that is no zero.
-    """
+    """Grade a file or folder, and print the result or write it to a file."""
     from course_kit.classroom import autograder
     from course_kit.classroom.exports import classroom50
     from course_kit.classroom.exports.formats import gradescope
@@ -54,11 +47,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def require_no_target(options: argparse.Namespace) -> None:
-    """See that nobody waits for a file that other formats do not write.
-
-    Raises:
-        GradingError: --to was given.
-    """
+    """See that nobody waits for a file that other formats do not write."""
     from course_kit.grading import GradingError
 
     if options.to is not None:

@@ -92,21 +92,12 @@ def add_where(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Grade the class.
-
-    Returns:
-        0 when everything handed in has its grade; 2 when it could not be done, no submission was found, a student was
-        dropped or the grader itself failed for a submission; 130 when it was stopped.
-    """
+    """Grade the class."""
     return told(_run, options)
 
 
 def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
-    """See that this machine can give submissions what their exercises promise, and say so where that is less as root.
-
-    Raises:
-        GradingError: it cannot, and they would be graded here; or it does not isolate them, and has to.
-    """
+    """See that this machine can give submissions what their exercises promise; say where root gets less."""
     from course_kit.grading import advice_for_root, isolation_status, needs
 
     if not options.scheduler:
@@ -285,11 +276,7 @@ def _early_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) 
 
 
 def executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
-    """Where submissions are graded, as the options say.
-
-    Raises:
-        GradingError: the scheduler they name is not there.
-    """
+    """Where submissions are graded, as the options say."""
     from course_kit.classroom import executors
 
     if options.scheduler:

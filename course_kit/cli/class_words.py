@@ -19,12 +19,7 @@ _MOST_NAMED = 20  # students in a sentence; the class page has them all
 
 
 def told(work: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """Do it, and say in a sentence what stopped it.
-
-    Args:
-        work: what to do; returns an exit code.
-        options: of the command line.
-    """
+    """Do it, and say in a sentence what stopped it."""
     from course_kit.classroom.executors import SchedulerLostError
     from course_kit.grading import GradingError
 

@@ -3,38 +3,278 @@
 from __future__ import annotations
 
 import argparse
+import platform
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_kit.cli import (
-    bundle_command,
-    class_command,
-    export_command,
-    new_command,
-    present,
-    prove_command,
-    release_command,
-    seeds_command,
-)
+from course_kit import environment
+from course_kit.cli import class_command, prove_command
 from course_kit.integrations import otter
+from course_kit.integrations.jupyter import LabStartError
+from course_kit.text.console import cannot
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    Verbs = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001 - argparse has no other name for it
 
 _TOOLS = ("check", "container", "hub", "lock", "matrix", "notebooks", "otter", "site")
+_KINDS = {
+    "service": "an exercise in which a node answers requests",
+    "action": "one in which a node reaches goals",
+    "parameters": "one in which a node is set by parameters",
+    "topic": "one in which a node answers messages with messages",
+}
+_MB = 2**20
 
 
-def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_to(verbs: Verbs) -> None:
     """Add them to the command line's parser."""
-    release_command.add_to(verbs)
+    _add_release(verbs)
     class_command.add_to(verbs)
-    seeds_command.add_to(verbs)
-    export_command.add_to(verbs)
+    _add_seeds(verbs)
+    _add_export(verbs)
     prove_command.add_to(verbs)
     otter.add_to(verbs)
-    new_command.add_to(verbs)
-    bundle_command.add_to(verbs)
-    present.add_to(verbs)
+    _add_new(verbs)
+    _add_bundle(verbs)
+
+    present = verbs.add_parser(
+        "present",
+        help="show a demo to a class, with your notes in a second window",
+        usage="course-kit present [DEMO] [OPTIONS]",
+        description="DEMO is the number or the name of a demo, or of a lesson; the first demo when left out.",
+        epilog="OPTIONS go to `jupyter lab`.",
+    )
+    present.set_defaults(run=lambda options: _present(options.others), others=[])
 
     dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
     dev.add_argument("tool", choices=_TOOLS)
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
+
+
+def _add_release(verbs: Verbs) -> None:
+    release = verbs.add_parser(
+        "release",
+        help="make the student edition: the course without its answers",
+        epilog="Every program in it is graded, so it takes a minute or two. Exit code: 0 when it was made, 1 when a "
+        "program in it scores more than its exercise's starter, 2 when it could not be made.",
+    )
+    release.add_argument("target", help="a new folder, or a file that ends in .zip")
+    release.add_argument(
+        "--without", action="append", default=[], metavar="EXERCISE", help="leave this exercise out; repeatable"
+    )
+    release.add_argument("--left-out", metavar="FILE", help="write the name of every file that is left out to FILE")
+    release.set_defaults(run=_release)
+
+
+def _add_seeds(verbs: Verbs) -> None:
+    seeds = verbs.add_parser(
+        "seeds",
+        help="draw a seed for each student of a roster, for class --seeds",
+        epilog="Students who have a seed in FILE already keep it, so that the command can be run again when somebody "
+        "joins the class.",
+    )
+    seeds.add_argument("roster", type=Path, help="the class list, as for class --roster")
+    seeds.add_argument("--layout", default="", help="of the submissions, as for class: decides how students are named")
+    seeds.add_argument("--out", type=Path, metavar="FILE", help="the list; printed when left out")
+    seeds.set_defaults(run=_writing(_seeds))
+
+
+def _add_export(verbs: Verbs) -> None:
+    export = verbs.add_parser("export", help="make an autograder for a platform, or reports without names")
+    kinds = export.add_subparsers(dest="kind", required=True, metavar="KIND")
+    gradescope = kinds.add_parser("gradescope", help="the autograder zip of an exercise for Gradescope")
+    classroom50 = kinds.add_parser("classroom50", help="the autograder folder of an exercise for Classroom 50")
+    for kind, what in ((gradescope, "a new .zip file"), (classroom50, "a new folder")):
+        kind.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
+        kind.add_argument("--to", type=Path, required=True, metavar="PATH", help=what)
+        kind.add_argument(
+            "--seed",
+            type=int,
+            help="the same values for everybody; an exercise with practice questions needs it for a grade that counts",
+        )
+    anonymous = kinds.add_parser("anonymous", help="the reports of a class run, by pseudonyms")
+    anonymous.add_argument("results", type=Path, help="the folder that `class --out` named")
+    anonymous.add_argument("--to", type=Path, required=True, metavar="DIR", help="a new folder")
+    export.set_defaults(run=_writing(_export))
+
+
+def _add_new(verbs: Verbs) -> None:
+    new = verbs.add_parser(
+        "new",
+        help="make an exercise of your own, in any folder",
+        epilog="course_kit/authoring/AUTHORING.md says what to do next.",
+    )
+    new.add_argument("what", choices=("exercise",))
+    new.add_argument("name", help="its id: small letters, digits and _")
+    kind = new.add_mutually_exclusive_group(required=True)
+    for name, what in _KINDS.items():
+        kind.add_argument(f"--{name}", dest="kind", action="store_const", const=name, help=what)
+    kind.add_argument(
+        "--refresh",
+        action="store_true",
+        help="write the sentences of its exercise.toml anew into its starter and notebook, and the starter into the "
+        "notebook",
+    )
+    new.add_argument(
+        "--in", dest="folder", type=Path, metavar="DIR", help="the folder its folder is in; where you are if left out"
+    )
+    new.set_defaults(run=_writing(_new))
+
+
+def _add_bundle(verbs: Verbs) -> None:
+    bundle = verbs.add_parser(
+        "bundle",
+        help="download every package a set-up needs, for classrooms without a network",
+        description="Download the packages of the lock into DIR. `./course lab --find-links DIR` then sets the course "
+        "up without a network, on any x86-64 Linux.",
+    )
+    bundle.add_argument("folder", type=Path, metavar="DIR", help="made if it is missing; what is there stays")
+    bundle.add_argument(
+        "--python",
+        action="append",
+        metavar="VERSION",
+        help="the Python of the classroom, such as 3.12, or `all`; repeatable; this one if left out",
+    )
+    bundle.add_argument("--test", action="store_true", help="what ./course test needs, too")
+    bundle.set_defaults(run=_writing(_bundle))
+
+
+def _writing(work: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
+    """A command that says which file it could not write."""
+
+    def run(options: argparse.Namespace) -> int:
+        try:
+            return work(options)
+        except BrokenPipeError:
+            raise
+        except OSError as problem:
+            return cannot(f"{problem.filename or 'A file'} could not be written: {problem.strerror or problem}.")
+
+    return run
+
+
+def _release(options: argparse.Namespace) -> int:
+    from course_kit.authoring import release
+
+    return release.run(options.target, options.without, options.left_out)
+
+
+def _seeds(options: argparse.Namespace) -> int:
+    from course_kit.classroom.exports.texts import csv_text
+    from course_kit.classroom.rules import seeds
+
+    before = seeds.read(options.out) if options.out and options.out.exists() else None
+    drawn = seeds.draw(seeds.students_of(options.roster, options.layout), before)
+    text = csv_text([seeds.COLUMNS, *((student, seed) for student, seed in drawn.items())])
+    if options.out:
+        environment.write_atomically(options.out, text)
+    else:
+        sys.stdout.write(text)
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    from course_kit.authoring import autograders
+    from course_kit.classroom.exports import anonymous
+    from course_kit.classroom.stored import gradebook
+
+    if options.kind == "anonymous":
+        path, then = anonymous.write(gradebook(options.results), options.to), "reports and scores by pseudonyms."
+    elif options.kind == "gradescope":
+        path = autograders.gradescope(options.exercise, options.to, options.seed)
+        then = "upload it under Configure Autograder; choose a base image of Ubuntu 22.04 or newer."
+    else:
+        path = autograders.classroom50(options.exercise, options.to, options.seed)
+        then = (
+            "put what is in it into CLASSROOM/autograders/ASSIGNMENT of your classroom50 repository, but "
+            "runtime.json, which is for `gh teacher assignment add --runtime`."
+        )
+    print(f"{path}: {then}")
+    return 0
+
+
+def _new(options: argparse.Namespace) -> int:
+    from course_kit.authoring import new_exercise
+    from course_kit.learner.workspace import shown
+
+    if options.refresh:
+        return _refresh(options)
+    task = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
+    folder, program = (shlex.quote(str(shown(path))) for path in (task.folder, task.solution))
+    command = environment.command()
+    there = "" if options.folder is None else f" --in {shlex.quote(str(options.folder))}"
+    print(f"The exercise {task.id} is in {folder}. It works as it is:")
+    print(f"  {command} grade {task.id} {program} --exercises {folder}")
+    print("Change exercise.toml, the starter and the solution into your own exercise; after a change of the task:")
+    print(f"  {command} new exercise {task.id} --refresh{there}")
+    print("The guide is course_kit/authoring/AUTHORING.md.")
+    return 0
+
+
+def _refresh(options: argparse.Namespace) -> int:
+    from course_kit.authoring import new_exercise
+    from course_kit.grading import exercise
+    from course_kit.grading.exercise_folders import TOML
+    from course_kit.learner.workspace import shown
+
+    folder = (options.folder or Path.cwd()) / options.name
+    task = exercise.read(folder) if (folder / TOML).is_file() else exercise.load(options.name)
+    changed = new_exercise.refresh(task)
+    for path in changed:
+        print(shown(path))
+    if not changed:
+        print(f"The starter and the notebook of {task.id} are as its exercise.toml says.")
+    return 0
+
+
+def _bundle(options: argparse.Namespace) -> int:
+    from course_kit.authoring import wheel_bundle
+    from course_kit.dev import pythons
+
+    root, known = environment.checkout(), pythons.wanted()
+    if root is None:
+        return cannot("the list of packages belongs to the course's folder; run this in a clone of it.")
+    asked = options.python or [".".join(platform.python_version_tuple()[:2])]
+    wanted = known if "all" in asked else list(dict.fromkeys(asked))
+    if unknown := [version for version in wanted if version not in known]:
+        return cannot(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
+    folder = options.folder.absolute()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        for python in wanted:
+            packages = wheel_bundle.packages(root, python, tests=options.test)
+            print(f"course: {len(packages)} packages for Python {python}", flush=True)
+            wheel_bundle.download(packages, python, folder)
+    except wheel_bundle.BundleError as problem:
+        return cannot(problem)
+    size = sum(path.stat().st_size for path in folder.glob("*.whl")) // _MB
+    print(
+        f"course: {size} MB in {folder}. Take it to the classroom with the course's folder; there run: "
+        "./course lab --find-links DIR"
+    )
+    return 0
+
+
+def _present(words: Sequence[str]) -> int:
+    """Present the demo that is the first word if that is no option; the others are options of `jupyter lab`."""
+    from course_kit.presentation import session
+    from course_kit.presentation.errors import PresentationError
+
+    root = environment.course_files()
+    if root is None:
+        return cannot("the demos are missing. Run ./course present in the course's folder.")
+    named = next((count for count, word in enumerate(words) if word.startswith("-")), len(words))
+    if named > 1:
+        return cannot(f"present shows one demo, and these are {named}: {' '.join(words[:named])}. Name one of them.")
+    try:
+        return session.present(root, "".join(words[:named]), words[named:])
+    except (PresentationError, LabStartError) as problem:
+        return cannot(problem)
 
 
 def _dev(options: argparse.Namespace) -> int:

@@ -14,12 +14,7 @@ _MOST_NAMED = 20  # in a sentence; the table has them all
 
 
 def say(found: Intake, tell: Callable[[str], None]) -> None:
-    """Tell what somebody should look at.
-
-    Args:
-        found: what was found.
-        tell: prints a sentence, in which names of strangers may stand.
-    """
+    """Tell what somebody should look at."""
     for sentence in _sentences(found):
         tell(sentence)
 

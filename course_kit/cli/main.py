@@ -9,17 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import added_exercises, autograde, drills_command, folder_commands, hub_command, streams
+from course_kit.cli import autograde, streams
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 
 _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
     "does not: course_kit/grading/LIMITS.md"
 )
+_EXERCISES = "--exercises"
 _FOUND = "when left out, it is looked for here, then in your learner's folder"
 
 
@@ -31,8 +32,7 @@ def build_parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
 
-    folder_commands.add_to(verbs)
-    hub_command.add_to(verbs)
+    _add_folder_verbs(verbs)
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
     grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
@@ -64,8 +64,56 @@ def build_parser() -> argparse.ArgumentParser:
 
     doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
     doctor.set_defaults(run=_doctor)
-    added_exercises.describe_in(parser)
+    for one in _with_commands(parser):
+        one.add_argument(
+            _EXERCISES,
+            metavar="DIR",
+            help="add the exercises in DIR, or the one that DIR is; may be repeated; COURSE_EXERCISES does the same",
+        )
     return parser
+
+
+def _with_commands(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    yield parser
+    for action in parser._actions:  # noqa: SLF001 - argparse has no other way to its commands
+        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
+            for command in action.choices.values():
+                yield from _with_commands(command)
+
+
+def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """What opens the course, and what keeps the learner's folder."""
+    lab = verbs.add_parser(
+        "lab",
+        help="open the course in JupyterLab",
+        usage="course-kit lab [DIR] [OPTIONS]",
+        description="DIR is your folder, made or brought up to date. Left out, it is the one you are in, else "
+        "my-course in a clone of the course, else ros2-course in your home directory.",
+        epilog="OPTIONS go to `jupyter lab`.",
+    )
+    lab.set_defaults(run=_lab, others=[])
+
+    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or complete it")
+    copy.add_argument("path", nargs="?", type=Path, help="the folder; if left out, the one that `lab` opens")
+    copy.set_defaults(run=_copy, restore=True)
+
+    update = verbs.add_parser(
+        "update",
+        help="bring your folder up to date with the course; what you have changed stays",
+        description="New versions of what you have not changed replace the old ones. A new version of what you have "
+        "changed is laid beside yours.",
+    )
+    update.add_argument("path", nargs="?", type=Path, help="your folder; if left out, the one that `lab` opens")
+    update.set_defaults(run=_copy, restore=False)
+
+    hub = verbs.add_parser(
+        "hub-singleuser",
+        help="started by a JupyterHub for each user, as its c.Spawner.cmd",
+        usage="course-kit hub-singleuser [OPTIONS]",
+        description="Makes the user's folder of lessons, or brings it up to date, then starts jupyterhub-singleuser.",
+        epilog="OPTIONS go to `jupyterhub-singleuser`.",
+    )
+    hub.set_defaults(run=_hub, others=[])
 
 
 def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -79,7 +127,9 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     listing.add_argument("--format", choices=("text", "json"), default="text")
     listing.set_defaults(run=_list)
 
-    drills_command.add_to(verbs)
+    drills = verbs.add_parser("drills", help="list the drills, small repairs for practice; or begin one")
+    drills.add_argument("drill", nargs="?", help="the drill's id, e.g. empty_dashboard")
+    drills.set_defaults(run=_drills)
 
     hint = verbs.add_parser("hint", help="give one more hint for what failed last")
     hint.add_argument("exercise", help="the exercise's id")
@@ -101,18 +151,13 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Returns:
-        0 when it went well or the grade is a pass, 1 for a grade below the pass mark or a failing check of
-        `doctor`, 2 when it could not be done; 130 after Ctrl-C.
-    """
+    """Run the command line."""
     environment.heed_interrupts()
     if arguments is None:
         streams.read_names_as_utf_8()
     parser = build_parser()
     arguments = sys.argv[1:] if arguments is None else arguments
-    folders, words = added_exercises.taken_out(arguments)
+    folders, words = _without_folders(arguments)
     options, others = parser.parse_known_args(words)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
@@ -120,8 +165,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.arguments = list(arguments)
     streams.speak_to_any_terminal()
     try:
-        if (code := _add_exercises(folders)) == 0:
-            code = int(options.run(options))
+        _add_exercises(folders)
+        code = int(options.run(options))
         sys.stdout.flush()
         return code  # noqa: TRY300 - no more can go wrong
     except environment.DomainError as problem:
@@ -129,23 +174,66 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
+    except _reasons_for_people() as problem:
+        return cannot(problem)
     except BrokenPipeError:  # the reader of our output has gone, as in `course-kit doctor | head`
         sys.stderr.close()
         return 0
 
 
-def _add_exercises(folders: Sequence[str]) -> int:
-    """Add the folders that `--exercises` names; 2 where that cannot be done."""
-    if not folders:
-        return 0
-    from course_kit.grading import GradingError, exercise_folders
+def _reasons_for_people() -> type[Exception]:
+    """Errors whose text says why it could not be done; loaded when there is one."""
+    from course_kit.grading import GradingError
 
-    try:
+    return GradingError
+
+
+def _without_folders(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """What `--exercises` names, and the other arguments; it may stand anywhere.
+
+    argparse would not find an EXERCISE or FILE behind it where they can be left out.
+    """
+    named: list[str] = []
+    others: list[str] = []
+    following = iter(arguments)
+    for word in following:
+        option, is_written, value = word.partition("=")
+        if word == "--":
+            others += [word, *following]
+        elif option != _EXERCISES:
+            others.append(word)
+        elif is_written or (value := next(following, _EXERCISES)) != _EXERCISES:
+            named.append(value)
+        else:  # nothing follows: argparse says so
+            others.append(word)
+    return named, others
+
+
+def _add_exercises(folders: Sequence[str]) -> None:
+    """Add the folders that `--exercises` names."""
+    if folders:
+        from course_kit.grading import exercise_folders
+
         for sentence in exercise_folders.add(folders):
             tell(sentence)
-    except GradingError as problem:
-        return cannot(problem)
-    return 0
+
+
+def _lab(options: argparse.Namespace) -> int:
+    from course_kit.integrations import jupyter
+
+    return jupyter.run_lab(options.others)
+
+
+def _copy(options: argparse.Namespace) -> int:
+    from course_kit.learner import workspace
+
+    return workspace.copy(options.path, restore=options.restore)
+
+
+def _hub(options: argparse.Namespace) -> int:
+    from course_kit.integrations import hub
+
+    return hub.run(options.others)
 
 
 def _doctor(options: argparse.Namespace) -> int:
@@ -168,25 +256,22 @@ def _grade(options: argparse.Namespace) -> int:
     from course_kit.learner.next_step import next_step
     from course_kit.text.console import wrapped
 
-    try:
-        if options.format in autograde.FORMATS:
-            return autograde.run(options)
-        if not options.attach:  # on stderr, beside JSON as well
-            tell(grading.advice_for_root())
-        autograde.require_no_target(options)
-        if not options.attach and options.exec_command is None:
-            options.path, note = workspace.to_grade(options.exercise, options.path)
-            tell(note)
-        report = grading.grade(
-            options.exercise,
-            options.path,
-            seed=options.seed,
-            attach=options.attach,
-            exec_command=options.exec_command,
-            require_isolation=options.require_isolation,
-        )
-    except grading.GradingError as problem:
-        return cannot(problem)
+    if options.format in autograde.FORMATS:
+        return autograde.run(options)
+    if not options.attach:  # on stderr, beside JSON as well
+        tell(grading.advice_for_root())
+    autograde.require_no_target(options)
+    if not options.attach and options.exec_command is None:
+        options.path, note = workspace.to_grade(options.exercise, options.path)
+        tell(note)
+    report = grading.grade(
+        options.exercise,
+        options.path,
+        seed=options.seed,
+        attach=options.attach,
+        exec_command=options.exec_command,
+        require_isolation=options.require_isolation,
+    )
     if options.format == "json":
         streams.print_json(report.to_json())
     else:
@@ -199,24 +284,16 @@ def _grade(options: argparse.Namespace) -> int:
 
 def _watch(options: argparse.Namespace) -> int:
     try:
-        from course_kit.grading import GradingError
         from course_kit.learner import watch
     except KeyboardInterrupt:  # it has hardly begun
         return 0
-    try:
-        return watch.watch(options.exercise, options.path)
-    except GradingError as problem:
-        return cannot(problem)
+    return watch.watch(options.exercise, options.path)
 
 
 def _list(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError
     from course_kit.learner import course_list
 
-    try:
-        rows, told = course_list.rows()
-    except GradingError as problem:
-        return cannot(problem)
+    rows, told = course_list.rows()
     if options.format == "json":
         streams.print_json(course_list.to_json(rows))
     else:
@@ -226,37 +303,38 @@ def _list(options: argparse.Namespace) -> int:
     return 0
 
 
+def _drills(options: argparse.Namespace) -> int:
+    from course_kit.learner import drills
+
+    if options.drill is not None:
+        print(drills.begin(options.drill))
+        return 0
+    text, told = drills.listed(sys.stdout.encoding)
+    print(text)
+    for sentence in told:
+        tell(sentence)
+    return 0
+
+
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError
     from course_kit.learner import hints
 
-    try:
-        text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
-    except GradingError as problem:
-        return cannot(problem)
+    text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
     print(text, end="")
     tell(trouble)
     return 0
 
 
 def _reset(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError
     from course_kit.learner import starters
 
-    try:
-        return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
-    except GradingError as problem:
-        return cannot(problem)
+    return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError
     from course_kit.learner import starters
 
-    try:
-        return starters.solution(options.exercise, show=options.show, copy=options.copy)
-    except GradingError as problem:
-        return cannot(problem)
+    return starters.solution(options.exercise, show=options.show, copy=options.copy)
 
 
 if __name__ == "__main__":
