@@ -72,14 +72,16 @@ def _costs(program: ProofSubmission, seed: int, report: Report) -> bool:
 
 def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
     """The faults ("fault") or the right programs ("right") of one exercise."""
-    table = Path(__file__).parent / "faults" / f"{exercise_id}.toml"
+    table, right = (Path(__file__).parent / part for part in (f"faults/{exercise_id}.toml", f"right/{exercise_id}"))
     entries = tomllib.loads(table.read_text(encoding="utf-8")).get({"fault": "faults", "right": "right"}[kind], {})
     found = [
         ProofSubmission(
             exercise_id,
             kind,
             name,
-            ROOT / "solutions" / exercise_id / f"{exercise_id}.py",
+            right / f"{entry['base']}.py"
+            if "base" in entry
+            else ROOT / "solutions" / exercise_id / f"{exercise_id}.py",
             changes=tuple((one["old"], one["new"]) for one in entry["changes"]),
             says=entry["says"],
             breaks=tuple([entry["breaks"]] if isinstance(entry.get("breaks"), str) else entry.get("breaks", ())),
@@ -88,8 +90,7 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
         for name, entry in entries.items()
     ]
     if kind == "right":
-        folder = Path(__file__).parent / "right" / exercise_id
-        found += [ProofSubmission(exercise_id, kind, path.stem, path) for path in sorted(folder.glob("*.py"))]
+        found += [ProofSubmission(exercise_id, kind, path.stem, path) for path in sorted(right.glob("*.py"))]
     return found
 
 
