@@ -97,6 +97,9 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
     called = attention.labels(book)
     if alike is None and book.records:
         alike = lookalikes.find(book)
+    # The pairs themselves are what the groups hold.
+    comparable = alike.pairs[: comparison.MOST_PAIRS] if alike and book.root else []
+    comparison_links = {id(pair): comparison.link(place) for place, pair in enumerate(comparable)}
     return {
         "book": book,
         "called": called,
@@ -110,8 +113,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "heat_maps": [one for one in _heat_maps(book) if one.rows],
         "diagnoses": catalogue.catalogue(),
         "alike": alike,
-        "comparable": min(len(alike.pairs), comparison.MOST_PAIRS) if alike and book.root else 0,
-        "comparison_link": comparison.link,
+        "comparison_link": lambda pair: comparison_links.get(id(pair)),
         "threshold": lookalikes.THRESHOLD,
         "slowest": sorted(timed, key=lambda one: -float(one.report["duration_s"]))[:_MOST_LISTED],
         "largest": sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED],

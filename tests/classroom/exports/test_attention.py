@@ -145,5 +145,5 @@ def test_each_pair_has_its_page_and_an_earlier_runs_pages_go(tmp_path: Path) -> 
 
 def test_without_the_submissions_nothing_is_promised_to_stand_side_by_side() -> None:
     one, other = good("ann", digest="a"), good("bob", digest="b")
-    alike = lookalikes.LookAlikes((), (lookalikes.Pair(one, other, 0.9, 20),), 2, 0, ())
+    alike = lookalikes.LookAlikes(((lookalikes.Pair(one, other, 0.9),),), 2, 0, ())
     assert "side by side" not in page.render(books.book(one, other), alike)

@@ -29,6 +29,10 @@ def names(found: lookalikes.LookAlikes) -> list[tuple[str, str]]:
     return [(pair.first.entry.student, pair.second.entry.student) for pair in found.pairs]
 
 
+def groups(found: lookalikes.LookAlikes) -> list[list[str]]:
+    return [[one[0].first.entry.student, *(pair.second.entry.student for pair in one)] for one in found.groups]
+
+
 @pytest.mark.parametrize("change", [disguised, moved, lambda text: disguised(moved(text))])
 def test_a_changed_copy_looks_alike(tmp_path: Path, change: Callable[[str], str]) -> None:
     found = lookalikes.find(book(*class_of(tmp_path, ann=ORIGINAL, bob=OTHER, cid=change(ORIGINAL)), root=tmp_path))
@@ -55,10 +59,11 @@ def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == []
     class_ = class_of(tmp_path, cid=starter(), dan=starter() + "\n# mine\n")
     found = lookalikes.find(book(*class_, root=tmp_path))
-    assert (found.pairs, found.compared, found.unread) == ((), 0, 0)
+    assert (found.groups, found.compared, found.unread) == ((), 0, 0)
     class_ = class_of(tmp_path, eve=starter(), fay=starter(), gus=ORIGINAL, hal=ORIGINAL)
     found = lookalikes.find(book(*class_, root=tmp_path))
-    assert [[record.entry.student for record in group] for group in found.identical] == [["gus", "hal"]]
+    assert groups(found) == [["gus", "hal"]]
+    assert names(found) == []
 
 
 def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
@@ -66,10 +71,10 @@ def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
     class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=copied, dan=f"{copied}\n# mine")
     of_teams = [replace(record, entry=replace(record.entry, platform={"group": "red"})) for record in class_]
     found = lookalikes.find(book(*of_teams, root=tmp_path))
-    assert (found.identical, found.pairs) == ((), ())
+    assert found.groups == ()
     alone = lookalikes.find(book(*class_, root=tmp_path))
-    assert alone.identical
-    assert alone.pairs
+    assert groups(alone) == [["ann", "bob", "cid", "dan"]]
+    assert len(alone.pairs) == 2
 
 
 def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
@@ -89,13 +94,22 @@ def test_a_program_that_half_the_class_has_renamed_is_found(tmp_path: Path) -> N
     copies = {f"s{number:02}": ORIGINAL.replace("lowest", f"name{number}") for number in range(60)}
     found = lookalikes.find(book(*class_of(tmp_path, **copies, zoe=OTHER), root=tmp_path))
     assert names(found) == [("s00", f"s{number:02}") for number in range(1, 60)]
+    assert len(found.groups) == 1
     assert (found.compared, found.unread) == (61, 0)
+
+
+def test_a_copy_of_a_copy_is_in_the_group_of_the_original() -> None:
+    """The last one is less alike to the first than the threshold, and was not written alone either."""
+    own = {"ann": range(100), "bob": range(15, 115), "cid": range(30, 130), "dan": range(200, 300)}
+    [found] = lookalikes._groups([([good(student)], frozenset(prints)) for student, prints in own.items()])
+    assert [(pair.first.entry.student, pair.second.entry.student) for pair in found] == [("ann", "bob"), ("ann", "cid")]
+    assert found[0].similarity >= lookalikes.THRESHOLD > found[1].similarity
 
 
 def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:
     class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=OTHER, dan=disguised(ORIGINAL))
     found = lookalikes.find(book(*class_, root=tmp_path))
-    assert [[one.entry.student for one in group] for group in found.identical] == [["ann", "bob"]]
+    assert groups(found) == [["ann", "bob", "dan"]]
     assert names(found) == [("ann", "dan")]
 
 
@@ -112,14 +126,14 @@ def test_what_cannot_be_read_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "latin.py").write_bytes(b"# \xe9")
     gone, latin = unreadable("gone"), unreadable("latin", source="latin.py")
     found = lookalikes.find(book(gone, latin, *class_of(tmp_path, ann=ORIGINAL), root=tmp_path))
-    assert (found.compared, found.unread, found.pairs) == (1, 2, ())
+    assert (found.compared, found.unread, found.groups) == (1, 2, ())
     assert lookalikes.find(book(gone, root=None)).compared == 0
 
 
 def test_answers_of_a_quiz_are_not_compared(tmp_path: Path) -> None:
     found = lookalikes.find(book(good("ann", of=CHOICE), exercises=(CHOICE,), root=tmp_path))
     assert found.left_out == (CHOICE.title,)
-    assert found.identical == ()
+    assert found.groups == ()
 
 
 @pytest.mark.answers
