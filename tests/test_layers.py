@@ -71,7 +71,7 @@ STILL_ABOVE = {
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,
     "course_kit/grading": 12480,
-    "course_kit/graders": 2670,
+    "course_kit/graders": 2490,
     "course_kit/classroom": 7250,
     "course_kit/learner": 1530,
     "course_kit/authoring": 5750,

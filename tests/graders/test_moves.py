@@ -8,8 +8,21 @@ from typing import Any
 
 import pytest
 
-from course_kit.graders._feedback import ArenaPoint, beside, find_jump, is_spread
+from course_kit.graders._moves import (
+    ArenaPoint,
+    HastyError,
+    Move,
+    OverError,
+    distance_beside,
+    explain_refusal,
+    find_jump,
+    is_spread,
+    require_distance,
+    require_end_before,
+)
 from course_kit.grading.checks.actions import ReceivedFeedback
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, Ended
 from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.job import Job
@@ -22,12 +35,12 @@ ORIGIN = ArenaPoint(0.0, 0.0)
     [((1.0, 0.5), 0.5), ((-1.0, 0.0), 1.0), ((3.0, 0.0), 1.0), ((0.0, 0.0), 0.0), ((1.5, -0.2), 0.2)],
 )
 def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
-    assert beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(*place)) == pytest.approx(distance)
+    assert distance_beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(*place)) == pytest.approx(distance)
 
 
 def test_a_place_that_is_none_is_beside_every_way() -> None:
-    assert not beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(math.nan, 0.0)) <= 1e9
-    assert beside(ORIGIN, ORIGIN, ArenaPoint(3.0, 4.0)) == 5.0
+    assert not distance_beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(math.nan, 0.0)) <= 1e9
+    assert distance_beside(ORIGIN, ORIGIN, ArenaPoint(3.0, 4.0)) == 5.0
 
 
 @pytest.mark.parametrize(
@@ -69,6 +82,68 @@ def heard(*values: tuple[float, float]) -> list[Any]:
 def test_jumps_in_feedback_are_found(values: list[tuple[float, float]], fact: str) -> None:
     assert find_jump(heard(*values)).startswith(fact)
     assert bool(find_jump(heard(*values))) == bool(fact)
+
+
+def goal(*left: float, over_at: float | None = None, began_at: float = 0.0) -> Any:
+    """A goal to (2, 0) with feedback from where so much of the way was left."""
+    told = [SimpleNamespace(feedback=SimpleNamespace(position=SimpleNamespace(x=2.0 - one, y=0.0))) for one in left]
+    return SimpleNamespace(shown="a goal", feedback=told, over_at=over_at, began_at=began_at)
+
+
+@pytest.mark.parametrize(
+    ("code", "left", "waited_s", "slow", "kind"),
+    [
+        ("action.cancel_refused", [1.0, 0.4], 0.1, False, Failed),
+        ("action.cancel_refused", [1.0, 0.2], 0.1, False, HastyError),
+        ("action.cancel_refused", [1.0, 0.2], 0.1, True, OverError),  # so near it may be refused
+        ("action.cancel_refused", [], 0.1, False, HastyError),
+        ("action.cancel_refused", [], 0.1, True, Failed),
+        ("action.cancel_blocked", [0.1], 0.9, True, OverError),  # a second is allowed
+        ("action.cancel_blocked", [0.1], 1.1, True, HastyError),
+        ("service.blocks", [1.0], 5.0, False, Failed),
+        (None, [0.1], 0.1, False, HastyError),
+        (None, [0.1], 0.1, True, OverError),
+    ],
+)
+def test_a_refusal_counts_where_cancelling_has_to_work(
+    code: str | None, left: list[float], waited_s: float, slow: bool, kind: type
+) -> None:
+    failed = Failed(Evidence(), "", code, breaks="cancel")
+    found = explain_refusal(failed, goal(*left), ArenaPoint(2.0, 0.0), waited_s, slow=slow)
+    assert type(found) is kind
+    assert found.diagnosis != "service.blocks"
+    assert found.breaks == "cancel" or kind is OverError
+
+
+@pytest.mark.parametrize(("over_at", "overlaps"), [(5.0, False), (5.009, False), (5.05, True), (None, False)])
+def test_two_goals_overlap_by_more_than_their_statuses_may_be_late(over_at: float | None, overlaps: bool) -> None:
+    if not overlaps:
+        require_end_before(goal(over_at=over_at), goal(began_at=5.0), Evidence())
+        return
+    with pytest.raises(Failed, match="had ended"):
+        require_end_before(goal(over_at=over_at), goal(began_at=5.0), Evidence())
+
+
+@pytest.mark.parametrize(
+    ("status", "final", "travelled", "right"),
+    [
+        (SUCCEEDED, 2.0, 1.04, True),
+        (SUCCEEDED, 2.0, 1.06, False),
+        (SUCCEEDED, 2.0, 2.0, False),  # all that was driven since the start
+        (CANCELED, 1.5, 0.5, True),
+        (CANCELED, 1.5, 1.0, False),  # the whole way of a goal that was cancelled
+    ],
+)
+def test_the_distance_is_that_of_this_goal_as_far_as_it_went(
+    status: int, final: float, travelled: float, right: bool
+) -> None:
+    result = SimpleNamespace(final_position=SimpleNamespace(x=final, y=0.0), distance_travelled=travelled)
+    move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), Ended(status, result))
+    if right:
+        require_distance(move)
+        return
+    with pytest.raises(Failed):
+        require_distance(move)
 
 
 SOURCE = "\n".join(f"line_{number}()" for number in range(1, 20))

@@ -1,0 +1,444 @@
+"""Exercise 2: places in the arena, and what a client can see of a move: its feedback and its end."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from course_interfaces.action import MoveRobot
+
+from course_kit.grading.checks.goals import ABORTED, CANCELED, SUCCEEDED
+from course_kit.grading.checks.vocabulary import Evidence, Failed, drawn
+
+if TYPE_CHECKING:
+    import random
+    from collections.abc import Callable, Sequence
+
+    from course_kit.grading.checks.actions import ReceivedFeedback
+    from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.goals import CheckedGoal, Ended
+    from course_kit.grading.checks.vocabulary import GradedGoal, GradedNode
+
+ARENA = 10.0  # metres; 0 <= x, y <= ARENA
+TOLERANCE = 0.05  # metres; how near to the target a move has to end
+BESIDE = 0.1  # metres; how far from the straight way a position may lie
+LONG_M = 1.0  # from this length on feedback has to come
+ASPECTS = ("arrives", "distance", "feedback", "progress")  # of a move, each the id of a check
+_A_METRE = 5  # feedback messages
+_BARELY_BEGUN = 0.1  # the progress that the first message says at most
+_FITS = 0.05  # how well progress fits distance_remaining
+_ROUNDING = 1e-6
+_NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
+_GOOD_PART = 0.4  # of the time of a move, from the first to the last feedback
+_CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
+_NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
+_SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
+_PROMPT_S = 1.0  # within which the statuses of two goals have come
+_OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
+
+
+class OverError(Failed):
+    """What was to be seen was over before the grader could see it: it shows nothing."""
+
+
+class HastyError(Failed):
+    """A fault that might not show with the robot at its own speed: a learner's own clock keeps real time."""
+
+
+class ArenaPoint(NamedTuple):
+    """A place in the arena, in metres."""
+
+    x: float
+    y: float
+
+    def __str__(self) -> str:
+        return f"({self.x:.2f}, {self.y:.2f})"
+
+
+ORIGIN, CENTRE = ArenaPoint(0.0, 0.0), ArenaPoint(ARENA / 2, ARENA / 2)
+
+
+@dataclass
+class Speed:
+    """Kept with the conversation: whether the robot that runs now has its own speed, and how often that was needed."""
+
+    own: bool = False
+    needed: int = 0
+
+
+@dataclass(frozen=True)
+class Way:
+    """A drawn move, relative to where the robot is."""
+
+    length: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Move:
+    """A move that has ended."""
+
+    begin: ArenaPoint
+    target: ArenaPoint
+    goal: CheckedGoal
+    ended: Ended
+
+    @property
+    def length(self) -> float:
+        """The straight way, in metres."""
+        return math.dist(self.begin, self.target)
+
+
+def ways(*lengths: Any) -> Any:
+    """A drawing of a way that has one of these drawn lengths, in any direction."""
+
+    def make(rng: random.Random) -> Way:
+        return Way(rng.choice(lengths).make(rng), rng.uniform(0.0, 2.0 * math.pi))
+
+    return drawn(make)
+
+
+def allowed_s(length: float) -> float:
+    """How long a move may take."""
+    return _SLOWEST_S * length + _EXTRA_S
+
+
+def speed_of(context: CheckContext) -> Speed:
+    """At which speed the robot drives in this conversation."""
+    speed: Speed = context.conversations.setdefault(Speed, Speed())
+    return speed
+
+
+def is_slow(context: CheckContext) -> bool:
+    """Whether the robot that runs now drives at 1 m/s."""
+    return context.job.mode == "attach" or speed_of(context).own
+
+
+def place_of(point: Any) -> ArenaPoint:
+    """The place of a geometry_msgs/Point."""
+    return ArenaPoint(point.x, point.y)
+
+
+def inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
+    """The place in the arena so far away, in this direction or the next one that stays inside."""
+    for turn in range(24):
+        turned = angle + turn * 2.4
+        place = ArenaPoint(here.x + length * math.cos(turned), here.y + length * math.sin(turned))
+        if all(0.0 <= value <= ARENA for value in place):
+            return place
+    return CENTRE
+
+
+def distance_beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> float:
+    """How far a place lies from the straight way between two others, in metres; NaN for a place that is none."""
+    way = math.dist(begin, end) or 1.0  # without a way there is only its beginning
+    along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / way**2
+    along = min(max(along, 0.0), 1.0)
+    return math.dist(place, (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y)))
+
+
+def describe_end(ended: Ended) -> str:
+    """The end of a goal as the learner is shown it."""
+    result = ended.result
+    return (
+        f"{ended.name}, final_position=({result.final_position.x:.4g}, {result.final_position.y:.4g}), "
+        f"distance_travelled={result.distance_travelled:.4g}"
+    )
+
+
+def metres_left(goal: CheckedGoal, target: ArenaPoint) -> float:
+    """How far from its target the robot was at the last feedback so far; without end where there was none."""
+    heard = goal.feedback
+    return math.dist(place_of(heard[-1].feedback.position), target) if heard else math.inf
+
+
+# --- a goal and its answer
+
+
+def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoal:
+    """Send a goal."""
+    goal = node.goal("/move_robot", target={"x": target.x, "y": target.y, "z": z})
+    goal.shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
+    return goal
+
+
+def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> None:
+    """A valid goal is accepted; else find out what the server minds: this goal, all goals, or what was before."""
+    try:
+        goal.wait_for_answer("the goal accepted")
+    except Failed as failed:
+        failed.breaks = "accepted"
+        raise
+    if goal.accepted:
+        return
+    evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr
+    if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
+        if _accepts(node, target, z, afresh=True):
+            why = (
+                "No goal was running any more, and after a fresh start your node accepts this same goal: "
+                "it never clears its mark that a goal is running."
+            )
+            raise Failed(evidence, why, breaks="succeeds")
+        if not _accepts(node, CENTRE, afresh=True):
+            why = f"This goal was rejected, and one to {CENTRE} as well."
+            if _NO_RESPONSE in stderr:
+                why += " Your goal callback did not return a GoalResponse; rclpy takes that as a rejection."
+            raise Failed(evidence, why, "action.rejects_all", breaks="accepted")
+    why = f"One to {CENTRE} is accepted. This one lies in the arena, too: its edges belong to it, and z is ignored."
+    raise Failed(evidence, why, "validation.overzealous", breaks=breaks or "accepted")
+
+
+def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bool = False) -> bool:
+    """Whether the program accepts a goal, as it is or after a fresh start."""
+    with node.context.record.looking_away():
+        if afresh:
+            node.context.spoil()
+        goal = send_goal(node, target, z)
+        goal.wait_for_answer("the goal accepted")
+    return goal.accepted
+
+
+# --- one aspect of a move
+
+
+def judge(aspect: str, move: Move) -> None:
+    """One aspect of a move that ended SUCCEEDED is right."""
+    require = {
+        "arrives": require_arrival,
+        "distance": require_distance,
+        "feedback": require_enough,
+        "progress": require_truth,
+    }[aspect]
+    try:
+        require(move)
+    except Failed as failed:
+        failed.breaks = aspect
+        raise
+
+
+def require_arrival(move: Move) -> None:
+    """The result says that the robot is at the target."""
+    off = math.dist(place_of(move.ended.result.final_position), move.target)
+    if off <= TOLERANCE:
+        return
+    expected = f"SUCCEEDED, final_position within {TOLERANCE} m of {move.target}"
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    if _is_blank(move.ended.result):
+        raise Failed(evidence, "The result still has its default values: your callback set none of its fields.")
+    raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
+
+
+def require_distance(move: Move) -> None:
+    """The result says how long the way was."""
+    travelled, arrived = move.ended.result.distance_travelled, move.ended.status == SUCCEEDED
+    end = move.target if arrived else place_of(move.ended.result.final_position)
+    length = math.dist(move.begin, end)
+    tolerance = max(TOLERANCE, 0.05 * length)
+    if abs(travelled - length) <= tolerance:
+        return
+    expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    if abs(travelled - math.dist(ORIGIN, end)) <= tolerance:
+        why = f"That is the distance from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
+    else:
+        why = "distance_travelled is not the length of this move alone."
+    raise Failed(evidence, why)
+
+
+def require_enough(move: Move) -> None:
+    """A move of 1 m or more comes with enough feedback, all along."""
+    if move.length < LONG_M:
+        return
+    enough = math.floor(_A_METRE * move.length + _ROUNDING)
+    heard = move.goal.wait_for_last_feedback(lambda messages: len(messages) >= enough)
+    expected = f"at least {enough} feedback messages, spread over the move of {move.length:.2g} m"
+    if len(heard) < enough:
+        count = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
+        why = f"A client saw {count} of a move of {move.length:.2g} m."
+        raise HastyError(Evidence(move.goal.shown, expected, count), why, "action.no_feedback")
+    times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
+    began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
+    if not is_spread([time for time in times if time <= over], began, over):
+        got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
+        evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
+        raise HastyError(evidence, "The messages came in one burst, not spread over the move.", "action.late_feedback")
+
+
+def is_spread(times: Sequence[float], began: float, over: float) -> bool:
+    """Whether feedback took a good part of a move, with one in the middle third of that."""
+    if not times:
+        return False
+    first, last = times[0], times[-1]
+    third = (last - first) / 3.0
+    between = any(first + third <= time <= last - third for time in times)
+    return between and last - first >= _GOOD_PART * (over - began)
+
+
+def require_truth(move: Move) -> None:
+    """What feedback says of a move is true; of a long one that has arrived it is told from its beginning to its end."""
+    long, arrived = move.length >= LONG_M, move.ended.status == SUCCEEDED
+
+    def is_complete(messages: Sequence[ReceivedFeedback]) -> bool:
+        return not (long and arrived) or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
+
+    heard = move.goal.wait_for_last_feedback(is_complete)
+    expected = f"progress from 0 to 1, distance_remaining shrinking, {move.begin} to {move.target}"
+    if not heard:
+        if long and arrived:
+            why = "There was no feedback during this move."
+            raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), why)
+        return
+    if found := find_jump(heard):
+        evidence = Evidence(move.goal.shown, expected, found)
+        why = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
+        raise Failed(evidence, why, "action.feedback_not_monotonic")
+    for one in heard:
+        _require_on_the_way(move, one.feedback)
+    if long and arrived:
+        _require_from_begin_to_end(move, heard, expected)
+    if long:
+        for one in heard:
+            _require_own_part(move, one.feedback)
+
+
+def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
+    """The first two messages between which progress falls or the distance left grows; empty when there are none."""
+    values = [one.feedback for one in feedback]
+    for value in values:
+        if not -_ROUNDING <= value.progress <= 1.0 + _ROUNDING:
+            return f"progress={value.progress!r}, which is not between 0 and 1"
+    for before, after in itertools.pairwise(values):
+        if not after.progress >= before.progress - _ROUNDING:
+            return f"progress={before.progress!r}, then {after.progress!r}"
+        if not after.distance_remaining <= before.distance_remaining + _ROUNDING:
+            return f"distance_remaining={before.distance_remaining!r}, then {after.distance_remaining!r}"
+    return ""
+
+
+def _require_on_the_way(move: Move, feedback: Any) -> None:
+    place = place_of(feedback.position)
+    off = distance_beside(move.begin, move.target, place)
+    blank = " Was feedback.position filled in?" if place == ORIGIN else ""
+    if not off <= BESIDE:
+        evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight line", f"{place}")
+        raise Failed(evidence, f"This position lies {off:.2g} m away from the straight line to the target.{blank}")
+    left = math.dist(place, move.target)
+    if not abs(feedback.distance_remaining - left) <= BESIDE:
+        wanted = f"distance_remaining within {BESIDE} m of {left:.3g} m, the way from {place}"
+        evidence = Evidence(move.goal.shown, wanted, f"distance_remaining={feedback.distance_remaining:.4g}")
+        # The robot may have moved between the two; at its own speed not that far.
+        why = "The distance left is not that from the position in the same message to the target."
+        raise HastyError(evidence, f"{why}{blank}")
+
+
+def _require_from_begin_to_end(move: Move, heard: Sequence[ReceivedFeedback], expected: str) -> None:
+    first, last = heard[0].feedback, heard[-1].feedback
+    got = f"{len(heard)} messages, progress={first.progress:.4g} to {last.progress:.4g}"
+    evidence = Evidence(move.goal.shown, f"{expected}; progress at most {_BARELY_BEGUN} at first", got)
+    if not last.distance_remaining <= TOLERANCE:
+        why = f"The last feedback said progress={last.progress:.4g}: publish one more when the robot arrives."
+        raise HastyError(evidence, why)
+    begun = 1.0 - math.dist(place_of(first.position), move.target) / move.length
+    if min(first.progress, begun) > _BARELY_BEGUN + _ROUNDING:
+        why = f"The first feedback said progress={first.progress:.4g}: publish one before a tenth of the way is done."
+        raise HastyError(evidence, why)
+
+
+def _require_own_part(move: Move, feedback: Any) -> None:
+    wanted = 1.0 - feedback.distance_remaining / move.length
+    if not abs(feedback.progress - wanted) <= _FITS + _ROUNDING:
+        got = f"progress={feedback.progress:.4g} with distance_remaining={feedback.distance_remaining:.4g}"
+        expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole way"
+        why = f"progress={feedback.progress:.4g} is not the part of this goal's own way that is done."
+        raise HastyError(Evidence(move.goal.shown, expected, got), why)
+
+
+def require_limits(goal: CheckedGoal) -> None:
+    """Progress stays in 0 to 1 where there is no way to go and no feedback is needed."""
+    if found := find_jump(goal.wait_for_last_feedback(lambda _: True)):
+        evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
+        why = "A goal at the present position needs no feedback, but progress goes from 0 to 1."
+        raise Failed(evidence, why, breaks="already_there")
+
+
+# --- a move that is cancelled
+
+
+def explain_refusal(failed: Failed, goal: CheckedGoal, target: ArenaPoint, waited_s: float, *, slow: bool) -> Failed:
+    """Whether cancelling that was not accepted in time was refused indeed, or may the robot have been there already?"""
+    left, code = metres_left(goal, target), failed.diagnosis
+    if code == "service.blocks":
+        failed.diagnosis = "action.cancel_blocked"
+        return failed
+    if code == "action.cancel_refused" and left > _CANCEL_UNTIL_M and (slow or goal.feedback):
+        return failed
+    if slow and not (code == "action.cancel_blocked" and waited_s > _PROMPT_S):
+        return OverError(failed.evidence, failed.message)
+    return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
+
+
+def require_stop(move: Move, *, short: bool) -> None:
+    """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
+    goal, ended, target = move.goal, move.ended, move.target
+    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, short of the target", describe_end(ended))
+    stopped, seen = place_of(ended.result.final_position), _last_seen(move)
+    if math.dist(stopped, target) <= TOLERANCE and ended.status in (SUCCEEDED, CANCELED):
+        if ended.status == CANCELED if seen is None else math.dist(seen, target) > _NEAR_M:
+            where = "it was cancelled at once" if seen is None else f"the last feedback said that it was at {seen}"
+            raise HastyError(evidence, f"The result says that the robot is at the target, but {where}.")
+        if short:
+            why = "Your server agreed to cancel the goal, but the robot drove on to its target."
+            raise HastyError(evidence, why, "action.cancel_ignored")
+        return
+    goal.require_status(ended, CANCELED, evidence)
+    moved = seen is not None and math.dist(move.begin, seen) > BESIDE
+    if _is_blank(ended.result) and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be the truth
+        why = "The result still has its default values: your callback set none of its fields when it was cancelled."
+        raise Failed(evidence, why)
+    if not distance_beside(move.begin, target, stopped) <= BESIDE:
+        why = f"The robot was driving from {move.begin} to {target}, so it cannot have stopped there."
+        raise Failed(evidence, why, breaks="progress")
+    if seen is not None and math.dist(move.begin, stopped) < math.dist(move.begin, seen) - BESIDE:
+        why = f"The last feedback said {seen}, but the result says {stopped}: the robot cannot have driven back."
+        raise Failed(evidence, why, breaks="progress")
+
+
+def _last_seen(move: Move) -> ArenaPoint | None:
+    """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
+    seen = [place_of(one.feedback.position) for one in move.goal.feedback]
+    on_the_way = (place for place in reversed(seen) if distance_beside(move.begin, move.target, place) <= BESIDE)
+    return next(on_the_way, None)
+
+
+def _is_blank(result: Any) -> bool:
+    """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
+    return bool(result == MoveRobot.Result())
+
+
+# --- two goals
+
+
+def require_one_at_a_time(
+    first: CheckedGoal, second: CheckedGoal, evidence: Evidence, wait_until: Callable[[Callable[[], bool], float], bool]
+) -> None:
+    """Of two goals that were accepted the server's own statuses say whether both ran at the same time."""
+    wait_until(lambda: bool(first.began_at and second.began_at), _PROMPT_S)
+    later = max(first.began_at, second.began_at)
+    if any(goal.over_at is not None and goal.over_at <= later for goal in (first, second)):
+        raise OverError(evidence, "One goal was over before the other began.")
+    wait_until(lambda: first.over_at is not None, _PROMPT_S)
+    if first.over_at is not None and first.statuses[-1][1] in (ABORTED, CANCELED):
+        why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
+        raise Failed(evidence, why, breaks="second_goal")
+    both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
+    why = "Your server accepted a second goal while the first was still running."
+    raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")
+
+
+def require_end_before(first: CheckedGoal, second: CheckedGoal, evidence: Evidence) -> None:
+    """A goal that was being cancelled had ended when the second was accepted; both have ended."""
+    if (first.over_at or 0.0) > second.began_at + _OVERLAP_S:
+        why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
+        raise Failed(evidence, why, breaks="second_goal")
