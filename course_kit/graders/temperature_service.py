@@ -107,7 +107,7 @@ def fits(sample: Sample, value: float) -> bool:
 def exact(sample: Sample, value: float) -> bool:
     """Whether `value` has every digit that counts; the same number where nothing is converted."""
     if sample.from_unit == sample.to_unit:
-        return value == sample.value
+        return value.hex() == sample.value.hex()  # bit for bit: the sign of zero, too
     if abs(sample.value) > _LARGEST:
         return fits(sample, value)
     right = _exact_value(sample)
@@ -148,7 +148,7 @@ class Temperatures(Model):
         """No digit is lost."""
         self.converts(node, Sample(case[0], *case[1]), right=exact)
 
-    @rule("same_unit", unit=either(*UNITS), value=either(0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY))
+    @rule("same_unit", unit=either(*UNITS), value=either(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY))
     def same(self, node: GradedNode, unit: str, value: float) -> None:
         """A unit converted to itself."""
         self.converts(node, Sample(value, unit, unit), right=exact)
@@ -161,11 +161,14 @@ class Temperatures(Model):
             *((unit, word) for word, unit in zip((*_ODD, *_NEAR), UNITS * 20, strict=False)),
             *((word, word) for word in ("kelvin", "", "Celsius")),
         ),
+        times=either(1, 2),
     )
-    def unknown(self, node: GradedNode, value: float, units: tuple[str, str]) -> None:
-        """An unknown unit is refused."""
+    def unknown(self, node: GradedNode, value: float, units: tuple[str, str], times: int) -> None:
+        """An unknown unit is refused, the same one twice running, too."""
         wrong = [repr(unit) for unit in dict.fromkeys(units) if unit not in UNITS]
-        self.refuses(node, Sample(value, *units), f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}")
+        what = f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}"
+        for _ in range(times):
+            self.refuses(node, Sample(value, *units), what)
 
     @rule(
         "not_a_number",
@@ -388,7 +391,8 @@ def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[s
     if answers[0][0].from_unit == answers[0][0].to_unit:
         changed = max(abs(got - sample.value) for sample, got in answers)
         if changed < _CALCULATED:
-            return _FORMULA, f"It is off by {changed:.2g}: a value that needs no conversion was calculated or rounded."
+            off = f"It is off by {changed:.2g}" if changed else "The sign of zero was lost"
+            return _FORMULA, f"{off}: a value that needs no conversion was calculated or rounded."
     elif all(_same(got, sample.value) for sample, got in answers):
         return _FORMULA, "They are the values we sent: nothing was converted."
     if all(got == 0.0 for _, got in answers):
