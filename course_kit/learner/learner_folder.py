@@ -27,15 +27,11 @@ class Update:
 
     renewed: list[str] = field(default_factory=list)
     beside: dict[str, str] = field(default_factory=dict)
-    taken_over: list[str] = field(default_factory=list)
     removed: list[str] = field(default_factory=list)
 
-    def sentences(self, folder: Path) -> list[str]:
+    def sentences(self) -> list[str]:
         """What to tell the learner; nothing where nothing of theirs is concerned."""
         told = []
-        if self.taken_over:
-            changed = _listed(self.taken_over)
-            told.append(f"You changed {changed} in the course's own folder. {folder} starts with your versions.")
         if self.renewed:
             told.append(f"New version of {_listed(self.renewed)}; you had not changed the old one.")
         if self.beside:
@@ -48,19 +44,12 @@ class Update:
         return told
 
 
-def update(folder: Path, course: Mapping[str, bytes], own: Mapping[str, bytes], *, restore: bool = False) -> Update:
+def update(folder: Path, course: Mapping[str, bytes], *, restore: bool = False) -> Update:
     """Bring a learner's folder up to date, or make it."""
     known = _read_manifest(folder)
-    if known is None:
-        known = {}
-        taken_over = [path for path in own if path in course and not (folder / path).exists()]
-    else:
-        taken_over = []
-    done = Update(taken_over=taken_over)
+    done = Update()
     for path, content in course.items():
-        if path in taken_over:
-            environment.write_atomically(folder / path, own[path])
-        elif restore and not (folder / path).exists():
+        if restore and not (folder / path).exists():
             environment.write_atomically(folder / path, content, durable=False)
         else:
             _update_file(folder, path, content, known.get(path), done)
@@ -108,15 +97,15 @@ def _lay_beside(file: Path, content: bytes) -> str:
     return name
 
 
-def _read_manifest(folder: Path) -> dict[str, str] | None:
-    """By path the hash of what was handed out; None where nobody knows."""
+def _read_manifest(folder: Path) -> dict[str, str]:
+    """By path the hash of what was handed out; empty where nobody knows."""
     try:
         content: Any = json.loads((folder / environment.MANIFEST).read_bytes())
         found = content["handed_out"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None
+        return {}
     if not isinstance(found, dict):
-        return None
+        return {}
     return {path: value for path, value in found.items() if isinstance(value, str) and _is_inside(path)}
 
 

@@ -1,4 +1,4 @@
-"""What git knows of a clone's files that somebody has changed in it, before or instead of in a learner's folder."""
+"""What git knows of a clone's files that somebody has changed in it: learners get the committed ones."""
 
 from __future__ import annotations
 

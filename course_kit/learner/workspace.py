@@ -48,7 +48,6 @@ sys.exit(main())' "$@"
 # A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
 _IN_AUTHORS_COURSE = (environment.PACKAGE / "authoring").is_dir()
 _AT_ONCE_S = 60.0  # files that one download or one copy wrote are of one age
-_WORK = (".ipynb", ".py")  # what a learner changes
 _LEFT_OUT = shutil.ignore_patterns(
     ".ipynb_checkpoints", "__pycache__", "*.backup-*", f"*.{learner_folder.BESIDE}*", "solution", exercise_folders.PROOF
 )
@@ -98,15 +97,13 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> bool:
     target.parent.mkdir(parents=True, exist_ok=True)
     in_clone = target.parent == root
     committed = {} if environment.checkout() is None else own_versions.committed(root, environment.COPIED)
-    course, own = {}, {}
+    course = {}
     for source in _files(root):
         path = source.relative_to(root).as_posix()
         content = source.read_bytes()
         shipped = committed.get(path) or _pristine(source)
         course[path] = handed_out.as_handed_out(source.name, content if shipped is None else shipped)
-        if in_clone and shipped and source.suffix in _WORK and _differ(path, shipped, content):
-            own[path] = handed_out.of_this_python(content) if source.suffix == ".ipynb" else content
-    told = learner_folder.update(target, course, own, restore=restore).sentences(target)
+    told = learner_folder.update(target, course, restore=restore).sentences()
     for sentence in told:
         tell(sentence)
     with suppress(OSError):  # a convenience: `course-kit` does the same
@@ -129,10 +126,6 @@ def _put_command(root: Path, target: Path) -> None:
     elif not command.exists() or (command.is_symlink() and command.readlink() != root / _COMMAND):
         command.unlink(missing_ok=True)
         command.symlink_to(root / _COMMAND)
-
-
-def _differ(path: str, one: bytes, other: bytes) -> bool:
-    return handed_out.digest(path, one) != handed_out.digest(path, other)
 
 
 def _my_folder() -> Path:

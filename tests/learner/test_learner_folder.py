@@ -13,7 +13,7 @@ from ipykernel.ipkernel import IPythonKernel
 from course_kit import environment
 from course_kit.environment import LEARNER_FOLDER
 from course_kit.learner import handed_out, learner_folder, workspace
-from tests.course_copy import REPOSITORY, TEMPERATURE, Course, copy_course
+from tests.course_copy import REPOSITORY, TEMPERATURE, Course, copy_course, starter
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -51,50 +51,50 @@ def test_a_notebook_opens_without_outputs_and_jupyterlab_has_nothing_to_add() ->
 
 def test_what_was_not_changed_becomes_the_new_version(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("old", "it was run"))
-    assert learner_folder.update(folder, given((LESSON, "old")), {}).sentences(folder) == []
+    assert learner_folder.update(folder, given((LESSON, "old"))).sentences() == []
     assert cell_of(folder / LESSON)["outputs"], "an update without news takes away what the cells have shown"
-    done = learner_folder.update(folder, given((LESSON, "new")), {})
+    done = learner_folder.update(folder, given((LESSON, "new")))
     assert done.renewed == [LESSON]
     assert cell_of(folder / LESSON)["source"] == ["new"]
 
 
 def test_what_was_changed_stays_and_the_new_version_lies_beside_it_once(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("mine"))
-    assert learner_folder.update(folder, given((LESSON, "old")), {}).sentences(folder) == []
-    [said] = learner_folder.update(folder, given((LESSON, "new")), {}).sentences(folder)
+    assert learner_folder.update(folder, given((LESSON, "old"))).sentences() == []
+    [said] = learner_folder.update(folder, given((LESSON, "new"))).sentences()
     assert "01_lesson.new-version.ipynb" in said
     assert cell_of(folder / LESSON)["source"] == ["mine"]
     assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["new"]
-    assert learner_folder.update(folder, given((LESSON, "new")), {}).sentences(folder) == []
+    assert learner_folder.update(folder, given((LESSON, "new"))).sentences() == []
     (folder / "notebooks/01_lesson.new-version.ipynb").write_bytes(notebook("mine, too"))
-    learner_folder.update(folder, given((LESSON, "newest")), {})
+    learner_folder.update(folder, given((LESSON, "newest")))
     assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["mine, too"]
     assert cell_of(folder / "notebooks/01_lesson.new-version-2.ipynb")["source"] == ["newest"]
 
 
 def test_what_was_deleted_comes_back_only_as_a_new_version_or_when_asked_for(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     (folder / LESSON).unlink()
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     assert not (folder / LESSON).exists()
-    learner_folder.update(folder, given((LESSON, "old")), {}, restore=True)
+    learner_folder.update(folder, given((LESSON, "old")), restore=True)
     assert (folder / LESSON).exists()
     (folder / LESSON).unlink()
-    learner_folder.update(folder, given((LESSON, "new")), {})
+    learner_folder.update(folder, given((LESSON, "new")))
     assert cell_of(folder / LESSON)["source"] == ["new"]
 
 
 def test_what_the_course_no_longer_has_goes_unless_it_was_changed(tmp_path: Path) -> None:
     folder, other = tmp_path / "mine", "notebooks/02_lesson.ipynb"
-    learner_folder.update(folder, given((LESSON, "one"), (other, "two")), {})
+    learner_folder.update(folder, given((LESSON, "one"), (other, "two")))
     (folder / other).write_bytes(notebook("mine"))
     left = given(("notebooks/03_lesson.ipynb", "three"))
-    assert learner_folder.update(folder, left, {}).removed == [LESSON]
+    assert learner_folder.update(folder, left).removed == [LESSON]
     assert not (folder / LESSON).exists()
     assert cell_of(folder / other)["source"] == ["mine"]
 
@@ -105,10 +105,10 @@ OUTSIDE = '{"handed_out": {"../../out.py": "x", "/out.py": "x"}}'
 @pytest.mark.parametrize("damage", ["", "{", '{"handed_out": 1}', OUTSIDE])
 def test_a_damaged_manifest_costs_no_work(damage: str, tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("mine"))
     (folder / environment.MANIFEST).write_text(damage)
-    learner_folder.update(folder, given((LESSON, "old")), {})
+    learner_folder.update(folder, given((LESSON, "old")))
     assert cell_of(folder / LESSON)["source"] == ["mine"]
 
 
@@ -123,15 +123,18 @@ def clone(tmp_path: Path) -> Course:
     return course
 
 
-def test_the_folder_in_a_clone_takes_over_what_was_changed_there_and_git_ignores_it(clone: Course) -> None:
+def test_the_folder_in_a_clone_begins_with_the_commit_and_git_ignores_it(clone: Course) -> None:
     (clone.root / LESSON).write_bytes(notebook("mine", "run"))
     (clone.root / PROGRAM).write_text("print('mine')\n")
     made = clone.run("copy")
     assert made.returncode == 0, made.stderr
     folder = clone.root / LEARNER_FOLDER
-    assert f"You changed {LESSON}, {PROGRAM} in" in made.stderr
-    assert (cell_of(folder / LESSON)["source"], cell_of(folder / LESSON)["outputs"] != []) == (["mine"], True)
-    assert (folder / PROGRAM).read_text() == "print('mine')\n"
+    assert cell_of(folder / LESSON)["source"] == ["ours"]
+    assert (folder / PROGRAM).read_bytes() == starter(clone.root.parent).read_bytes()
+    assert cell_of(clone.root / LESSON)["source"] == ["mine"], "work in the clone itself is lost"
+    assert (clone.root / PROGRAM).read_text() == "print('mine')\n"
+    (folder / LESSON).write_bytes(notebook("mine", "run"))
+    (folder / PROGRAM).write_text("print('mine')\n")
     assert not list(folder.rglob("solution*"))
     status = subprocess.run(
         ["git", "status", "--porcelain", "."], cwd=clone.root, capture_output=True, text=True, check=True
@@ -183,21 +186,21 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
 
 def test_a_course_that_is_incomplete_for_a_moment_takes_nothing_away(tmp_path: Path) -> None:
     folder, course = tmp_path / "mine", {**given((LESSON, "a")), PROGRAM: b"starter\n"}
-    learner_folder.update(folder, course, {})
-    learner_folder.update(folder, given((LESSON, "a")), {})
+    learner_folder.update(folder, course)
+    learner_folder.update(folder, given((LESSON, "a")))
     assert (folder / PROGRAM).read_bytes() == b"starter\n"
     (folder / PROGRAM).write_bytes(b"mine\n")
-    learner_folder.update(folder, {**given((LESSON, "a")), "exercises/other.py": b""}, {})
-    assert learner_folder.update(folder, course, {}).beside == {}, "what comes back unchanged is taken for new"
+    learner_folder.update(folder, {**given((LESSON, "a")), "exercises/other.py": b""})
+    assert learner_folder.update(folder, course).beside == {}, "what comes back unchanged is taken for new"
     assert (folder / PROGRAM).read_bytes() == b"mine\n"
 
 
 def test_a_folder_in_place_of_a_file_stops_no_update(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"}, {})
+    learner_folder.update(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"})
     (folder / PROGRAM).unlink()
     (folder / PROGRAM).mkdir()
-    done = learner_folder.update(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"}, {})
+    done = learner_folder.update(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"})
     assert done.renewed == [LESSON]
     assert list(done.beside) == [PROGRAM]
 
