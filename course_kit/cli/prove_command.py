@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.text.console import cannot, tell
@@ -30,11 +29,6 @@ def add_to(verbs: Any) -> None:
     )
     parser.add_argument("exercise", metavar="EXERCISE")
     parser.add_argument("--quick", action="store_true", help="under a minute: a sample of the mistakes, no repeats")
-    parser.add_argument("--resume", action="store_true", help="go on where the last run was stopped")
-    parser.add_argument(
-        "--page", type=Path, metavar="FILE", help="write a page with the solution's lines, and what sees them"
-    )
-    parser.add_argument("--json", action="store_true", help="print everything as JSON")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
     parser.add_argument(
         "--seeds", type=_count, metavar="N", help="other seeds for a mistake that gets full marks (2; 40 for answers)"
@@ -56,17 +50,13 @@ def run(options: argparse.Namespace) -> int:
     progress = table.ProveProgress(sys.stderr)
     try:
         proof = _proof(options, progress)
-        if options.page:
-            _write_page(proof, options.page)
     except GradingError as problem:
         return cannot(problem)
-    except OSError as problem:
-        return cannot(f"{problem.filename or 'A file'} could not be written: {problem.strerror}.")
     except KeyboardInterrupt:
         sys.stderr.write("\n" if sys.stderr.isatty() else "")
-        tell(f"Stopped after {progress.graded} gradings, which are kept. Go on with: {_again(options)}")
+        tell(f"Stopped after {progress.graded} gradings.")
         return _INTERRUPTED
-    print(table.as_json(proof) if options.json else table.as_text(proof))
+    print(table.as_text(proof))
     return 0 if proof.holds else 1
 
 
@@ -77,30 +67,12 @@ def _proof(options: argparse.Namespace, progress: ProveProgress) -> GraderProof:
     task = exercise.load(options.exercise)
     how = proving.HowToProve(
         quick=options.quick,
-        resume=options.resume,
         seed=options.seed,
         repeat=options.repeat,
         workers=options.workers,
         more_seeds=options.seeds,
     )
     return proving.prove(task, places.of(task), how, progress)
-
-
-def _write_page(proof: GraderProof, path: Path) -> None:
-    from course_kit import environment
-    from course_kit.authoring.prove import page
-
-    environment.write_atomically(path, page.render_proof(proof))
-    tell(f"The page is {path}.")
-
-
-def _again(options: argparse.Namespace) -> str:
-    from course_kit import environment
-
-    words = [environment.command(), "prove", options.exercise, "--resume"]
-    words += ["--quick"] if options.quick else []
-    words += [] if options.seed == 1 else ["--seed", str(options.seed)]
-    return " ".join(words)
 
 
 def _count(text: str) -> int:

@@ -1,11 +1,10 @@
-"""Where an exercise's solution lies, what is declared about it, and where verdicts are kept."""
+"""Where an exercise's solution lies, and what is declared about it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit import environment
 from course_kit.authoring.prove import equivalent
 
 if TYPE_CHECKING:
@@ -21,16 +20,14 @@ class ProofPlaces:
     Attributes:
         solution: the solution, which has to be there.
         declared: the mutants that are declared as equivalent; it need not be there.
-        store: the verdicts, for a run that was stopped.
     """
 
     solution: Path
     declared: Path
-    store: Path
 
 
 def of(exercise: Exercise) -> ProofPlaces:
     """The files of an exercise; its declarations lie in its own proof set, or else beside its solution."""
     own = exercise.solution.is_relative_to(exercise.folder)
     declared = (exercise.folder / "proof" if own else exercise.solution.parent) / equivalent.FILE
-    return ProofPlaces(exercise.solution, declared, environment.state_dir() / "prove" / f"{exercise.id}.jsonl")
+    return ProofPlaces(exercise.solution, declared)

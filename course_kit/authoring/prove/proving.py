@@ -10,7 +10,7 @@ from course_kit.authoring import gradings
 from course_kit.authoring.prove import equivalent, mutants, variants
 from course_kit.authoring.prove.outcome import GraderProof, MutantOutcome, VariantOutcome
 from course_kit.authoring.prove.program import ParsedProgram
-from course_kit.authoring.prove.verdicts import ProgramGrader, Request, Store, Verdict, verdict_of
+from course_kit.authoring.prove.verdicts import ProgramGrader, Request, Verdict, verdict_of
 from course_kit.authoring.rules import outcome
 from course_kit.grading.errors import GradingError
 
@@ -37,7 +37,6 @@ class HowToProve:
 
     Attributes:
         quick: take under a minute: a sample of the mutants, nothing repeated.
-        resume: keep the verdicts of a run that was stopped.
         seed: what the checks draw from.
         repeat: how often right programs are graded again while the processors are kept busy.
         workers: how many gradings run at a time; as many as fit this machine when 0.
@@ -45,7 +44,6 @@ class HowToProve:
     """
 
     quick: bool = False
-    resume: bool = False
     seed: int = 1
     repeat: int = 2
     workers: int = 0
@@ -157,13 +155,12 @@ def prove(exercise: Exercise, places: ProofPlaces, how: HowToProve, watcher: Pro
 
     Raises:
         GradingError: it cannot be done; the text says why.
-        OSError: the verdicts cannot be kept.
     """
     began = time.monotonic()
     source = _text(places.solution)
     made, right = mutants.of(source), variants.of(source, own_start=exercise.practice)
     entries = equivalent.read(places.declared)
-    with ProgramGrader(exercise, Store(places.store, exercise, resume=how.resume), how.workers) as grader:
+    with ProgramGrader(exercise, how.workers) as grader:
         run = _Proving(exercise, source, grader, how, watcher)
         report = run.of_the_solution()
         verdicts = run.mutants(made, right)

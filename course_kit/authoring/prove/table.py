@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from typing import TYPE_CHECKING, TextIO
 
@@ -14,7 +13,6 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.prove.outcome import GraderProof, MutantOutcome
 
-FORMAT_VERSION = 1
 _WIDTH = 100
 _EACH = 50  # gradings from one line of progress to the next, where lines cannot be written over
 _UNKNOWN = "(unknown: no check sees a mistake on this line or beside it)"
@@ -63,28 +61,6 @@ def as_text(proof: GraderProof) -> str:
             lines += wrapped(f"✗ {problem}", following="    ", width=_WIDTH)
         lines.append("")
     return "\n".join([*lines, *_summary(proof)])
-
-
-def as_json(proof: GraderProof) -> str:
-    """The same as data, with every mutant."""
-    return json.dumps(
-        {
-            "format_version": FORMAT_VERSION,
-            "exercise": proof.exercise.id,
-            "proven": proof.holds,
-            "quick": proof.quick,
-            "seed": proof.seed,
-            "duration_s": round(proof.duration_s, 1),
-            "counts": {state: len(proof.of(state)) for state in (SEEN, SURVIVED, EQUIVALENT, BY_CHANCE, NOT_GRADED)},
-            "problems": problems(proof),
-            "mutants": [_mapping(proof, one) for one in proof.mutants],
-            "right_programs": [
-                {"name": one.name, "verdicts": [verdict.shown for verdict in one.verdicts]} for one in proof.variants
-            ],
-        },
-        indent=2,
-        ensure_ascii=False,
-    )
 
 
 def about(proof: GraderProof, one: MutantOutcome) -> list[str]:
@@ -142,19 +118,3 @@ def _summary(proof: GraderProof) -> Iterator[str]:
     else:
         found = "NOT PROVEN."
     yield f"{found} (seed {proof.seed}, {proof.duration_s:.0f} s)"
-
-
-def _mapping(proof: GraderProof, one: MutantOutcome) -> dict[str, object]:
-    return {
-        "key": one.mutant.key,
-        "operator": one.mutant.operator,
-        "line": one.mutant.line,
-        "before": one.mutant.before,
-        "after": one.mutant.after,
-        "ordinal": one.mutant.ordinal,
-        "diff": list(one.mutant.diff),
-        "state": one.state,
-        "seen_by": list(one.seen_by),
-        "reason": one.declared.reason if one.declared else "",
-        "sentences": proof.sentences_about(one.mutant) if one.state in (SURVIVED, BY_CHANCE) else [],
-    }

@@ -1,17 +1,14 @@
-"""Has programs graded side by side, and keeps each verdict the moment it is there."""
+"""Has programs graded side by side."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import tempfile
 import time
 from concurrent.futures import FIRST_COMPLETED, wait
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import versions
 from course_kit.classroom.executors import Local
 from course_kit.grading import needs
 from course_kit.grading.engine import Task
@@ -77,78 +74,21 @@ class Verdict:
         return "full marks" if self.full_marks else f"{' and '.join(self.failed) or 'no check'} failed"
 
 
-class Store:
-    """The verdicts of one exercise in a file, so that nothing is graded twice after a stop."""
-
-    def __init__(self, path: Path, exercise: Exercise, *, resume: bool) -> None:
-        """Read what is there.
-
-        Args:
-            path: the file.
-            exercise: verdicts by another version of it, or of its grader, do not count.
-            resume: keep what is there; else it begins empty.
-
-        Raises:
-            OSError: it cannot be written.
-        """
-        self._path = path
-        self._versions = json.dumps(versions.of(exercise), sort_keys=True)
-        self._known: dict[str, Verdict] = {}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if not resume:
-            path.write_text("")
-        elif path.exists():
-            kept = path.read_text(encoding="utf-8")
-            for line in kept.splitlines():
-                self._take(line)
-            if kept and not kept.endswith("\n"):  # half a line, written as the machine went down
-                path.write_text(f"{kept}\n", encoding="utf-8")
-
-    def get(self, request: Request) -> Verdict | None:
-        """The verdict on a program, if there is one."""
-        return self._known.get(self._key(request))
-
-    def put(self, request: Request, verdict: Verdict) -> None:
-        """Keep a verdict.
-
-        Raises:
-            OSError: it cannot be written.
-        """
-        key = self._key(request)
-        self._known[key] = verdict
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"key": key, **asdict(verdict)}) + "\n")
-
-    def _take(self, line: str) -> None:
-        try:
-            told = json.loads(line)
-            key = told.pop("key")
-            told["failed"] = tuple(told["failed"])
-            self._known[key] = Verdict(**told)
-        except (ValueError, TypeError, KeyError, AttributeError):  # half a line, or of another kit
-            return
-
-    def _key(self, request: Request) -> str:
-        parts = [self._versions, request.source, request.seed, request.first_failure, request.repeat]
-        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:24]
-
-
 class ProgramGrader(Closing):
     """The workers. Use it in a `with` statement."""
 
-    def __init__(self, exercise: Exercise, store: Store, workers: int = 0) -> None:
+    def __init__(self, exercise: Exercise, workers: int = 0) -> None:
         """Start the workers.
 
         Args:
             exercise: what is graded.
-            store: where verdicts are kept.
             workers: how many gradings run at a time; as many as fit this machine when 0.
 
         Raises:
             GradingError: grading is not possible here.
         """
         needs.require(exercise.limits)
-        self._exercise, self._store = exercise, store
+        self._exercise = exercise
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-prove-")
         self._reader = Reader()
         self._executor = Local(workers or None, [exercise.grader] if exercise.grader else [], [exercise.limits])
@@ -170,7 +110,6 @@ class ProgramGrader(Closing):
             end_by: when no verdict is waited for any more.
 
         Raises:
-            OSError: a verdict could not be kept.
             GradingError: grading has become impossible.
         """
         waiting = iter(requests)
@@ -187,16 +126,11 @@ class ProgramGrader(Closing):
                 following = next(waiting, None)
                 if following is None:
                     more = False
-                elif (known := self._store.get(following)) is not None:
-                    yield following, known
                 else:
                     under_way[self._executor.submit(self._task(following))] = following
             done, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
             for future in done:
-                request, verdict = under_way.pop(future), verdict_of(future.result())
-                if not verdict.problem:
-                    self._store.put(request, verdict)
-                yield request, verdict
+                yield under_way.pop(future), verdict_of(future.result())
 
     def report(self, request: Request) -> Report:
         """Grade one program, and wait for its report.

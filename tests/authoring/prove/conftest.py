@@ -106,15 +106,13 @@ class Tiny:
 
     @property
     def places(self) -> ProofPlaces:
-        return ProofPlaces(
-            self.folder / "solution" / "tiny.py", self.folder / "equivalent.toml", self.folder / "state" / "tiny.jsonl"
-        )
+        return ProofPlaces(self.folder / "solution" / "tiny.py", self.folder / "equivalent.toml")
 
     def declare(self, text: str) -> None:
         self.places.declared.write_text(text)
 
-    def prove(self, *, repeat: int = 0, resume: bool = False) -> GraderProof:
-        how = proving.HowToProve(repeat=repeat, resume=resume, workers=1, more_seeds=1)
+    def prove(self, *, repeat: int = 0) -> GraderProof:
+        how = proving.HowToProve(repeat=repeat, workers=1, more_seeds=1)
         return proving.prove(exercise.load("tiny", self.folder / "exercises"), self.places, how, self.watcher)
 
 
