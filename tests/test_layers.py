@@ -77,7 +77,7 @@ STILL_ABOVE = {
     "course_kit/authoring": 5525,
     "course_kit/integrations": 1225,
     "course_kit/presentation": 600,
-    "course_kit/dev": 1700,
+    "course_kit/dev": 880,
     "course_kit/cli": 1660,
     "course_setup": 960,
     "tests": 51500,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001 - argparse has no other name for it
 
-_TOOLS = ("check", "container", "hub", "lock", "matrix", "notebooks", "otter", "site")
+_TOOLS = ("check", "lock", "notebooks", "site")
 _KINDS = {
     "service": "an exercise in which a node answers requests",
     "action": "one in which a node reaches goals",
@@ -279,8 +279,8 @@ def _present(words: Sequence[str]) -> int:
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import container_image, hub, lock, matrix, notebooks, otter
+    from course_kit.dev import lock, notebooks
     from course_kit.dev.site import command as site
 
-    mains = (check.main, container_image.main, hub.main, lock.main, matrix.main, notebooks.main, otter.main, site.main)
+    mains = (check.main, lock.main, notebooks.main, site.main)
     return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)

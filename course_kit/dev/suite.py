@@ -1,13 +1,14 @@
 """`./course test`: pytest on the tests and nbval on the notebooks, as much of them as somebody has time for.
 
 `--quick` takes minutes: no browser, no whole class, the first three lessons. `--all` adds the tests marked `weekly`,
-other Pythons and, as root, a JupyterHub. `tests/sizes.py` has what is in which.
+and sessions of `noxfile.py`: other Pythons and, as root, a JupyterHub. `tests/sizes.py` has what is in which.
 Other arguments go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`.
 """
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ from course_kit.dev import browser, notebooks
 
 # Tests wait for nodes more than they compute. Files stay together: their fixtures are dear.
 SIDE_BY_SIDE = ["-n", str(min(len(os.sched_getaffinity(0)) + 1, 4)), "--dist", "loadfile"]
-QUICK, ALL, MATRIX = "--quick", "--all", "--matrix"
+QUICK, ALL = "--quick", "--all"
 MARKS = {QUICK: ["-m", "not weekly and not slow and not browser"], ALL: ["-m", ""]}
 FIRST_LESSONS = "0[1-3]_*.ipynb"
 
@@ -31,7 +32,7 @@ def main(arguments: list[str]) -> int:
         return 2
     os.chdir(root)
     size = next((one for one in (QUICK, ALL) if one in arguments), "")
-    chosen = [argument for argument in arguments if argument not in (QUICK, ALL, MATRIX)]
+    chosen = [argument for argument in arguments if argument not in (QUICK, ALL)]
     # The tests start thousands of Pythons; each would compile the course anew.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     try:
@@ -43,10 +44,8 @@ def main(arguments: list[str]) -> int:
         else:
             lessons = sorted(Path("notebooks").glob(FIRST_LESSONS)) if size == QUICK else []
             codes = [pytest([*SIDE_BY_SIDE, *marks, "tests"], environ), notebooks.run(environ, lessons)]
-        if size == ALL or MATRIX in arguments:
-            codes.append(_try("matrix", "--ends"))
-        if size == ALL and os.geteuid() == 0:
-            codes.append(_try("hub"))
+        if size == ALL:
+            codes.append(_run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])))
     except environment.DomainError as problem:
         print(f"course: {problem}", file=sys.stderr)
         return 2
@@ -55,9 +54,12 @@ def main(arguments: list[str]) -> int:
     return next((code for code in codes if code), 0)
 
 
-def _try(*trial: str) -> int:
-    """Run one of the trials of `course-kit dev`, which the student edition has not."""
-    return subprocess.run([sys.executable, "-m", "course_kit", "dev", *trial], check=False).returncode
+def _run_sessions(*names: str) -> int:
+    """Run sessions of `noxfile.py`; uv fetches nox."""
+    uv = shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    if uv is None or not Path("noxfile.py").is_file():  # the student edition has none
+        return 0
+    return subprocess.run([uv, "tool", "run", "nox", "--sessions", *names], check=False).returncode
 
 
 def pytest(arguments: list[str], environ: dict[str, str]) -> int:

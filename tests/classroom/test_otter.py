@@ -1,4 +1,4 @@
-"""Our test file for Otter-Grader, run as Otter runs it, but without Otter: what a real one gives, `dev otter` tells."""
+"""Our test file for Otter-Grader, run as Otter runs it, but without Otter; tests/otter has a real one."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment, grading
-from course_kit.authoring import corpus
 from course_kit.cli import main
-from course_kit.dev import otter as dev_otter
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.exercise import ids, load
 from course_kit.integrations import otter
@@ -186,29 +184,3 @@ def test_the_proof_asks_for_otter_where_there_is_none(
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     assert main.main(["dev", "otter", QUICK]) == 2
     assert '-e ".[bench]"' in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(("given", "code"), [(10.0, 0), (5.0, 1)])
-def test_the_proof_names_points_that_are_not_ours(
-    given: float, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    class Otter:
-        def __init__(self, *_words: object) -> None:
-            pass
-
-        def points(self, notebook: Any) -> float:
-            assert f"%%submission {QUICK}\nanswers = 1" in [cell.source for cell in notebook.cells]
-            return given
-
-    monkeypatch.setattr("importlib.util.find_spec", lambda _name: True)
-    monkeypatch.setattr(dev_otter, "Otter", Otter)
-    monkeypatch.setattr(dev_otter, "cases", lambda _exercise: [dev_otter.Case("mine", ("answers = 1",), 10.0)])
-    assert main.main(["dev", "otter", QUICK]) == code
-    assert ("DIFFERS" in capsys.readouterr().out) == bool(code)
-
-
-def test_the_proof_hands_in_all_kinds_of_programs() -> None:
-    found = dev_otter.cases(corpus.load(QUICK, ROOT))
-    full, in_two, in_part, _starter, nothing = (case.points for case in found)
-    assert full == in_two == 10 > in_part > nothing == 0
-    assert [len(case.cells) for case in found] == [1, 2, 1, 1, 0]

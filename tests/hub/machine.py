@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import psutil
 
 from course_kit import environment
-from course_kit.dev import matrix
+from course_kit.authoring import course_files
 from course_kit.ros2cli import delegation
 from tests.hub import guide
 from tests.jupyter_server import wait_until_up
@@ -110,7 +110,9 @@ def install(folder: Path) -> Path:
     root = environment.checkout()
     assert root is not None
     course = Path(guide.moved(guide.COURSE, folder))
-    matrix.copy(root, course)  # what `git clone` would bring, and what is not committed yet
+    for name in course_files.own_files(root, new=True):  # what `git clone` would bring, and what is not committed yet
+        (course / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(root / name, course / name)
     commands = guide.moved(guide.block("Install it once", "sh"), folder).splitlines()
     assert commands[0].startswith("git clone")
     run_as_root([*commands[1:], f"{course}/.venv/bin/python -m pip install nbgitpuller"], folder)

@@ -1,6 +1,6 @@
 """The course on a real JupyterHub: three Unix users in Chromium, each in lesson 1 at once, and none meets another.
 
-`course-kit dev hub` runs it, as root: it makes users, installs the course anew and takes some minutes, so it is not
+`uvx nox --sessions hub` runs it, as root: it makes users, installs the course anew and takes some minutes, so it is not
 among the tests that pytest collects by itself.
 """
 

@@ -1,6 +1,6 @@
 """What a JupyterHub starts for each user, up to the moment at which JupyterHub itself takes over.
 
-The whole, with a real hub and three users, is `course-kit dev hub` (tests/hub).
+The whole, with a real hub and three users, is `uvx nox --sessions hub` (tests/hub).
 """
 
 from __future__ import annotations

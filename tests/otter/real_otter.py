@@ -1,16 +1,13 @@
-"""`course-kit dev otter`: grades submissions by a real Otter-Grader, and says whether it gives the points we give.
+"""Submissions graded by a real Otter-Grader: it gives the points we give. `uvx nox --sessions otter` runs it.
 
-Otter is no part of the test tools: it would bring pandas, Sphinx and twenty more packages. Install it with the extra
-`bench` where this is to run. For each exercise it is asked for an autograder (`otter generate`) out of our test file,
-and for the points (`otter run`) of our notebook with: the solution, the solution in two cells, a program that is right
-in part, the untouched starter, and no submission at all.
+Otter would bring pandas, Sphinx and twenty more packages to the test tools. For each exercise it is asked for an
+autograder (`otter generate`) out of our test file, and for the points (`otter run`) of our notebook with: the solution,
+the solution in two cells, a program that is right in part, the untouched starter, and no submission at all.
 """
 
 from __future__ import annotations
 
-import argparse
 import ast
-import importlib.util
 import json
 import subprocess
 import sys
@@ -21,17 +18,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import nbformat
+import pytest
 
 from course_kit import environment, grading
 from course_kit.authoring import corpus
 from course_kit.integrations import otter
-from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.authoring.corpus import Corpus
 
+ROOT = environment.checkout() or Path()
 _SEED = 1
 _LITTLE = 0.3  # of the points; with more a program is right in part
 _PATIENCE_S = 600.0  # against hanging only
@@ -47,34 +45,14 @@ class Case:
     points: float
 
 
-def main(arguments: Sequence[str]) -> int:
-    """The command: 0 when Otter's points are ours, 1 when some are not, 2 when it could not be tried."""
-    parser = argparse.ArgumentParser(prog="course-kit dev otter", description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="all, when none is named")
-    options = parser.parse_args(arguments)
-    root = environment.checkout()
-    if root is None or not (root / "solutions").is_dir() or importlib.util.find_spec("otter") is None:
-        return cannot('this needs a clone of the course and, in its environment, pip install -e ".[bench]"')
-    try:
-        chosen = [corpus.load(name, root) for name in options.exercises or corpus.all_exercises(root)]
-    except grading.GradingError as problem:
-        return cannot(problem)
-    print(f"{'exercise':<20} {'handed in':<34} {'ours':>6} {'Otter':>6}")
-    return min(1, sum(not _agrees(one) for one in chosen))
-
-
-def _agrees(exercise: Corpus) -> bool:
-    """Print a line for each submission of an exercise; whether Otter gives all of them our points."""
-    agrees = True
-    with tempfile.TemporaryDirectory() as folder, environment.exclusive_domain() as domain:
-        otters = Otter(Path(folder), exercise.task.id, domain)
-        for case in cases(exercise):
-            points = otters.points(_notebook(exercise, case.cells))
-            same = abs(points - case.points) < 1e-6  # noqa: PLR2004 - the noise of a sum
-            agrees = agrees and same
-            mark = "" if same else "  DIFFERS"
-            print(f"{exercise.task.id:<20} {case.name:<34} {case.points:>6g} {points:>6g}{mark}", flush=True)
-    return agrees
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", corpus.all_exercises(ROOT))
+def test_otter_gives_our_points(name: str, tmp_path: Path) -> None:
+    exercise = corpus.load(name, ROOT)
+    with environment.exclusive_domain() as domain:
+        otters = Otter(tmp_path, name, domain)
+        found = {case.name: otters.points(_notebook(exercise, case.cells)) for case in cases(exercise)}
+    assert found == pytest.approx({case.name: case.points for case in cases(exercise)})
 
 
 class Otter:

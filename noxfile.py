@@ -1,0 +1,88 @@
+"""Trials that need more than this environment: other Pythons, a container, a JupyterHub, a real Otter-Grader.
+
+`uvx nox --list` names them, `uvx nox --sessions hub` runs one. What a machine lacks is said, and fails the session.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from pathlib import Path
+
+import nox
+
+nox.options.sessions = ["pythons"]
+EXERCISES = sorted(path.parent.name for path in Path("exercises").glob("*/exercise.toml"))
+IMAGE = "ros2-course-trial"
+OF_THE_COURSE = Path(".venv/bin/python").absolute()
+
+
+@nox.session(python=["3.10", "3.11", "3.12", "3.13", "3.14"])
+def pythons(session: nox.Session) -> None:
+    """The course as a newcomer meets it, on each Python of this machine: set-up, solutions, every notebook."""
+    code = "import sys; print(getattr(sys, '_base_executable', sys.executable))"
+    python = str(session.run("python", "-c", code, silent=True)).strip()
+    with tempfile.TemporaryDirectory(prefix="course nox ") as folder:
+        course = Path(folder, "my course")
+        session.run("git", "clone", "--quiet", ".", str(course), external=True)
+        state = {
+            "XDG_STATE_HOME": folder,
+            "IPYTHONDIR": f"{folder}/ipython",
+            "JUPYTER_RUNTIME_DIR": f"{folder}/jupyter",
+        }
+        environ = {**state, "COURSE_PYTHON": python, "COURSE_KIT_PROGRESS": "off", "VIRTUAL_ENV": None}
+        session.chdir(course)
+        session.run("./course", "doctor", env=environ, external=True)
+        for name in EXERCISES:
+            solution = f"solutions/{name}/{name}.py"
+            said = session.run(
+                "./course", "grade", name, solution, "--format", "json", env=environ, external=True, silent=True
+            )
+            require_full_marks(session, name, str(said))
+        # The test tools come with the first test.
+        session.run("./course", "test", "-q", "-n", "2", "tests/environment", "tests/ros", env=environ, external=True)
+        session.run("./course", "dev", "notebooks", env=environ, external=True)
+
+
+@nox.session(python=False)
+def container(session: nox.Session) -> None:
+    """The Containerfile: doctor, the solutions and a class in it, with podman or docker."""
+    engine = next(filter(shutil.which, ("podman", "docker")), None)
+    if engine is None:
+        session.error("there is no podman and no docker here. Debian, Ubuntu: sudo apt install podman")
+    session.run(engine, "build", *session.posargs, "--target", "grader", "-t", IMAGE, "-f", "Containerfile", ".")
+    with tempfile.TemporaryDirectory(prefix="course-container-") as folder:
+        for student in ("ada", "grace"):
+            shutil.copytree("solutions", Path(folder, "inbox", student))
+        session.run("chmod", "-R", "a+rX", folder)
+        inside = (engine, "run", "--rm", "--entrypoint", "sh", "-v", f"{folder}:/given:ro", IMAGE, "-c")
+        session.run(*inside, "course-kit doctor")
+        for name in EXERCISES:
+            command = f"course-kit grade {name} /given/inbox/ada/{name}/{name}.py --format json"
+            require_full_marks(session, name, str(session.run(*inside, command, silent=True)))
+        session.run(*inside, f"course-kit class /given/inbox --exercise {EXERCISES[0]} --out results")
+
+
+@nox.session(python=False)
+def hub(session: nox.Session) -> None:
+    """A real JupyterHub with three Unix users and a Chromium, by the commands of its guide; as root, some minutes."""
+    for program, package in {"npm": "npm", "useradd": "passwd", "git": "git", "chromium": "chromium"}.items():
+        if shutil.which(program) is None:
+            session.error(f"there is no {program} here. Debian, Ubuntu: apt install {package}")
+    session.run(
+        str(OF_THE_COURSE), "-m", "pytest", "-v", "tests/hub/three_users.py", env={"COURSE_KIT_PROGRESS": "off"}
+    )
+
+
+@nox.session(python=False)
+def otter(session: nox.Session) -> None:
+    """Points of a real Otter-Grader beside ours; it needs `pip install -e ".[bench]"` in the course's environment."""
+    session.run(str(OF_THE_COURSE), "-m", "pytest", "-v", "tests/otter/real_otter.py")
+
+
+def require_full_marks(session: nox.Session, exercise: str, said: str) -> None:
+    """A solution has full marks."""
+    report = json.loads(said[said.index("{") :])
+    if report["score"] != report["max_score"]:
+        session.error(f"{exercise}: {report['score']} of {report['max_score']} points")
