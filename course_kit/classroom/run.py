@@ -8,7 +8,9 @@ and moves the results of what is gone to `superseded`.
 from __future__ import annotations
 
 import secrets
+import tempfile
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import run_note, submissions
@@ -27,10 +29,10 @@ from course_kit.grading.readings import Readings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.records import Entry, Record
     from course_kit.classroom.rules.seeds import Seeds
@@ -217,3 +219,29 @@ class ClassRun:
             canvas_assignments=fit.roster.canvas_assignments if fit else (),
         )
         return self._instructions.apply(book)
+
+
+def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake:
+    """Find the submissions and write their table into the output folder; nothing else is written there."""
+    require_folders_apart(plan.sources, plan.out)
+    with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
+        try:
+            found = collecting.collect(
+                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Readings(stopped), plan.roster
+            )
+        except ReadingStoppedError:
+            raise KeyboardInterrupt from None
+        table.write(found, plan.out)
+    return found
+
+
+def stored_gradebook(out: Path) -> Gradebook:
+    """The results in a folder, without what was handed in."""
+    records = tuple(sorted(Records(out), key=lambda one: (one.entry.student, one.entry.exercise)))
+    if not records:
+        raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
+    found = sorted(
+        (run_note.exercise_of(out, one) for one in {record.entry.exercise for record in records}),
+        key=lambda one: one.order,
+    )
+    return Gradebook(tuple(found), records)

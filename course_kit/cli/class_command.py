@@ -8,8 +8,18 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.cli import grade_again, intake_words
-from course_kit.cli.class_words import FAILED, INTERRUPTED, command_to_continue, interrupts, many, say, some, told
+from course_kit.cli.class_words import (
+    FAILED,
+    INTERRUPTED,
+    command_to_continue,
+    grade_again,
+    interrupts,
+    many,
+    say,
+    say_of_intake,
+    some,
+    told,
+)
 from course_kit.text.console import tell
 
 if TYPE_CHECKING:
@@ -161,11 +171,9 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: early or executor(options, plan.exercises))
             if options.again and book.complete:
-                book = (
-                    grade_again.run(options, grading, tally, lambda: executor(options, plan.exercises), stops) or book
-                )
+                book = grade_again(options, grading, tally, lambda: executor(options, plan.exercises), stops) or book
         tally.end()
-        intake_words.say(grading.intake, say)
+        say_of_intake(grading.intake)
         if grading.gone:
             say(
                 f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
@@ -190,15 +198,15 @@ def _practised(book: Gradebook, task: Exercise, seeds: Seeds | None) -> list[str
 
 def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
-    from course_kit.classroom import dry_run
     from course_kit.classroom.intake import table
     from course_kit.classroom.preconditions import require_submissions
+    from course_kit.classroom.run import look_only
     from course_kit.text.sanitize import printable
 
     with interrupts() as stops:
-        found = dry_run.look(plan, lambda: stops() > 0)
+        found = look_only(plan, lambda: stops() > 0)
     print(printable(table.as_text(found)))
-    intake_words.say(found, say)
+    say_of_intake(found)
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:

@@ -12,7 +12,15 @@ from course_kit import environment
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from course_kit.classroom.executors import Executor
+    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.intake.collecting import Intake
+    from course_kit.classroom.intake.roster_matching import Fit
+    from course_kit.classroom.regrade import GradeChange
+    from course_kit.classroom.run import ClassRun
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -77,3 +85,75 @@ def interrupts() -> Iterator[Callable[[], int]]:
         yield lambda: len(pressed)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def say_of_intake(found: Intake) -> None:
+    """Tell what somebody should look at."""
+    for sentence in _sentences(found):
+        say(sentence)
+
+
+def _sentences(found: Intake) -> Iterator[str]:
+    called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
+    doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
+    if doubtful:
+        yield f"Look at the choice of file in intake.csv: {some(doubtful)}."
+    if found.roster is not None:
+        yield from _of_roster(found.roster, called)
+
+
+def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
+    read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
+    total = len(fit.roster.people)
+    yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
+    if fit.absent:
+        yield f"Not handed in: {some([one.name or one.student for one in fit.absent])}."
+    if fit.unknown:
+        unknown = [f"{called.get(who, who)} ({why})" for who, why in fit.unknown]
+        yield f"Not matched with {fit.roster.called}: {some(unknown)}."
+
+
+def grade_again(
+    options: argparse.Namespace,
+    class_run: ClassRun,
+    watcher: Watcher,
+    start: Callable[[], Executor],
+    stops: Callable[[], int],
+) -> Gradebook | None:
+    """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""
+    from course_kit.classroom.regrade import Regrade
+
+    regrade = Regrade(class_run, options.out, options.again, watcher)
+    changes = regrade.grade(start, stops)
+    if not regrade.complete:
+        say("course-kit: stopped. No result was changed. The same command goes on.")
+        return None
+    book = regrade.write() if _is_wanted(changes, options) else None
+    if regrade.failed:
+        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
+        say(
+            f"course-kit: the grader failed for {many(whose, 'submission')}: "
+            f"{some(whose, '; ')}. Their results stay as they are. Run the same command again."
+        )
+    return book
+
+
+def _is_wanted(changes: Sequence[GradeChange], options: argparse.Namespace) -> bool:
+    """Show what would change, and ask."""
+    from course_kit.classroom.regrade import TABLE, table
+    from course_kit.text.sanitize import printable
+
+    for line in table(changes) if changes else ["No result changes."]:
+        print(printable(line))
+    print(f"The same as a file: {options.out / TABLE}", flush=True)
+    if options.write or not changes:
+        return bool(options.write)
+    if not sys.stdin.isatty():
+        say("Nothing was written. To write it, run the same command with --write; nothing is graded twice.")
+        return False
+    wanted = many([change.row[0] for change in changes], "result")
+    print(f"Write {wanted}? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() in ("y", "yes"):
+        return True
+    say("Nothing was written.")
+    return False

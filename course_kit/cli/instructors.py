@@ -181,10 +181,10 @@ def _seeds(options: argparse.Namespace) -> int:
 def _export(options: argparse.Namespace) -> int:
     from course_kit.authoring import autograders
     from course_kit.classroom.exports import anonymous
-    from course_kit.classroom.stored import gradebook
+    from course_kit.classroom.run import stored_gradebook
 
     if options.kind == "anonymous":
-        path, then = anonymous.write(gradebook(options.results), options.to), "reports and scores by pseudonyms."
+        path, then = anonymous.write(stored_gradebook(options.results), options.to), "reports and scores by pseudonyms."
     elif options.kind == "gradescope":
         path = autograders.gradescope(options.exercise, options.to, options.seed)
         then = "upload it under Configure Autograder; choose a base image of Ubuntu 22.04 or newer."

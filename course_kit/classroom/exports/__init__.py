@@ -6,7 +6,10 @@ Each module of `formats` is one format: its `files(book)` yields paths and texts
 from __future__ import annotations
 
 import importlib
+import json
 import pkgutil
+from contextlib import suppress
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports import (
@@ -18,7 +21,6 @@ from course_kit.classroom.exports import (
     lookalikes,
     page,
 )
-from course_kit.classroom.exports.files_written import FilesWritten
 from course_kit.classroom.exports.program_texts import ProgramTexts
 from course_kit.classroom.exports.results import headline
 from course_kit.classroom.records import Entry, Records
@@ -27,7 +29,7 @@ from course_kit.grading import engine
 from course_kit.grading.render import html
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
     from types import ModuleType
 
@@ -109,3 +111,40 @@ def files(book: Gradebook) -> Iterator[tuple[str, str]]:
 def _formats() -> Iterator[ModuleType]:
     for found in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
         yield importlib.import_module(f"{formats.__name__}.{found.name}")
+
+
+_LIST = "exports/.files.json"
+
+
+class FilesWritten:
+    """The list of export files in an output folder."""
+
+    def __init__(self, out: Path) -> None:
+        self._out = out
+        self._before = _names(out)
+
+    def begin(self, names: Iterable[str]) -> None:
+        """Note what is going to be written, beside what is there: a run may end before `end`."""
+        self._note(self._before | set(names))
+
+    def end(self, names: Iterable[str]) -> None:
+        """Take away what was written once and is not among `names`."""
+        for name in self._before - set(names):
+            (self._out / name).unlink(missing_ok=True)
+            with suppress(OSError):  # one holds more
+                for folder in list(PurePosixPath(name).parents)[:-1]:  # but the output folder itself
+                    (self._out / folder).rmdir()
+        self._note(set(names))
+
+    def _note(self, names: set[str]) -> None:
+        write_atomically(self._out / _LIST, json.dumps(sorted(names), indent=0) + "\n", durable=False)
+
+
+def _names(out: Path) -> set[str]:
+    """What an earlier run has noted; nothing outside of `exports`, whatever stands in the list."""
+    try:
+        found = json.loads((out / _LIST).read_text(encoding="utf-8"))
+        paths = [PurePosixPath(name) for name in found]
+    except (OSError, ValueError, TypeError):
+        return set()
+    return {str(path) for path in paths if path.parts[:1] == ("exports",) and ".." not in path.parts}

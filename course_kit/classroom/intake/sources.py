@@ -5,21 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import arrangement, gradescope_export, listing, recognition, students
+from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition, students
 from course_kit.classroom.intake.archive import NAMES_OF_ONE, Archive, make_empty
 from course_kit.classroom.intake.combined_listing import CopiedFolder, Several, moved
-from course_kit.classroom.intake.wrappers import AUTO, Download
+from course_kit.classroom.intake.gradescope_export import METADATA
+from course_kit.classroom.intake.layouts import CLONES, most
+from course_kit.classroom.intake.listing import FILE
+from course_kit.classroom.intake.recognition import entries, holds_clones
+from course_kit.classroom.intake.wrappers import AUTO, Download, enter
 from course_kit.grading.errors import GradingError
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from contextlib import ExitStack
     from pathlib import Path
 
-    from course_kit.classroom.intake.arrangement import Arrangement
     from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Listing
+    from course_kit.classroom.intake.listing import Item, Left, Listing
     from course_kit.grading.exercise import Exercise
 
 
@@ -122,7 +125,7 @@ def _is_folder(path: Path) -> bool:
 
 def _arranged(path: Path, download: Download, layout: str) -> Arrangement:
     try:
-        return arrangement.arrange(download, layout)
+        return arrange(download, layout)
     except OSError as problem:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
 
@@ -184,3 +187,49 @@ def _name_for(path: Path, taken: dict[str, Opened]) -> str:
 
 def _has_zip(found: Listing, unit: Unit) -> bool:
     return any(item.is_zip for item in listing.look_through(found, unit.item).files)
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Where the students are."""
+
+    layout: str  # one of `layouts.LAYOUTS`
+    units: tuple[Unit, ...]  # what each has control of; one student may have several
+    left: tuple[tuple[str, str], ...]  # path and reason of what lies beside them
+    metadata: Item | None = None  # Gradescope's file that says whose each entry is
+
+
+def arrange(download: Download, layout: str) -> Arrangement:
+    """Find the students' entries."""
+    if layout not in (AUTO, *layouts.LAYOUTS):
+        raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
+    left: Left = []
+    listing = download.listing
+    folder, called = enter(download, layout)
+    items = entries(listing, folder, left)
+    found = recognition.recognise(listing, items, called) if layout == AUTO else layout
+    is_metadata = [item for item in items if found == "gradescope" and item.name == METADATA and item.kind == FILE]
+    units: list[Unit] = []
+    for item, unit in _read_all(listing, found, [item for item in items if item not in is_metadata], called, left):
+        if unit is None:
+            left.append((item.path, f"its name does not follow the layout '{found}'"))
+        else:
+            units.append(unit)
+    return Arrangement(found, tuple(layouts.of_groups(units)), tuple(left), next(iter(is_metadata), None))
+
+
+def _read_all(
+    listing: Listing, layout: str, items: list[Item], called: str, left: Left
+) -> Iterator[tuple[Item, Unit | None]]:
+    if layout == "github" and most(items, lambda item: holds_clones(listing, item)):
+        for item in items:
+            if holds_clones(listing, item):
+                slug = item.name.removesuffix(CLONES)
+                for clone in entries(listing, item.path, left):
+                    yield clone, layouts.read(layout, clone, slug) or layouts.read_stray(layout, clone)
+            else:
+                yield item, layouts.read_stray(layout, item)
+        return
+    slug = recognition.slug(items, called) if layout == "github" else ""
+    for item in items:
+        yield item, layouts.read(layout, item, slug) or layouts.read_stray(layout, item)
