@@ -24,6 +24,21 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.weekly
+@pytest.mark.answers
+def test_a_counter_that_was_made_from_the_guide_alone_proves_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By somebody who had not seen the kit: a number, a step that is a parameter, a reset that is refused at 0."""
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
+    made = new_exercise.create("counter", "service", tmp_path).folder
+    shutil.rmtree(made / "proof")
+    shutil.copytree(Path(__file__).parent / "counter", made, dirs_exist_ok=True)
+    new_exercise.refresh(exercise.read(made))
+    found = check.check(environment.checkout() or Path(), ["counter"])
+    assert [str(one) for one in found.faults] == []
+
+
 @pytest.mark.answers
 def test_its_first_page_is_an_exercise_that_proves_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Really graded; then its solution once more, by the check of one's own that comes later in the guide."""

@@ -184,6 +184,19 @@ def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) ->
     raise other_nodes(name, nodes, Evidence("", expected, f"on the graph: {', '.join(nodes) or 'no node'}"))
 
 
+def first_node(context: CheckContext) -> str:
+    """The full name of the program's only node, or of its first one by the alphabet.
+
+    Raises:
+        Failed: no node is there.
+    """
+    if not context.wait_until(lambda: bool(context.grader_node.nodes()), _NODE_S, step_s=GRAPH_STEP_S):
+        raise Failed(
+            Evidence("", "a node", "no node is on the graph"), "Your program runs, but no node of it is there."
+        )
+    return context.grader_node.nodes()[0]
+
+
 def other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> Failed:
     """There are nodes, but none of this name.
 

@@ -257,8 +257,7 @@ class GradedNode:
     def parameters(self, of: str = "") -> Remote:
         """The parameters of a node as they are asked for from outside."""
         if not of and not (of := self.context.memory.get("node", "")):
-            nodes = self.context.grader_node.nodes()
-            of = self.context.memory["node"] = nodes[0] if nodes else "/"
+            of = self.context.memory["node"] = discovery.first_node(self.context)
         return Remote(self.context, of)
 
     # --- actions
