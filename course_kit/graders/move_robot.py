@@ -206,12 +206,20 @@ class RobotModel(Model):
                 self.arrive(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
                 _moves.require_end_before(first, second, evidence)
 
-    @rule("cancel", way=_moves.ways(between(1.7, 2.1)), share=either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0), then=MOVES)
+    @rule(
+        "cancel",
+        way=_moves.ways(between(1.7, 2.1)),
+        share=either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0),
+        disturbed=either(False, True),
+        then=either(None, MOVES),
+    )
     @fair
-    def stop(self, node: GradedNode, way: Way, share: float, then: Way) -> None:
-        """A goal is cancelled in time, and ends short of the target; the next one starts there."""
-        self.cancel(node, way, share)
-        self.judge(self.drive(node, self.target_of(then)))
+    def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
+        """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
+        self.cancel(node, way, share, disturbed=disturbed and share < 1.0)
+        target = self.targets[-1] if then is None else self.target_of(then)
+        if math.dist(self.at, target) > _moves.TOLERANCE:
+            self.judge(self.drive(node, target))
 
     # --- steps of the rules
 
@@ -278,12 +286,14 @@ class RobotModel(Model):
             if aspect not in lost and (aspect in aspects or not aspects):
                 _moves.judge(aspect, move)
 
-    def cancel(self, node: GradedNode, way: Way, share: float) -> None:
+    def cancel(self, node: GradedNode, way: Way, share: float, *, disturbed: bool) -> None:
         """Set off, cancel after a share of the way, or just before it is too late, and see that the robot stops."""
         slow, late = _moves.is_slow(node.context), share == 1.0
         way = Way(FAR_M, way.angle) if slow else way
         begin, target, goal = self.set_off(node, way, 1.0 - 0.42 / way.length if late else share)
         length, breaks = math.dist(begin, target), "after_cancel" if self.cancelled else "cancel"
+        if disturbed and "second_goal" not in self.lost:
+            self.reject_second(node, goal, inside(begin, 0.6, way.angle + 1.0))
         goal.shown += ", and on the way the request to cancel it"
         clock = node.context.clock()
         try:
