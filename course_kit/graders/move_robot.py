@@ -44,6 +44,7 @@ MOVES = _moves.ways(between(1.0, 1.3), between(1.0, 1.8), between(0.06, 0.2), be
 ANGLE, Z = between(0.0, 2.0 * math.pi), either(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
+STOPS, CUTS = _moves.ways(between(1.7, 2.1)), either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.85, 0.85), ("second", "outside", "second", "nowhere", "second", "outside")
 PLAIN = ("accepted", "succeeds", *_moves.ASPECTS)
 
@@ -83,13 +84,14 @@ class RobotModel(Model):
         """A goal in the arena is reached, with feedback on the way."""
         self.judge(self.drive(node, self.target_of(way)))
 
-    @rule("any_z", way=MOVES, z=either(2.5, math.nan, -1.0))
+    @rule("any_z", way=MOVES)
     @fair
-    def ignore_z(self, node: GradedNode, way: Way, z: float) -> None:
+    def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
         self.settle(node)
-        self.special = "any_z"
-        self.judge(self.drive(node, self.target_of(way), z, "any_z"))
+        for z in (math.nan, 2.5, -1.0):
+            self.special = "any_z"
+            self.judge(self.drive(node, self.target_of(way), z, "any_z"))
 
     @rule("already_there", angle=ANGLE, often=2)
     @fair
@@ -106,21 +108,21 @@ class RobotModel(Model):
         _moves.require_limits(goal)
         _moves.judge("arrives", Move(self.at, self.at, goal, ended))
 
-    @rule("outside", corner=either((0.0, 0.0), (ARENA, ARENA)))
+    @rule("outside")
     @fair
-    def reach_edge(self, node: GradedNode, corner: tuple[float, float]) -> None:
+    def reach_edges(self, node: GradedNode) -> None:
         """The edges belong to the arena."""
-        self.settle(node)
-        target = ArenaPoint(*corner)
-        if self.at == target:
-            self.drive(node, inside(target, 1.0, 0.5))
-        length = math.dist(self.at, target)
-        goal = self.start(node, target, breaks="outside")
-        if length > FAR_M and node.context.job.mode != "attach":
-            self.start_afresh(node)
-            return
-        self.special = "outside"
-        self.finish(self.at, target, goal)
+        for target in (ORIGIN, ArenaPoint(ARENA, ARENA)):
+            self.settle(node)
+            if self.at == target:
+                self.drive(node, inside(target, 1.0, 0.5))
+            length = math.dist(self.at, target)
+            goal = self.start(node, target, breaks="outside")
+            if length > FAR_M and node.context.job.mode != "attach":
+                self.start_afresh(node)
+            else:
+                self.special = "outside"
+                self.finish(self.at, target, goal)
 
     @rule("outside", target=either(*BESIDE), z=Z)
     @fair
@@ -206,13 +208,7 @@ class RobotModel(Model):
                 self.arrive(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
                 _moves.require_end_before(first, second, evidence)
 
-    @rule(
-        "cancel",
-        way=_moves.ways(between(1.7, 2.1)),
-        share=either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0),
-        disturbed=either(False, True),
-        then=either(None, MOVES),
-    )
+    @rule("cancel", way=STOPS, share=CUTS, disturbed=either(False, True), then=either(None, MOVES))
     @fair
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
