@@ -59,7 +59,6 @@ class Remote:
     def __init__(self, context: CheckContext, node: str) -> None:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
-        self.changed = False  # whether it was asked to change something
         self._context = context
         self._clients = {
             verb: context.grader_node.client(interface, f"{node}/{verb}")
@@ -80,13 +79,11 @@ class Remote:
 
     def set(self, name: str, value: object) -> SetResult:
         """Set one parameter."""
-        self.changed = True
         results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
         return _result(results[0]) if results else SetResult(successful=False, reason="")
 
     def set_together(self, values: Mapping[str, object]) -> SetResult:
         """Set several at once, all or none, in this order."""
-        self.changed = True
         messages = [parameters.to_message(*pair) for pair in values.items()]
         return _result(self._ask(parameters.set_together(messages)))
 
@@ -162,26 +159,6 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
         if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
             raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
     return Evidence("", expected, expected)
-
-
-def ensure_served(context: CheckContext, node: str) -> Remote:
-    """The parameters of a running submission: one that has died or hangs is started again.
-
-    Raises:
-        Failed: it does not come up a second time.
-    """
-    if context.spoiled:
-        context.launch()
-        try:
-            expect_served(context, node)
-        except Failed as failed:
-            context.spoil()
-            message = (
-                "Your program ended in an earlier check and did not come up when it was started again. "
-                f"{failed.message}"
-            )
-            raise Failed(failed.evidence, message, failed.diagnosis) from None
-    return Remote(context, node)
 
 
 def _not_served(context: CheckContext, node: str, expected: str) -> Failed:

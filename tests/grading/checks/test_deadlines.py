@@ -23,7 +23,7 @@ from course_kit.grading.checks.goals import CheckedGoal
 from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.parameters import Remote, expect_served
 from course_kit.grading.checks.services import Service, call
-from course_kit.grading.checks.topics import HEARD_S, Topic, TopicExchange, await_next, expect_endpoints
+from course_kit.grading.checks.topics import Topic, expect_endpoints
 from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
@@ -38,8 +38,6 @@ SERVICE = Service("/convert_temperature", ConvertTemperature)
 MISSING = Service("/not_there", ConvertTemperature)
 ACTION = WantedAction("/move_robot", MoveRobot)
 NO_ACTION = WantedAction("/no_action", MoveRobot)
-SENT = Topic("/cmd_vel_in", Twist)
-HEARD = Topic("/cmd_vel", Twist)
 OTHER = Topic("/other", Twist)
 NODE = "/silent"
 REQUEST = ConvertTemperature.Request()
@@ -100,11 +98,6 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "set": (lambda context: Remote(context, NODE).set("x", 1.0), ANSWER_S),
     "set together": (lambda context: Remote(context, NODE).set_together({"x": 1.0}), ANSWER_S),
     "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
-    "exchange": (lambda context: TopicExchange(context, SENT, [HEARD]).send(Twist(), EVIDENCE), HEARD_S),
-    "next message": (
-        lambda context: await_next(context, context.grader_node.inbox(Twist, "/cmd_vel"), 1, 9.0, EVIDENCE),
-        9.0,
-    ),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
     "service that is missing": (lambda context: expect_offered(context, MISSING, REQUEST), 2.0),
     "action that is missing": (lambda context: expect_offered(context, NO_ACTION), 2.0),
