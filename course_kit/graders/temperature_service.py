@@ -347,6 +347,7 @@ _CONVERTED = (
     "The values were converted, although from_unit and to_unit are the same. Compare the two units first: if they are "
     "equal, the value stays as it is."
 )
+_UPSIDE_DOWN = "They match a formula with its factor upside down."
 _TO_ITSELF = (
     _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, _CONVERTED),
     _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, _CONVERTED),
@@ -358,7 +359,7 @@ _MISTAKES = {
         _Mistake(lambda v: v * 9 / 5, _FORMULA, "They match a formula without the offset of 32."),
         _Mistake(lambda v: (v + 32) * 9 / 5, _FORMULA, "They match a formula that adds 32 before it multiplies."),
         _Mistake(lambda v: v * 9 / 5 - 32, _FORMULA, "They match a formula that subtracts 32 instead of adding it."),
-        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, "They match a formula with its factor upside down."),
+        _Mistake(lambda v: v * 5 / 9 + 32, _FORMULA, _UPSIDE_DOWN),
         _Mistake(lambda v: (v - 32) * 5 / 9, _FORMULA, "They are right for the other direction."),
     ),
     (FAHRENHEIT, CELSIUS): (
@@ -367,7 +368,7 @@ _MISTAKES = {
         ),
         _Mistake(lambda v: v * 5 / 9 - 32, _FORMULA, "They match a formula that subtracts 32 after it multiplies."),
         _Mistake(lambda v: (v + 32) * 5 / 9, _FORMULA, "They match a formula that adds 32 instead of subtracting it."),
-        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, "They match a formula with its factor upside down."),
+        _Mistake(lambda v: (v - 32) * 9 / 5, _FORMULA, _UPSIDE_DOWN),
         _Mistake(lambda v: v * 9 / 5 + 32, _FORMULA, "They are right for the other direction."),
     ),
 }

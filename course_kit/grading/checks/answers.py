@@ -9,6 +9,8 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.matching import describe_wanted, differences
 from course_kit.grading.checks.parameters import require_proper_answer, shown
 
+TOO_SOON = "This came too soon: the work that takes so long was not done."
+
 
 @dataclass(frozen=True)
 class Reply:
@@ -74,10 +76,9 @@ class Reply:
             >>> node.call("/weigh", a=1, b=2).not_before(0.4)
         """
         if self.latency_s < seconds:
-            why = "This came too soon: the work that takes so long was not done."
             got = f"it came after {self.latency_s:.2f} s"
             expected = f"not before {seconds:g} s have passed"
-            raise Failed(Evidence(self.sent, expected, got), why, breaks=breaks)
+            raise Failed(Evidence(self.sent, expected, got), TOO_SOON, breaks=breaks)
 
 
 @dataclass(frozen=True)

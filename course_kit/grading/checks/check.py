@@ -100,13 +100,18 @@ def check(
 
     def declare(function: Callable[[CheckContext], Evidence]) -> Check:
         title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
-        if not title:
-            raise ValueError(f"the check {function.__name__} needs a docstring: its first line is shown as the title")
-        if points <= 0:
-            raise ValueError(f"the check {function.__name__} needs points above 0")
+        require_declared(function.__name__, title, points)
         return Check(function.__name__, title, float(points), tuple(depends_on), deadline_s, function, tuple(proves))
 
     return declare
+
+
+def require_declared(check_id: str, title: str, points: float) -> None:
+    """Raise ValueError if a check has no title, or is worth nothing."""
+    if not title:
+        raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")
+    if points <= 0:
+        raise ValueError(f"the check {check_id} needs points above 0")
 
 
 def in_order(checks: Sequence[Check]) -> list[Check]:

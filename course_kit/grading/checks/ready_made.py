@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.actions import WantedAction
-from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.check import Check, Evidence, Failed, require_declared
 from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.matching import Close, differences, interface_of, only_field
@@ -73,10 +73,7 @@ def made(  # noqa: PLR0913, PLR0917 - the fields of a check
     Raises:
         ValueError: it has no title, or is worth nothing.
     """
-    if not title:
-        raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")
-    if points <= 0:
-        raise ValueError(f"the check {check_id} needs points above 0")
+    require_declared(check_id, title, points)
 
     def run(context: CheckContext) -> Evidence:
         seen = talk(GradedNode(context))

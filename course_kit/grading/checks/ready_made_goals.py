@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import ready_made
+from course_kit.grading.checks.answers import TOO_SOON
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
@@ -65,7 +66,7 @@ def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
                 evidence = Evidence(
                     goal.shown, f"not before {not_before_s:g} s", f"it ended after {clock.wall():.2f} s"
                 )
-                raise Failed(evidence, "This came too soon: the work that takes so long was not done.")
+                raise Failed(evidence, TOO_SOON)
 
     return _made(check_id, title, points, talk, after, proves)
 
