@@ -35,7 +35,7 @@ NOTEBOOK_7_ITSELF = (
     r"(?:(?!blob:)[\s\S])*/static/notebook/notebook_core"
 )
 # JupyterLab's debugger and subshells ask a kernel that has just been restarted or ended.
-KERNEL_ENDED = r"Canceled future for \w+ message before replies were done"
+KERNEL_ENDED = r"Canceled future for \w+ message before replies were done|widget model not found"
 PATIENCE_MS = 240_000  # against hanging only
 SETTINGS = {
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
@@ -172,8 +172,12 @@ class OpenServer:
             with page(self.chromium) as opened:
                 yield JupyterLab(opened, self.root, self._server.address, self._server.token)
         finally:
-            for session in self._server.get("sessions"):
-                self._server.delete(f"sessions/{session['id']}")
+            self.end_kernels()
+
+    def end_kernels(self) -> None:
+        """End all kernels, as closing JupyterLab does."""
+        for session in self._server.get("sessions"):
+            self._server.delete(f"sessions/{session['id']}")
 
 
 @contextmanager

@@ -1,0 +1,64 @@
+"""A notebook that is opened again: what its panels show when their kernel goes on, ends, or is another one."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.sync_api import expect
+
+if TYPE_CHECKING:
+    from tests.browser.learner import JupyterLab, OpenServer
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+LESSON = "notebooks/00_welcome.ipynb"
+GRAPH = "graph = panels.graph()"
+WAKE = "Run this cell to bring it to life"
+
+
+def open_again(lab: JupyterLab) -> None:
+    lab.page.goto(f"{lab.address}/lab/tree/{LESSON}?token={lab.token}")
+    expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
+
+
+def save(lab: JupyterLab) -> None:
+    lab.page.get_by_role("menuitem", name="File", exact=True).click()
+    lab.page.get_by_role("menuitem", name=re.compile(r"^Save Notebook(?! As)")).first.click()
+    expect(lab.page.locator(".jp-mod-dirty")).to_have_count(0)
+
+
+def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
+    page = lab.page
+    lab.open(LESSON)
+    lab.run_all()
+    question = lab.scroll_to(page.locator("form:has(.ck-guess-send)"))
+    question.locator("input[type=radio]").first.check()
+    question.locator(".ck-guess-send").click()
+    expect(question.locator(".ck-guess-verdict")).not_to_be_empty()
+    save(lab)
+
+    open_again(lab)  # the kernel goes on
+    graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
+    expect(graph.get_by_text("The ROS graph", exact=True)).to_be_visible()
+    expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
+
+    page.get_by_role("menuitem", name="Kernel", exact=True).click()
+    page.get_by_role("menuitem", name=re.compile("^Restart Kernel…")).first.click()
+    page.get_by_role("button", name="Confirm Kernel Restart").click()
+    graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
+    expect(graph.get_by_role("button", name=WAKE)).to_be_visible()
+    expect(graph.get_by_text("The ROS graph", exact=True)).to_be_visible()  # nothing in it can be pressed
+    expect(graph.locator("[inert]")).to_have_count(1)
+
+    expect(page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
+    jupyter.end_kernels()
+    open_again(lab)  # another day, another kernel
+    guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
+    expect(guess).to_contain_text("(your guess)")
+    graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
+    expect(graph.get_by_text("No node is on the ROS graph.")).to_be_visible()
+    lab.picture("second_day")
+    graph.get_by_role("button", name=WAKE).click()
+    expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
+    expect(graph.get_by_text("The ROS graph", exact=True)).to_be_visible()
