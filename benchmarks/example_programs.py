@@ -17,7 +17,7 @@ from programs import ROS2, Program
 from tutorial_workspace import make_stand_ins
 
 from course_kit import environment
-from course_kit.launch import package_index, source_packages
+from course_kit.launch import package_index
 
 LIMIT_S = 40.0
 SAVED = "measured_"  # begins the names under which the cells are saved
@@ -93,7 +93,7 @@ def programs_in(workspace: Path) -> dict[str, Path]:
     """The file of each program, by its package and its executable."""
     found = {}
     for folder in sorted(description.parent for description in workspace.rglob("package.xml")):
-        for name, (module, _) in source_packages.programs(folder).items():
+        for name, (module, _) in package_index.programs(folder).items():
             found[f"{module.partition('.')[0]} {name}"] = folder / f"{module.replace('.', '/')}.py"
     return found
 

@@ -18,14 +18,15 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.launch import events, finder, source_packages
+from course_kit.launch import finder, package_index
+from course_kit.launch.description import ProcessExited
 from course_kit.launch.errors import LaunchError, ProgramError
 from course_kit.launch.service import LaunchService
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_kit.launch.process import ProcessDescription
+    from course_kit.launch.node import ProcessDescription
 
 LIMIT_S = 30.0
 MOST = 100  # processes of one file; more come of handlers that start one for each that has ended
@@ -42,12 +43,10 @@ class Reader(LaunchService):
         self.missing: list[str] = []
 
     def start(self, description: ProcessDescription) -> None:
-        """Note a process, and say that it has started and ended."""
+        """Note a process, and say that it has ended."""
         self.started.append(description.command)
         if len(self.started) < MOST:
-            about = (description.action, description.label, description.command)
-            self.emit(events.ProcessStarted(*about))
-            self.emit(events.ProcessExited(*about))
+            self.emit(ProcessExited(description.action, description.label, description.command))
         for path in description.temporary:
             path.unlink(missing_ok=True)
 
@@ -101,7 +100,7 @@ def programs_in(repository: Path) -> set[str]:
     found: set[str] = set()
     for description in repository.rglob("package.xml"):
         folder = description.parent
-        found |= set(source_packages.programs(folder))
+        found |= set(package_index.programs(folder))
         for place in ("scripts", "nodes", "src", folder.name):
             found |= {path.name for path in (folder / place).glob("*.py")}
     return found
@@ -122,9 +121,9 @@ def verdict(found: dict[str, object]) -> str:
     """The row of the table that a result belongs to."""
     error = str(found["error"])
     rules = {
-        "before ROS 2 Foxy": "fails: arguments from before ROS 2 Foxy",
         "compiled programs need": "out of scope: components, lifecycle nodes",
         "is not part of the course kit": "fails: not part of the subset",
+        "has no argument": "fails: an argument that is not part of the subset",
         "No module named": "needs a Python package that is not there",
         "not found": "needs a package that is not there",
         "Command(": "needs a program that is not there",

@@ -67,7 +67,6 @@ STILL_ABOVE = {
     "course_kit/ros": 2000,
     "course_kit/lab": 7400,
     "course_kit/quiz": 900,
-    "course_kit/launch": 2700,
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,
     "course_kit/grading": 12480,

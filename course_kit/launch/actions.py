@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.launch.action import Action, as_entities, execute_all
-from course_kit.launch.description import LaunchDescriptionSource
+from course_kit.launch import package_index
+from course_kit.launch.description import (
+    Action,
+    LaunchDescription,
+    PythonLaunchDescriptionSource,
+    as_entities,
+    execute_all,
+    load,
+)
+from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.node import joined_namespace
-from course_kit.launch.parameters import value_of
-from course_kit.launch.substitutions import Text, as_text
+from course_kit.launch.node import join_namespace, value_of
+from course_kit.launch.substitutions import Text, as_text, described
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+    from pathlib import Path
 
-    from course_kit.launch.context import LaunchContext
-    from course_kit.launch.description import LaunchDescription
     from course_kit.launch.substitutions import Condition
-
-_DEEPEST = 50  # files that include one another
 
 
 class DeclareLaunchArgument(Action):
@@ -54,55 +59,40 @@ class IncludeLaunchDescription(Action):
 
     def __init__(
         self,
-        launch_description_source: LaunchDescriptionSource | LaunchDescription | Text,
+        launch_description_source: PythonLaunchDescriptionSource | Text,
         *,
         launch_arguments: Iterable[tuple[Text, Text]] | None = None,
         condition: Condition | None = None,
     ) -> None:
         super().__init__(condition=condition)
-        self.source = LaunchDescriptionSource.of(launch_description_source)
+        source = launch_description_source
+        self.path = source.launch_file_path if isinstance(source, PythonLaunchDescriptionSource) else source
         self._arguments = list(launch_arguments or [])
 
     def execute(self, context: LaunchContext) -> None:
         """Run the other file's actions, with the arguments in force from here on."""
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
-        if context.depth > _DEEPEST:
-            raise LaunchError(f"{context.file.name} includes itself: {_DEEPEST} launch files are nested.")
-        path = self.source.path(context)
-        execute_all(self.source.description(path), context.inside(path))
+        path = context.file.parent / as_text(self.path, context)
+        execute_all(load(path), context.inside(path))
 
 
 class TimerAction(Action):
     """Actions that come later."""
 
-    def __init__(
-        self,
-        *,
-        period: Text | float,
-        actions: Iterable[object],
-        cancel_on_shutdown: object = True,
-        condition: Condition | None = None,
-    ) -> None:
+    def __init__(self, *, period: Text | float, actions: Iterable[object], condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
-        del cancel_on_shutdown
-        self._period, self.actions, self._cancelled = period, list(actions), False
-
-    def cancel(self) -> None:
-        """Do nothing when it is over."""
-        self._cancelled = True
+        self._period, self.actions = period, list(actions)
 
     def execute(self, context: LaunchContext) -> None:
-        """Start the timer."""
         text = as_text(self._period, context)
         try:
             seconds = float(text)
         except ValueError:
             raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
-        context.service.later(seconds, lambda: execute_all([] if self._cancelled else self.actions, context))
+        context.service.later(seconds, lambda: execute_all(self.actions, context))
 
     def sub_entities(self) -> Iterable[object]:
-        """The actions."""
         return self.actions
 
 
@@ -114,7 +104,6 @@ class LogInfo(Action):
         self._message = msg
 
     def execute(self, context: LaunchContext) -> None:
-        """Print the line."""
         context.service.say(f"[INFO] [launch.user]: {as_text(self._message, context)}")
 
 
@@ -133,35 +122,20 @@ class OpaqueFunction(Action):
         self._function, self._args, self._kwargs = function, list(args or []), dict(kwargs or {})
 
     def execute(self, context: LaunchContext) -> object:
-        """Call it."""
         return as_entities(self._function(context, *self._args, **self._kwargs))
 
 
 class GroupAction(Action):
     """Actions with a scope of their own."""
 
-    def __init__(
-        self,
-        actions: Iterable[object],
-        *,
-        scoped: bool = True,
-        forwarding: bool = True,
-        launch_configurations: Mapping[Text, Text] | None = None,
-        condition: Condition | None = None,
-    ) -> None:
+    def __init__(self, actions: Iterable[object], *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
-        self.actions, self._scoped, self._forwarding = list(actions), scoped, forwarding
-        self._values = dict(launch_configurations or {})
+        self.actions = list(actions)
 
     def execute(self, context: LaunchContext) -> None:
-        """Run the actions."""
-        values = {as_text(name, context): as_text(value, context) for name, value in self._values.items()}
-        inner = context.scoped(forwarding=self._forwarding) if self._scoped else context
-        inner.launch_configurations |= values
-        execute_all(self.actions, inner)
+        execute_all(self.actions, context.scoped())
 
     def sub_entities(self) -> Iterable[object]:
-        """The actions."""
         return self.actions
 
 
@@ -173,7 +147,6 @@ class SetEnvironmentVariable(Action):
         self._name, self._value = name, value
 
     def execute(self, context: LaunchContext) -> None:
-        """Set it."""
         context.environment[as_text(self._name, context)] = as_text(self._value, context)
 
 
@@ -185,8 +158,7 @@ class PushROSNamespace(Action):
         self._namespace = namespace
 
     def execute(self, context: LaunchContext) -> None:
-        """Set it."""
-        context.namespace = joined_namespace(context.namespace, as_text(self._namespace, context))
+        context.namespace = join_namespace(context.namespace, as_text(self._namespace, context))
 
 
 class SetParameter(Action):
@@ -197,6 +169,62 @@ class SetParameter(Action):
         self._name, self._value = name, value
 
     def execute(self, context: LaunchContext) -> None:
-        """Set it."""
         name = as_text(self._name, context)
         context.parameters[name] = value_of(name, self._value, context)
+
+
+def show_arguments(file: Path) -> str:
+    """The arguments of a file and of those it includes, as the real command shows them: of several, the first."""
+    package_index.make_known([file.parent])
+    declared: dict[str, DeclareLaunchArgument] = {}
+    context = LaunchContext({}, file)
+    for argument in _declared(load(file).entities, context):
+        declared.setdefault(argument.name, argument)
+    shown = "\n\n".join(_shown(one, context) for one in declared.values()) or "  No arguments."
+    return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{shown}"
+
+
+def doubts(given: Iterable[str], declared: Collection[str]) -> list[str]:
+    """Sentences about arguments that no launch file has declared, but one with nearly that name."""
+    names = [name for name in given if name not in declared]
+    hints = ((name, did_you_mean(name, sorted(declared))) for name in names)
+    return [f"No launch file declares the argument '{name}'.{hint}" for name, hint in hints if hint]
+
+
+def not_an_argument(word: str) -> str:
+    """The sentence about a word that gives no value; `speed=3` misses a colon."""
+    name, separator, value = word.partition("=")
+    return f"{word!r} is not a launch argument: write {name}:={value if separator else 'value'}."
+
+
+def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
+    choices = f" Valid choices are: {argument.choices}" if argument.choices else ""
+    lines = [f"    '{argument.name}':", f"        {as_text(argument.description, context)}{choices}"]
+    if argument.default_value is not None:
+        lines.append(f"        (default: {described(argument.default_value)})")
+    return "\n".join(lines)
+
+
+def _declared(entities: Iterable[object], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+    for entity in entities:
+        if isinstance(entity, DeclareLaunchArgument):
+            yield entity
+            if entity.default_value is not None:  # a path of an included file may be made of it
+                context.launch_configurations.setdefault(entity.name, str(entity.default_value))
+        elif isinstance(entity, LaunchDescription):
+            yield from _declared(entity.entities, context)
+        elif isinstance(entity, IncludeLaunchDescription):
+            yield from _included(entity, context)
+        elif isinstance(entity, Action):
+            yield from _declared(entity.sub_entities(), context)
+
+
+def _included(entity: IncludeLaunchDescription, context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+    """The arguments of an included file; none where it depends on what only a running launch knows."""
+    try:
+        path = context.file.parent / as_text(entity.path, context)
+        inner = load(path).entities
+    except LaunchError:
+        return
+    if path != context.file:
+        yield from _declared(inner, context.inside(path))

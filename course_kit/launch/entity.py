@@ -1,42 +1,38 @@
-"""What the parts of a launch description have in common: where they were written, and which arguments they take."""
+"""What the parts of a launch description have in common: where they were written, and what is known as they run."""
 
 from __future__ import annotations
 
 import inspect
-from typing import Any, ClassVar
+import os
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from course_kit.launch.errors import LaunchError, calling_place
 from course_kit.ros.names import did_you_mean
+
+if TYPE_CHECKING:
+    from course_kit.launch.service import LaunchService
 
 
 class LaunchEntity:
     """A part of a launch description."""
 
-    OUTSIDE: ClassVar[frozenset[str]] = frozenset()
-    REPLACED: ClassVar[dict[str, str]] = {}
     place: str
+    given: tuple[object, ...]
 
-    def __new__(cls, *_: Any, **keywords: Any) -> Any:
-        """Note the place, and refuse arguments that there are not."""
+    def __new__(cls, *given: Any, **keywords: Any) -> Any:
+        """Note the place and what is given, and refuse arguments that there are not."""
         entity = super().__new__(cls)
-        entity.place = calling_place()
+        entity.place, entity.given = calling_place(), (*given, *keywords.values())
         if cls.__module__.startswith(f"{__package__}."):  # a class of the launch file's own takes what it likes
-            for name in keywords:
-                _check(cls, name, entity.place)
+            known = _keywords(cls)
+            for name in keywords.keys() - known:
+                hint = did_you_mean(name, sorted(known))
+                raise LaunchError(
+                    f"{cls.__name__} has no argument '{name}' in the course kit's launch files.{hint}", entity.place
+                )
         return entity
-
-
-def _check(cls: type[LaunchEntity], name: str, place: str) -> None:
-    known = _keywords(cls)
-    if name in known:
-        return
-    if name in cls.OUTSIDE:
-        raise LaunchError(f"{cls.__name__}({name}=...) is not part of the course kit's subset of launch.", place)
-    if name in cls.REPLACED:
-        raise LaunchError(
-            f"{cls.__name__}({name}=...) is from before ROS 2 Foxy: write {cls.REPLACED[name]}=... instead.", place
-        )
-    raise LaunchError(f"{cls.__name__} has no argument '{name}'.{did_you_mean(name, sorted(known))}", place)
 
 
 def _keywords(cls: type) -> set[str]:
@@ -47,3 +43,34 @@ def _keywords(cls: type) -> set[str]:
             parameters = inspect.signature(vars(one)["__init__"]).parameters.values()
             found |= {parameter.name for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD}
     return found - {"self"}
+
+
+@dataclass
+class LaunchContext:
+    """The values of launch arguments, and where the file stands."""
+
+    launch_configurations: dict[str, str] = field(default_factory=dict)
+    file: Path = Path("launch.py")
+    environment: dict[str, str] = field(default_factory=lambda: dict(os.environ))
+    namespace: str = ""
+    parameters: dict[str, object] = field(default_factory=dict)
+    declared: set[str] = field(default_factory=set)
+    running: LaunchService | None = None
+
+    @property
+    def service(self) -> LaunchService:
+        if self.running is None:
+            raise LaunchError("This can only be done while a launch file runs.")
+        return self.running
+
+    def inside(self, file: Path) -> LaunchContext:
+        """The context for an included file; its values are the same ones."""
+        return replace(self, file=file)
+
+    def scoped(self) -> LaunchContext:
+        return replace(
+            self,
+            launch_configurations=dict(self.launch_configurations),
+            environment=dict(self.environment),
+            parameters=dict(self.parameters),
+        )

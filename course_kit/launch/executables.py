@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.launch import source_packages
 from course_kit.launch.errors import ProgramError
-from course_kit.launch.package_index import PACKAGE_PATH, sources_near
+from course_kit.launch.package_index import PACKAGE_PATH, is_one, programs, sources_near
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ def packages(near: Sequence[Path] = ()) -> list[str]:
     """The packages that have programs, by their folders."""
     found = {entry.name for lib in _installed() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
     for folder in _folders(near):
-        if source_packages.is_one(folder):
+        if is_one(folder):
             found.add(folder.name)
         elif folder.is_dir() and folder not in _courses():  # whose folders are not packages of anybody's
             entries = [*folder.iterdir(), *folder.glob("src/*")]
@@ -64,7 +63,7 @@ def packages(near: Sequence[Path] = ()) -> list[str]:
 def executables(package: str, near: Sequence[Path] = ()) -> list[str]:
     """The programs of a package."""
     places = list(_package_places(package, list(_folders(near))))
-    named = {*_entry_points(package), *(name for place in places for name in source_packages.programs(place))}
+    named = {*_entry_points(package), *(name for place in places for name in programs(place))}
     return sorted(named or {name for place in places for name in _programs(place)})
 
 
@@ -129,7 +128,7 @@ def _in(folder: Path, executable: str) -> list[str] | None:
 
 def _of_source(folder: Path, executable: str) -> list[str] | None:
     """The command for a program that the package in a folder names in its setup.py."""
-    target = source_packages.programs(folder).get(executable) if source_packages.is_one(folder) else None
+    target = programs(folder).get(executable) if is_one(folder) else None
     return None if target is None else _call(*target, executable, folder)
 
 
@@ -160,7 +159,7 @@ def _programs(folder: Path) -> list[str]:
     if not folder.is_dir():
         return []
     files = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(("_", "."))]
-    named = source_packages.programs(folder)
+    named = programs(folder)
     scripts = [path.stem for path in files if path.suffix == ".py" and not path.name.endswith(_NO_PROGRAMS)]
     return list(named) + scripts + [path.name for path in files if not path.suffix and os.access(path, os.X_OK)]
 

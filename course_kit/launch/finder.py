@@ -22,7 +22,6 @@ class LaunchFinder:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find a module of the subset."""
         del path, target
         root = fullname.partition(".")[0]
         if root not in _ROOTS:
@@ -39,7 +38,6 @@ class LaunchFinder:
         """Leave the making of the module to the import system."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill the module."""
         from course_kit.launch import modules
 
         modules.fill(module)

@@ -11,38 +11,26 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from types import ModuleType
 
-_PARAMETERS = dict.fromkeys(("Parameter", "ParameterFile", "ParameterValue"), "parameters")
 # module -> public name -> module of the course kit that has it, with another name behind a colon
 CONTENTS: dict[str, dict[str, str]] = {
-    "launch": {
-        "Action": "action",
-        "Condition": "substitutions",
-        "LaunchContext": "context",
-        "LaunchDescription": "description",
-        "LaunchDescriptionEntity": "entity:LaunchEntity",
-        "SomeSubstitutionsType": "substitutions:Text",
-        "Substitution": "substitutions",
-    },
+    "launch": {"LaunchContext": "entity", "LaunchDescription": "description"},
     "launch.actions": {
         **dict.fromkeys(("DeclareLaunchArgument", "GroupAction", "IncludeLaunchDescription", "LogInfo"), "actions"),
         **dict.fromkeys(("OpaqueFunction", "SetEnvironmentVariable", "TimerAction"), "actions"),
-        **dict.fromkeys(("EmitEvent", "RegisterEventHandler"), "events"),
-        "ExecuteProcess": "execute_process",
-        "Shutdown": "events:ShutdownAction",
+        **dict.fromkeys(("EmitEvent", "RegisterEventHandler"), "description"),
+        "ExecuteProcess": "node",
+        "Shutdown": "description:ShutdownAction",
     },
     "launch.conditions": dict.fromkeys(
         ("IfCondition", "LaunchConfigurationEquals", "LaunchConfigurationNotEquals", "UnlessCondition"), "substitutions"
     ),
-    "launch.event_handlers": dict.fromkeys(("OnProcessExit", "OnProcessStart", "OnShutdown"), "events"),
-    "launch.events": {"Shutdown": "events"},
-    "launch.events.process": dict.fromkeys(("ProcessExited", "ProcessStarted"), "events"),
+    "launch.event_handlers": {"OnProcessExit": "description"},
+    "launch.events": {"Shutdown": "description"},
     "launch.launch_description_sources": {"PythonLaunchDescriptionSource": "description"},
     "launch.logging": {"get_logger": "modules"},
-    "launch.some_substitutions_type": {"SomeSubstitutionsType": "substitutions:Text"},
     "launch.substitutions": {
-        **dict.fromkeys(("LaunchConfiguration", "PathJoinSubstitution"), "substitutions"),
-        **dict.fromkeys(("TextSubstitution", "ThisLaunchFileDir"), "substitutions"),
-        **dict.fromkeys(("Command", "EnvironmentVariable", "FindExecutable", "PythonExpression"), "expressions"),
+        **dict.fromkeys(("LaunchConfiguration", "PathJoinSubstitution", "TextSubstitution"), "substitutions"),
+        **dict.fromkeys(("Command", "EnvironmentVariable", "FindExecutable", "PythonExpression"), "substitutions"),
     },
     "launch_ros": {},
     "launch_ros.actions": {
@@ -51,11 +39,9 @@ CONTENTS: dict[str, dict[str, str]] = {
         "PushRosNamespace": "actions:PushROSNamespace",
         "SetParameter": "actions",
     },
-    "launch_ros.descriptions": _PARAMETERS,
-    "launch_ros.parameter_descriptions": _PARAMETERS,
-    "launch_ros.substitutions": dict.fromkeys(
-        ("ExecutableInPackage", "FindPackagePrefix", "FindPackageShare"), "expressions"
-    ),
+    "launch_ros.descriptions": {"ParameterValue": "node"},
+    "launch_ros.parameter_descriptions": {"ParameterValue": "node"},
+    "launch_ros.substitutions": dict.fromkeys(("ExecutableInPackage", "FindPackageShare"), "substitutions"),
 }
 _SNAKE = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 _FOR_CPP = re.compile("Composable|Lifecycle|StateTransition|ChangeState|lifecycle")
@@ -106,19 +92,13 @@ def fill(module: ModuleType) -> None:
     namespace["__all__"] = list(contents)
 
 
-class _OnTheScreen(logging.Handler):
-    """Prints a record as `LogInfo` prints its line."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        sys.stdout.write(f"[{record.levelname}] [{record.name}]: {record.getMessage()}\n")
-        sys.stdout.flush()
-
-
 def get_logger(name: str = "launch.user") -> logging.Logger:
     """`launch.logging.get_logger`: a logger of Python's whose lines look like those of a launch."""
     logger = logging.getLogger(name)
-    if not any(isinstance(handler, _OnTheScreen) for handler in logger.handlers):
-        logger.addHandler(_OnTheScreen())
+    if not logger.handlers:
+        handler = logging.StreamHandler(sys.stdout)
+        handler.setFormatter(logging.Formatter("[%(levelname)s] [%(name)s]: %(message)s"))
+        logger.addHandler(handler)
         logger.propagate = False
         logger.setLevel(logging.INFO)
     return logger

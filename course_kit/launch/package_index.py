@@ -7,18 +7,17 @@ installs as `share/<package>/config/robot.yaml` lies at `config/robot.yaml` ther
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import os
 import re
 import sys
 from contextlib import suppress
-from itertools import islice
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.source_packages import installed, is_one
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -27,17 +26,20 @@ if TYPE_CHECKING:
 VARIABLE = "AMENT_PREFIX_PATH"
 PACKAGE_PATH = "COURSE_KIT_PACKAGE_PATH"
 _INDEX = Path("share", "ament_index", "resource_index", "packages")
-_MOST = 300  # packages; a workspace has fewer
 _IN_SRC = 5  # levels: src/examples/rclpy/topics/minimal_publisher, of a repository that has been cloned there
 _MOST_FOLDERS = 3000  # looked into; what lies in a workspace's `src` are packages, and few folders above them
 _NO_SOURCES = ("build", "install", "log", "node_modules", "site-packages")
+_LARGEST = 1 << 20  # bytes of a setup.py that are read
+_POINT = re.compile(r"\s*(?P<name>[\w.-]+)\s*=\s*(?P<module>[\w.]+)\s*:\s*(?P<function>[\w.]+)\s*")
 _NAME = re.compile(r"<name>\s*([A-Za-z0-9][\w-]*)\s*</name>")
 
 
 def make_known(near: Iterable[Path]) -> None:
     """Have this process, and those it starts, find the packages there are."""
     sources = sources_near(near)
-    _join("PYTHONPATH", (str(folder.resolve()) for folder in sources.values() if is_one(folder)))
+    searched = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    searched += [str(folder.resolve()) for folder in sources.values() if is_one(folder)]
+    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys(filter(None, searched)))
     known = [folder for folder in os.environ.get(VARIABLE, "").split(os.pathsep) if folder]
     if sys.prefix not in known:
         known.append(sys.prefix)
@@ -45,12 +47,6 @@ def make_known(near: Iterable[Path]) -> None:
     if made is not None and str(made) not in known:
         known.insert(0, str(made))
     os.environ[VARIABLE] = os.pathsep.join(known)
-
-
-def _join(variable: str, folders: Iterable[str]) -> None:
-    """Add folders at the end of a search path of the environment."""
-    known = [folder for folder in os.environ.get(variable, "").split(os.pathsep) if folder]
-    os.environ[variable] = os.pathsep.join(dict.fromkeys((*known, *folders)))
 
 
 def prefix_of(package: str) -> str:
@@ -67,7 +63,7 @@ def sources_near(near: Iterable[Path]) -> dict[str, Path]:
     """The packages whose source lies in the workspace around folders, and in the current folder's: names to folders."""
     found: dict[str, Path] = {}
     for root, levels in _roots(near):
-        for description in islice(_descriptions(root, levels), _MOST):
+        for description in _descriptions(root, levels):
             found.setdefault(_name_in(description), description.parent)
     return found
 
@@ -83,12 +79,9 @@ def _descriptions(root: Path, levels: int) -> Iterator[Path]:
                     yield folder / "package.xml"
                 elif not (folder / "COLCON_IGNORE").exists():
                     with os.scandir(folder) as entries:
-                        below += sorted(Path(entry) for entry in entries if entry.is_dir() and _is_sought(entry.name))
+                        named = (entry for entry in entries if entry.name[0] != "." and entry.name not in _NO_SOURCES)
+                        below += sorted(Path(entry) for entry in named if entry.is_dir())
         folders = below
-
-
-def _is_sought(name: str) -> bool:
-    return not name.startswith(".") and name not in _NO_SOURCES
 
 
 def _roots(near: Iterable[Path]) -> Iterator[tuple[Path, int]]:
@@ -146,3 +139,82 @@ def _link(source: Path, share: Path, target: PurePosixPath) -> None:
         link.parent.mkdir(parents=True, exist_ok=True)
         with suppress(FileExistsError):  # made by an earlier launch, or at the same time by another one
             link.symlink_to(entry)
+
+
+def is_one(folder: Path) -> bool:
+    """Whether a folder holds the source of a Python package, as `ros2 pkg create` makes it."""
+    return (folder / "setup.py").is_file()
+
+
+def programs(folder: Path) -> dict[str, tuple[str, str]]:
+    """Module and function of each program that a package's setup.py names; none of what cannot be read."""
+    reader = SetupReader(folder)
+    return {
+        match["name"]: (match["module"], match["function"])
+        for node in reader.nodes
+        if isinstance(node, ast.Dict)
+        for key, scripts in zip(node.keys, node.values, strict=True)
+        if isinstance(key, ast.Constant) and key.value == "console_scripts"
+        for script in ast.walk(reader.names.get(scripts.id, scripts) if isinstance(scripts, ast.Name) else scripts)
+        if (match := _POINT.fullmatch(str(reader.value(script))))
+    }
+
+
+def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
+    """The files that are installed: where to, such as share/my_robot/launch, and where they lie."""
+    reader = SetupReader(folder)
+    for node in reader.nodes:
+        if isinstance(node, ast.Tuple) and len(node.elts) == len(("where to", "files")):
+            target, files = (reader.value(part) for part in node.elts)
+            if isinstance(target, str) and target.startswith("share/") and isinstance(files, list):
+                yield from ((PurePosixPath(target), folder / name) for name in files if (folder / name).is_file())
+
+
+class SetupReader:
+    """A setup.py, read and never run; of an expression that it does not know the value is None."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        try:
+            with (folder / "setup.py").open("rb") as file:
+                tree = ast.parse(file.read(_LARGEST))
+        except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+            tree = ast.Module(body=[], type_ignores=[])
+        self.nodes = list(ast.walk(tree))
+        self.names = {
+            target.id: node.value
+            for node in tree.body
+            if isinstance(node, ast.Assign)
+            for target in node.targets
+            if isinstance(target, ast.Name)
+        }
+
+    def value(self, node: ast.AST) -> str | list[str] | None:
+        if isinstance(node, ast.Constant):
+            return node.value if isinstance(node.value, str) else None
+        if isinstance(node, ast.Name) and isinstance(self.names.get(node.id), ast.Constant):
+            return self.value(self.names[node.id])
+        if isinstance(node, ast.List):
+            return [text for text in map(self.value, node.elts) if isinstance(text, str)]
+        if isinstance(node, ast.JoinedStr):
+            return self._joined([part.value if isinstance(part, ast.FormattedValue) else part for part in node.values])
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+            left, right = self.value(node.left), self.value(node.right)
+            return left + right if type(left) is type(right) is not type(None) else None  # type: ignore[operator]
+        return self._called(node) if isinstance(node, ast.Call) else None
+
+    def _joined(self, parts: list[ast.expr], between: str = "") -> str | None:
+        texts = [text for text in map(self.value, parts) if isinstance(text, str)]
+        return between.join(texts) if len(texts) == len(parts) else None
+
+    def _called(self, call: ast.Call) -> str | list[str] | None:
+        name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+        if name == "join":
+            return self._joined(call.args, "/")
+        pattern = self.value(call.args[0]) if name == "glob" and call.args else None
+        if not isinstance(pattern, str) or Path(pattern).is_absolute():
+            return None
+        try:
+            return sorted(str(path.relative_to(self._folder)) for path in self._folder.glob(pattern))
+        except (ValueError, OSError):  # no pattern at all
+            return None

@@ -6,30 +6,63 @@ import contextlib
 import os
 import platform
 import selectors
+import shlex
 import signal
 import sys
 import time
-from functools import partial
+from collections import deque
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.launch import events, package_index
-from course_kit.launch.action import execute_all
-from course_kit.launch.arguments import doubts
-from course_kit.launch.context import LaunchContext
-from course_kit.launch.description import load
+from course_kit.launch import package_index
+from course_kit.launch.actions import doubts
+from course_kit.launch.description import OnProcessExit, ProcessExited, Shutdown, execute_all, load
+from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import ProgramError
-from course_kit.launch.process import LaunchedProcess
+from course_kit.process.child import NOWHERE, PIPE, Child
+from course_kit.process.output import LineReader
+from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_kit.launch.events import EventHandler
-    from course_kit.launch.process import ProcessDescription
+    from course_kit.launch.node import ProcessDescription
 
+PATIENCE_S = (5.0, 5.0, 5.0)  # after SIGINT, SIGTERM and SIGKILL; the real launch's defaults
 _ALWAYS_CHECK = 1.0  # seconds; a signal wakes the loop, this is for what no signal tells
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD)
+
+
+class LaunchedProcess:
+    """A process of a launch file."""
+
+    def __init__(
+        self,
+        description: ProcessDescription,
+        label: str,
+        *,
+        command: list[str] | None = None,
+        environ: dict[str, str] | None = None,
+        inherits: tuple[int, ...] | None = None,
+    ) -> None:
+        self.description, self.label = description, label
+        self.command = shlex.join(description.command)
+        self.ladder = Ladder(*PATIENCE_S)
+        show_stdout, show_stderr = description.show
+        self.process = Child(
+            command or description.command,
+            environ=environ or description.environ,
+            stdout=PIPE if inherits is None else None if show_stdout else NOWHERE,
+            stderr=PIPE if inherits is None else None if show_stderr else NOWHERE,
+            descriptors=inherits or (),
+            dies_with_us=True,  # launch has one thread
+        )
+        self.streams: dict[IO[bytes], tuple[LineReader, bool]] = {}
+        pipes = ((self.process.stdout, show_stdout), (self.process.stderr, show_stderr))
+        for stream, shown in pipes:
+            if stream is not None:
+                self.streams[stream] = (LineReader(stream.fileno()), shown)
 
 
 class LaunchService:
@@ -41,7 +74,8 @@ class LaunchService:
         self._started = 0
         self._timers: list[tuple[float, Callable[[], object]]] = []
         self._temporary: list[Path] = []
-        self._dispatcher = events.EventDispatcher()
+        self._events: deque[object] = deque()
+        self._handlers: list[tuple[OnProcessExit, LaunchContext]] = []
         self._selector = selectors.DefaultSelector()
         self._failed = False
         self.stopping = False
@@ -72,31 +106,37 @@ class LaunchService:
     # What actions ask
 
     def start(self, description: ProcessDescription) -> None:
-        """Start a process; its temporary files are removed when it has ended."""
+        """Start a process; its temporary files are removed at the end of the launch."""
         self._temporary += description.temporary
         if not self.stopping:
             self._started += 1
-            self._begin(description, f"{description.label}-{self._started}")
+            label = f"{description.label}-{self._started}"
+            try:
+                child = self.make_child(description, label)
+            except OSError as error:
+                raise ProgramError(f"{description.command[0]} cannot be started: {error.strerror}.") from error
+            self._children.append(child)
+            for stream in child.streams:
+                self._selector.register(stream, selectors.EVENT_READ, (child, stream))
+            self.say(f"[INFO] [{label}]: process started with pid [{child.process.pid}]")
 
     def later(self, seconds: float, function: Callable[[], object]) -> None:
         """Call a function after a while, unless the launch ends before."""
         self._timers.append((time.monotonic() + seconds, function))
 
-    def register(self, handler: EventHandler, context: LaunchContext) -> None:
-        """Have an event handled from now on."""
-        self._dispatcher.register(handler, context)
+    def register(self, handler: OnProcessExit, context: LaunchContext) -> None:
+        """Have an event handled from now on, with this context for what is done."""
+        self._handlers.append((handler, context))
 
-    def emit(self, event: events.LaunchEvent) -> None:
+    def emit(self, event: object) -> None:
         """Have an event handled as soon as what is being done is done."""
-        self._dispatcher.emit(event)
+        self._events.append(event)
 
     def fail(self, error: ProgramError) -> None:
         """Say that one program cannot be started, and go on without it."""
         self._failed = True
         self.say(f"[ERROR] [launch]: {error}", shown=False)
-        sys.stdout.flush()
         sys.stderr.write(f"[ERROR] [launch]: {error}\n")
-        sys.stderr.flush()
 
     def say(self, text: str, *, shown: bool = True) -> None:
         """Write a line to the log, and to the screen if it is to be shown."""
@@ -107,27 +147,9 @@ class LaunchService:
             sys.stdout.flush()
 
     def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
-        """Start a process whose output comes through us."""
         return LaunchedProcess(description, label)
 
     # Processes
-
-    def _begin(self, description: ProcessDescription, label: str) -> None:
-        try:
-            child = self.make_child(description, label)
-        except (OSError, ValueError) as error:
-            why = error.strerror if isinstance(error, OSError) else error
-            raise ProgramError(f"{description.command[0]} cannot be started: {why}.") from error
-        self._children.append(child)
-        for stream in child.streams:
-            self._selector.register(stream, selectors.EVENT_READ, (child, stream))
-        self.say(f"[INFO] [{child.label}]: process started with pid [{child.process.pid}]")
-        self._tell(events.ProcessStarted, child)
-
-    def _tell(self, kind: type[events.RunningProcessEvent], child: LaunchedProcess, **more: object) -> None:
-        plan = child.description
-        about = (plan.action, child.label, plan.command, plan.folder, dict(plan.environ), child.process.pid)
-        self.emit(kind(*about, **more))  # type: ignore[arg-type]
 
     def _reap(self) -> None:
         for child in [child for child in self._children if child.process.exit_code() is not None]:
@@ -141,16 +163,9 @@ class LaunchService:
                     f"[ERROR] [{child.label}]: process has died [pid {child.process.pid}, exit code {code}, "
                     f"cmd '{child.command}']."
                 )
-            child.clean_up()
-            self._tell(events.ProcessExited, child, returncode=code)
-            if child.description.respawn and not self.stopping:
-                self.later(child.description.respawn_delay_s, partial(self._restart, child))
-
-    def _restart(self, child: LaunchedProcess) -> None:
-        try:
-            self._begin(child.description, child.label)
-        except ProgramError as error:
-            self.fail(error.at(child.description.action.place))
+            child.process.kill()  # what is left of its group
+            plan = child.description
+            self.emit(ProcessExited(plan.action, child.label, plan.command, child.process.pid, code or 0))
 
     def _drain(self, child: LaunchedProcess) -> None:
         """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""
@@ -185,13 +200,14 @@ class LaunchService:
         elif signal.SIGTERM in numbers or signal.SIGHUP in numbers:
             self.say("[WARNING] [launch]: asked to end")
         if any(number in numbers for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)):
-            if not self.stopping:
-                self.emit(events.Shutdown("ctrl-c (SIGINT)", due_to_sigint=signal.SIGINT in numbers))
             self._stop()
 
     def _handle_events(self) -> None:
-        for event in self._dispatcher.handled():
-            if isinstance(event, events.Shutdown) and not self.stopping:
+        while self._events:
+            event = self._events.popleft()
+            for handler, context in [entry for entry in self._handlers if entry[0].matches(event)]:
+                execute_all(handler.handle(event, context), context)
+            if isinstance(event, Shutdown) and not self.stopping:
                 self.say(f"[INFO] [launch]: shutting down: {event.reason}")
                 self._stop()
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
+import shlex
+import shutil
+import subprocess
 from collections.abc import Iterable
-from pathlib import PurePath
-from typing import TYPE_CHECKING, Union
+from pathlib import Path, PurePath
+from typing import Union
 
-from course_kit.launch.entity import LaunchEntity
+from course_kit.environment.search_path import with_scripts_first
+from course_kit.launch.entity import LaunchContext, LaunchEntity
 from course_kit.launch.errors import LaunchError
+from course_kit.launch.executables import find
+from course_kit.launch.package_index import prefix_of
 from course_kit.ros.names import did_you_mean
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from course_kit.launch.context import LaunchContext
+_COMMAND_S = 60.0  # a launch file that asks a program waits for its answer
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -25,8 +29,7 @@ class Substitution(LaunchEntity):
         raise NotImplementedError(type(self).__name__)
 
     def describe(self) -> str:
-        """How it is written, for `--show-args`."""
-        return type(self).__name__
+        return f"{type(self).__name__}({', '.join(map(described, self.given))})"
 
 
 Text = Union[str, PurePath, Substitution, Iterable[object]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
@@ -39,12 +42,10 @@ class TextSubstitution(Substitution):
         self.text = text
 
     def perform(self, context: LaunchContext) -> str:
-        """The text."""
         del context
         return self.text
 
     def describe(self) -> str:
-        """The text in quotes."""
         return repr(self.text)
 
 
@@ -53,11 +54,6 @@ class LaunchConfiguration(Substitution):
 
     def __init__(self, variable_name: Text, *, default: Text | None = None) -> None:
         self._name, self._default = variable_name, default
-
-    @property
-    def variable_name(self) -> Text:
-        """The argument's name."""
-        return self._name
 
     def perform(self, context: LaunchContext) -> str:
         """The value; a LaunchError when there is none."""
@@ -71,10 +67,6 @@ class LaunchConfiguration(Substitution):
             )
         return as_text(self._default, context)
 
-    def describe(self) -> str:
-        """As in the launch file."""
-        return f"LaunchConfiguration('{self._name}')"
-
 
 class PathJoinSubstitution(Substitution):
     """Parts joined to a path."""
@@ -83,20 +75,114 @@ class PathJoinSubstitution(Substitution):
         self._parts = list(substitutions)
 
     def perform(self, context: LaunchContext) -> str:
-        """The path."""
         return str(PurePath(*(as_text(part, context) for part in self._parts)))
 
-    def describe(self) -> str:
-        """Its parts."""
-        return f"PathJoin({', '.join(map(described, self._parts))})"
 
+class EnvironmentVariable(Substitution):
+    """The value of an environment variable."""
 
-class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file."""
+    def __init__(self, name: Text, *, default_value: Text | None = None) -> None:
+        self._name, self._default = name, default_value
 
     def perform(self, context: LaunchContext) -> str:
-        """The folder."""
-        return str(context.file.parent)
+        name = as_text(self._name, context)
+        if name in context.environment:
+            return context.environment[name]
+        if self._default is None:
+            raise LaunchError(f"The environment variable {name} is not set, and no default_value is given.")
+        return as_text(self._default, context)
+
+
+class FindExecutable(Substitution):
+    """The path of a program on PATH."""
+
+    def __init__(self, *, name: Text) -> None:
+        self._name = name
+
+    def perform(self, context: LaunchContext) -> str:
+        name = as_text(self._name, context)
+        found = shutil.which(name, path=with_scripts_first(context.environment.get("PATH")))
+        if found is None:
+            raise LaunchError(f"There is no program {name} on PATH.")
+        return found
+
+
+class Command(Substitution):
+    """What a program prints."""
+
+    def __init__(self, command: Text) -> None:
+        self._command = command
+
+    def perform(self, context: LaunchContext) -> str:
+        command = as_text(self._command, context)
+        try:
+            done = subprocess.run(
+                shlex.split(command),
+                env=context.environment,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=_COMMAND_S,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise LaunchError(f"Command({command!r}) has not ended within {_COMMAND_S:.0f} s.") from None
+        except OSError as error:
+            raise LaunchError(f"Command({command!r}) cannot be run: {error.strerror}.") from None
+        said = done.stderr.strip()
+        if done.returncode:
+            raise LaunchError(f"Command({command!r}) failed with exit code {done.returncode}. {said}".strip())
+        if said:
+            raise LaunchError(f"Command({command!r}) wrote to stderr: {said}")
+        return done.stdout
+
+
+class PythonExpression(Substitution):
+    """The value of a Python expression."""
+
+    def __init__(self, expression: Text) -> None:
+        self._expression = expression
+
+    def perform(self, context: LaunchContext) -> str:
+        """The value, as text."""
+        expression = as_text(self._expression, context)
+        try:
+            return str(eval(expression, {}, {"math": math, **vars(math)}))  # noqa: S307 - by the author of the launch file
+        except Exception as error:  # noqa: BLE001 - whatever an expression raises
+            raise LaunchError(f"PythonExpression({expression!r}): {type(error).__name__}: {error}") from None
+
+
+class FindPackageShare(Substitution):
+    """The share folder of a package."""
+
+    def __init__(self, package: Text) -> None:
+        self._package = package
+
+    def perform(self, context: LaunchContext) -> str:
+        name = as_text(self._package, context)
+        return str(Path(prefix_of(name), "share", name))
+
+    def find(self, package_name: Text) -> str:
+        """The folder for a package, as launch files ask for it that need it before they run."""
+        return type(self)(package_name).perform(LaunchContext())
+
+
+class ExecutableInPackage(Substitution):
+    """The program of a package, as a path."""
+
+    def __init__(self, executable: Text, package: Text) -> None:
+        self._executable, self._package = executable, package
+
+    def name(self, context: LaunchContext) -> str:
+        return as_text(self._executable, context)
+
+    def words(self, context: LaunchContext) -> list[str]:
+        near = [context.file.parent]
+        return find(as_text(self._package, context), as_text(self._executable, context), near)
+
+    def perform(self, context: LaunchContext) -> str:
+        """The path, or the command where a program has none of its own."""
+        return shlex.join(self.words(context))
 
 
 def as_text(value: object, context: LaunchContext) -> str:
@@ -130,52 +216,46 @@ def described(value: object) -> str:
 
 
 class Condition(LaunchEntity):
-    """A condition."""
-
-    def __init__(self, predicate: Callable[[LaunchContext], bool]) -> None:
-        self._predicate = predicate
+    """What an action depends on."""
 
     def evaluate(self, context: LaunchContext) -> bool:
         """Whether it holds now."""
-        return self._predicate(context)
+        raise NotImplementedError(type(self).__name__)
 
 
 class IfCondition(Condition):
     """Holds for "true" and "1", in any case of letters."""
 
     def __init__(self, predicate_expression: Text) -> None:
-        super().__init__(lambda context: truth(predicate_expression, context, self.place))
+        self._expression = predicate_expression
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        text = as_text(self._expression, context).strip()
+        if text.lower() not in _WORDS:
+            raise LaunchError(f"A condition is true or false, and {text!r} is neither.", self.place)
+        return _WORDS[text.lower()]
 
 
-class UnlessCondition(Condition):
+class UnlessCondition(IfCondition):
     """Holds for "false" and "0", in any case of letters."""
 
-    def __init__(self, predicate_expression: Text) -> None:
-        super().__init__(lambda context: not truth(predicate_expression, context, self.place))
+    def evaluate(self, context: LaunchContext) -> bool:
+        return not super().evaluate(context)
 
 
 class LaunchConfigurationEquals(Condition):
     """Holds when a launch argument has a value."""
 
     def __init__(self, launch_configuration_name: str, expected_value: Text | None) -> None:
-        super().__init__(lambda context: _equals(launch_configuration_name, expected_value, context))
+        self._name, self._expected = launch_configuration_name, expected_value
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        expected = None if self._expected is None else as_text(self._expected, context)
+        return context.launch_configurations.get(self._name) == expected
 
 
-class LaunchConfigurationNotEquals(Condition):
-    """The opposite of LaunchConfigurationEquals."""
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """Holds when a launch argument has another value, or none."""
 
-    def __init__(self, launch_configuration_name: str, expected_value: Text | None) -> None:
-        super().__init__(lambda context: not _equals(launch_configuration_name, expected_value, context))
-
-
-def truth(expression: Text | bool, context: LaunchContext, place: str = "") -> bool:
-    """What "true", "false", "1" and "0" mean."""
-    text = as_text(expression, context).strip()
-    if text.lower() not in _WORDS:
-        raise LaunchError(f"A condition is true or false, and {text!r} is neither.", place)
-    return _WORDS[text.lower()]
-
-
-def _equals(name: str, expected: Text | None, context: LaunchContext) -> bool:
-    value = context.launch_configurations.get(name)
-    return value == (None if expected is None else as_text(expected, context))
+    def evaluate(self, context: LaunchContext) -> bool:
+        return not super().evaluate(context)

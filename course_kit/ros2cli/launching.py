@@ -14,14 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.launch.arguments import not_an_argument
+from course_kit.launch.actions import not_an_argument
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.process import LaunchedProcess
-from course_kit.launch.service import LaunchService
+from course_kit.launch.service import LaunchedProcess, LaunchService
 from course_kit.process.parent import die_with_parent
 
 if TYPE_CHECKING:
-    from course_kit.launch.process import ProcessDescription
+    from course_kit.launch.node import ProcessDescription
 
 MODULE = __name__
 _RUNNER = ("-m", "course_kit.lab.scripts.child_main")

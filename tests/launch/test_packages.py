@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, launch
-from course_kit.launch import package_index, source_packages
+from course_kit.launch import package_index
 from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
@@ -51,14 +51,14 @@ def make_package(folder: Path, name: str) -> Path:
 
 def test_what_a_setup_py_installs_is_read(tmp_path: Path) -> None:
     package = make_package(tmp_path, "arm")
-    assert sorted(source_packages.installed(package)) == [
+    assert sorted(package_index.installed(package)) == [
         (PurePosixPath("share/arm"), package / "urdf" / "arm.urdf"),
         (PurePosixPath("share/arm/files"), package / "data" / "one.txt"),
         (PurePosixPath("share/arm/files"), package / "data" / "two.txt"),
         (PurePosixPath("share/arm/more"), package / "data" / "one.txt"),
     ]
     (package / "setup.py").write_text("setup(data_files=[")
-    assert list(source_packages.installed(package)) == []
+    assert list(package_index.installed(package)) == []
 
 
 def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
@@ -71,7 +71,7 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     (source / "robots" / "arm" / "scripts" / "wave.py").write_text("print('waving')")
     monkeypatch.chdir("/")
     done = run(
-        "say(FindPackageShare('arm')), say(FindPackagePrefix('arm')), say('found ', FindPackageShare('x').find('arm')),"
+        "say(FindPackageShare('arm')), say('found ', FindPackageShare('x').find('arm')),"
         "say(Command(['cat ', PathJoinSubstitution([FindPackageShare('arm'), 'arm.urdf'])])),"
         "say(Command(['cat ', FindPackageShare('arm'), '/files/two.txt'])),"
         "Node(package='arm', executable='wave.py', output='screen'),"
@@ -83,7 +83,6 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     )
     share = Path(re.findall(r"launch.user\]: (.*share/arm)\n", done)[0])
     assert (share / "config" / "arm.yaml").resolve() == source / "robots" / "arm" / "config" / "arm.yaml"
-    assert f"]: {share.parent.parent}\n" in done
     assert f"]: found {share}\n" in done
     assert "urdf/arm.urdf" in done
     assert "data/two.txt" in done
@@ -100,7 +99,7 @@ def test_programs_are_read_from_a_setup_py_that_puts_their_names_together(tmp_pa
         "    'wave = ' + package_name + '.wave:main', f'nod = {package_name}.nod:main', 'bow = ' 'arm.bow:main',\n"
         "    'never = ' + what_nobody_knows(),\n]})"
     )
-    found = source_packages.programs(tmp_path)
+    found = package_index.programs(tmp_path)
     assert found == {"wave": ("arm.wave", "main"), "nod": ("arm.nod", "main"), "bow": ("arm.bow", "main")}
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 import yaml
 
-from course_kit.launch.context import LaunchContext
+from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.parameters import ParameterValue, values_of
+from course_kit.launch.node import ParameterValue, values_of
 from course_kit.launch.substitutions import LaunchConfiguration, TextSubstitution
 
 from .conftest import FIRST_LINE
@@ -84,21 +84,12 @@ def test_each_node_gets_its_own_file(run: Run) -> None:
     done = run(
         "DeclareLaunchArgument('v', default_value=''),"
         "Node(executable='tell.py', name='n', namespace='ns', parameters=[{'list': [1, 2.5],"
-        " 'text': LaunchConfiguration('v')}], ros_arguments=['--log-level', 'warn'], output='screen')"
+        " 'text': LaunchConfiguration('v')}], output='screen')"
     )
     lines = [line.removeprefix("[tell.py-1] ") for line in done.splitlines() if line.startswith("[tell.py-1]")]
-    assert "'--ros-args', '--log-level', 'warn', '--ros-args', '-r', '__node:=n', '-r', '__ns:=/ns'" in lines[0]
+    assert "'--ros-args', '-r', '__node:=n', '-r', '__ns:=/ns'" in lines[0]
     whole = yaml.safe_load("\n".join(lines[1:]))
     assert whole == {"/ns/n": {"ros__parameters": {"list": [1.0, 2.5], "text": ""}}}
-
-
-def test_one_parameter_and_a_file_by_their_classes(run: Run, folder: Path) -> None:
-    (folder / "more.yaml").write_text("{}")
-    done = run(
-        "Node(executable='tell.py', parameters=[Parameter('speed', 2.0), ParameterFile('more.yaml')], output='screen')"
-    )
-    assert "'-p', 'speed:=2.0', '--params-file', '" in done
-    assert "more.yaml']" in done
 
 
 def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder: Path) -> None:
@@ -107,24 +98,3 @@ def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder
     assert f"[WARNING] [launch]: it.launch.py, line {FIRST_LINE}: {warning}\n" in done
     assert "speed: 2.5" in done
     assert done.endswith("ended with 0")
-
-
-def test_a_parameter_file_in_which_substitutions_are_replaced(run: Run, folder: Path) -> None:
-    """As drivers' launch files give it; without `allow_substs` the text is passed on as it stands."""
-    (folder / "say.yaml").write_text(
-        "/**:\n  ros__parameters:\n    who: $(var who)\n    place: $(env NO_SUCH $(dirname))/x\n"
-        "    sum: $(eval '1 + 2')\n"
-    )
-    done = run(
-        "DeclareLaunchArgument('who', default_value='bob'), DeclareLaunchArgument('yes', default_value='true'),"
-        "Node(executable='tell.py', output='screen', parameters=[ParameterFile('say.yaml',"
-        " allow_substs=LaunchConfiguration('yes'))])",
-        who="eve",
-    )
-    assert "who: eve\n" in done
-    assert f"place: {folder}/x\n" in done
-    assert "sum: 3\n" in done
-    (folder / "say.yaml").write_text("/**:\n  ros__parameters:\n    who: $(anon who)\n")
-    file = "Node(executable='tell.py', output='screen', parameters=[ParameterFile('say.yaml', allow_substs={})])"
-    assert "$(anon who) is not part of the course kit's launch files, which know $(command" in run(file.format(True))
-    assert "who: $(anon who)" in run(file.format(False))

@@ -22,15 +22,27 @@ HERE = f"it.launch.py, line {FIRST_LINE}: "
 @pytest.mark.parametrize(
     ("actions", "sentence"),
     [
-        ("Node(exectuable='tell.py')", "Node has no argument 'exectuable'. Did you mean executable?"),
+        (
+            "Node(exectuable='tell.py')",
+            "Node has no argument 'exectuable' in the course kit's launch files. Did you mean executable?",
+        ),
         (
             "Node(package='a', executable='b', parametrs=[])",
-            "Node has no argument 'parametrs'. Did you mean parameters?",
+            "Node has no argument 'parametrs' in the course kit's launch files. Did you mean parameters?",
         ),
-        ("DeclareLaunchArgument('a', defualt_value='1')", "'defualt_value'. Did you mean default_value?"),
-        ("say(LaunchConfiguration('a', defalt='1'))", "'defalt'. Did you mean default?"),
-        ("Node(package='a', node_executable='b')", "is from before ROS 2 Foxy: write executable=... instead."),
-        ("ExecuteProcess(cmd=['true'], cached_output=True)", "ExecuteProcess(cached_output=...) is not part of"),
+        (
+            "DeclareLaunchArgument('a', defualt_value='1')",
+            "'defualt_value' in the course kit's launch files. Did you mean default_value?",
+        ),
+        (
+            "say(LaunchConfiguration('a', defalt='1'))",
+            "'defalt' in the course kit's launch files. Did you mean default?",
+        ),
+        (
+            "Node(package='a', node_executable='b')",
+            "'node_executable' in the course kit's launch files. Did you mean ex",
+        ),
+        ("ExecuteProcess(cmd=['true'], respawn=True)", "ExecuteProcess has no argument 'respawn' in the course kit's"),
         ("Node(executable='tell.py', parameters={'a': 1})", "Node(parameters=...) is a list: write [ and ] around"),
         ("say(LaunchConfiguration('sped'))", "LaunchConfiguration('sped') has no value: no DeclareLaunchArgument"),
         ("Node(executable='tell.py', output='loud')", "output='loud': the course kit knows screen"),
@@ -107,7 +119,7 @@ def test_the_arguments_are_shown_once_as_they_are_declared_first(
         "IncludeLaunchDescription('in.launch.py'), IncludeLaunchDescription('in.launch.py')",
         "IncludeLaunchDescription(LaunchConfiguration('not_yet_known'))",
         f"GroupAction([{argument.format('speed', '2', 'second')}, {argument.format('deep', '3', 'in a group')}])",
-        f"RegisterEventHandler(OnShutdown(on_shutdown=[{argument.format('late', '4', 'for the end')}]))",
+        f"RegisterEventHandler(OnProcessExit(on_exit=[{argument.format('late', '4', 'for the end')}]))",
     )
     (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ",\n".join(actions)))
     assert cli.run(["launch", "--show-args", "it.launch.py"]) == 0

@@ -50,7 +50,7 @@ def _launch(options: Namespace, session: Session) -> int:
 
 def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
     if show:
-        from course_kit.launch.arguments import show_arguments
+        from course_kit.launch.actions import show_arguments
 
         print(show_arguments(file))
         return 0
@@ -62,7 +62,7 @@ def _run(file: Path, arguments: dict[str, str], *, show: bool) -> int:
 
 def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, str]]:
     """The launch file, and the values given as name:=value."""
-    from course_kit.launch.arguments import not_an_argument
+    from course_kit.launch.actions import not_an_argument
 
     pairs = [word.partition(_SEPARATOR) for word in words if _SEPARATOR in word]
     names = [word for word in words if _SEPARATOR not in word]
