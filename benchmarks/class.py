@@ -1,18 +1,15 @@
-"""A whole class, ours and others': `python benchmarks/class.py [throughput] [growth] [right] [rivals] [options]`.
+"""A whole class, ours and others': `python benchmarks/class.py [throughput] [right] [rivals] [options]`.
 
 `throughput`: N mixed submissions (right, wrong, crashing, one in 50 that never ends), all different, by
-`course-kit class` with everything it does; and the same without those that never end, to see what these cost the
-others. `growth`: the same for classes of 50 to 400. `right`: 24 right ones of each exercise with a node.
-`rivals`: equal work in the same run for ours, nbgrader, Otter (where it is installed), nbconvert, a plain script
-each, and the lower bound, which is a fork from a warm process; see `class_work.py` for what they all do and
-`class_rivals.py` for how. Without a name: throughput and rivals.
-Run it on a quiet machine. The whole takes about ten minutes on two cores.
+`course-kit class` with everything it does. `right`: 24 right ones of each exercise with a node.
+`rivals`: equal work in the same run for ours, nbgrader, Otter (where it is installed), and the lower bound, which is a
+fork from a warm process; see `class_work.py` for what they all do and `class_rivals.py` for how.
+Without a name: throughput and rivals. Run it on a quiet machine.
 """
 
 from __future__ import annotations
 
 import argparse
-import statistics
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
@@ -32,7 +29,6 @@ if TYPE_CHECKING:
 
 SIZE = 200
 QUICK = 50  # with one that never ends
-GROWTH = (50, 100, 200, 400)
 RIGHT = 12
 TWENTY = 20
 FEW = 6  # the last of the mixed ones: two right, two wrong, one crashes, one never ends
@@ -41,7 +37,7 @@ MIXED_AIM_S = 5.0  # ours, wall seconds for the 20 mixed ones with two workers
 TWO = 2
 EACH = 24  # of `right`
 EACH_AIMS_S = {"temperature_service": 0.16, "move_robot": 0.32, "robot_parameters": 0.32}
-PARTS = ("throughput", "growth", "right", "rivals")
+PARTS = ("throughput", "right", "rivals")
 HEAD = f"{'wall s':>9} {'s each':>8} {'CPU s':>8} {'CPU each':>9} {'peak MB':>8}"
 
 
@@ -50,8 +46,6 @@ def main() -> None:
     for part in options.part or ("throughput", "rivals"):
         if part == "throughput":
             throughput(QUICK if options.quick else options.size, options.workers)
-        elif part == "growth":
-            growth(GROWTH[:1] if options.quick else GROWTH, options.workers)
         elif part == "right":
             each(FEW if options.quick else EACH, options.workers)
         else:
@@ -63,7 +57,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
     parser.add_argument("part", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--size", type=int, default=SIZE, help=f"submissions of `throughput` ({SIZE})")
-    parser.add_argument("--workers", type=int, default=0, help="of ours in `throughput` and `growth` (its default)")
+    parser.add_argument("--workers", type=int, default=0, help="of ours in `throughput` and `right` (its default)")
     parser.add_argument("--only", action="append", choices=CONTESTANTS, help="of `rivals`, this row; repeatedly")
     parser.add_argument("--quick", action="store_true", help="small classes, to see that it works")
     options = parser.parse_args()
@@ -74,19 +68,7 @@ def _options() -> argparse.Namespace:
 
 def throughput(size: int, workers: int) -> None:
     print(f"{size} mixed submissions\n\n  {'':<36}{HEAD}", flush=True)
-    usual = _ours(large(size), workers, "all")
-    calm = _ours(large(size, loops=False), workers, "without those that never end")
-    with_loops, without = _median(usual, large(size)), _median(calm, large(size))
-    print(
-        f"\n  One that ends takes {with_loops:.3f} s (median) beside those that never end, and {without:.3f} s without "
-        f"them: {with_loops / without:.2f}x.\n"
-    )
-
-
-def growth(sizes: Sequence[int], workers: int) -> None:
-    print(f"Growth of the class\n\n  {'':<36}{HEAD}", flush=True)
-    for size in sizes:
-        _ours(large(size), workers, f"{size} submissions")
+    _ours(large(size), workers, "all")
     print()
 
 
@@ -97,8 +79,8 @@ def each(number: int, workers: int) -> None:
     print()
 
 
-def _ours(submissions: Sequence[Submission], workers: int, title: str) -> dict[str, float]:
-    """Grade a class with ours, print the row, and return each student's seconds from the call to the verdict."""
+def _ours(submissions: Sequence[Submission], workers: int, title: str) -> None:
+    """Grade a class with ours and print the row."""
     with tempfile.TemporaryDirectory() as folder:
         ours = Ours(Path(folder) / "ours", 0, workers)
         ours.prepare(submissions)
@@ -110,17 +92,11 @@ def _ours(submissions: Sequence[Submission], workers: int, title: str) -> dict[s
     wrong = [one.student for one in submissions if (one.kind == "right") != _is_full(reports, one)]
     if wrong:
         print(f"    WRONG: {', '.join(wrong)} have another grade than they should")
-    return {student: report["duration_s"] for student, report in reports.items()}
 
 
 def _is_full(reports: dict[str, dict[str, object]], one: Submission) -> bool:
     report = reports.get(one.student, {"score": None, "max_score": FULL})
     return report["score"] == report["max_score"]
-
-
-def _median(seconds: dict[str, float], submissions: Sequence[Submission]) -> float:
-    """Of those that end; of all students who are in both runs."""
-    return statistics.median(seconds[one.student] for one in submissions if not one.loops and one.student in seconds)
 
 
 def rivals(names: Sequence[str], correct: Sequence[Submission], twenty: Sequence[Submission]) -> None:

@@ -141,51 +141,22 @@ class Ours(Contestant):
         return [reports[one.student]["score"] for one in submissions if one.student in reports]
 
 
-class Script(Contestant):
-    """A Python for each program: no notebook, no isolation."""
+class Fork(Contestant):
+    """One warm process that forks for each program, without isolation: the least it can cost."""
 
-    title = "a plain script each"
+    title = "lower bound: fork from a warm process"
 
     def prepare(self, submissions: Sequence[Submission]) -> None:
         for one in submissions:
             (self.folder / f"{one.student}.py").write_text(one.text, encoding="utf-8")
 
     def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        return [python(str(BENCHMARKS / "class_work.py"), "script", f"{one.student}.py") for one in submissions]
+        return [python(str(BENCHMARKS / "class_work.py"), *(f"{one.student}.py" for one in submissions))]
 
     def scores(self, submissions: Sequence[Submission]) -> list[float]:
         del submissions
         log = (self.folder / "log").read_text(encoding="utf-8", errors="replace")
         return [float(line) for line in log.splitlines() if _SCORE.fullmatch(line)]
-
-
-class Fork(Script):
-    """One warm process that forks for each program: the least it can cost."""
-
-    title = "lower bound: fork from a warm process"
-
-    def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        return [python(str(BENCHMARKS / "class_work.py"), "fork", *(f"{one.student}.py" for one in submissions))]
-
-
-class Nbconvert(Contestant):
-    """`jupyter nbconvert --execute` for each notebook."""
-
-    title = "nbconvert --execute"
-
-    def prepare(self, submissions: Sequence[Submission]) -> None:
-        (self.folder / "done").mkdir()
-        for one in submissions:
-            nbformat.write(_notebook(one.cell, _CHECKS), self.folder / f"{one.student}.ipynb")
-
-    def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        words = ["--to", "notebook", "--execute", "--allow-errors", "--output-dir", "done"]
-        words += [f"--ExecutePreprocessor.timeout={LIMIT_S}", "--ExecutePreprocessor.interrupt_on_timeout=True"]
-        return [python("-m", "nbconvert", *words, f"{one.student}.ipynb") for one in submissions]
-
-    def scores(self, submissions: Sequence[Submission]) -> list[float]:
-        paths = [self.folder / "done" / f"{one.student}.ipynb" for one in submissions]
-        return [_shown(nbformat.read(path, as_version=4).cells[-1]) for path in paths if path.exists()]
 
 
 class Nbgrader(Contestant):
@@ -220,19 +191,10 @@ class Nbgrader(Contestant):
             return [score for (score,) in database.execute("SELECT auto_score FROM grade") if score is not None]
 
 
-class NbgraderEach(Nbgrader):
-    """A command of nbgrader for each submission."""
+class OtterLoop(Contestant):
+    """Otter's function for one submission, called in a loop."""
 
-    title = "nbgrader, one command each"
-
-    def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        return [python("-m", "nbgrader", "autograde", _WORK, f"--student={one.student}") for one in submissions]
-
-
-class OtterRun(Contestant):
-    """`otter run` for each submission."""
-
-    title = "otter run"
+    title = "otter, a loop in Python"
     needs = "otter"
 
     def prepare(self, submissions: Sequence[Submission]) -> None:
@@ -240,33 +202,11 @@ class OtterRun(Contestant):
             archive.writestr("otter_config.json", "{}")
             archive.writestr(f"tests/{_WORK}.py", _OTTER_TEST)
         for one in submissions:
-            (self.folder / one.student).mkdir()
-            nbformat.write(
-                _notebook(_ALARM, one.cell, "signal.alarm(0)"), self.folder / one.student / f"{one.student}.ipynb"
-            )
-
-    def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        words = ("-m", "otter", "run", "-a", "autograder.zip", "--no-logo")
-        return [python(*words, "-o", one.student, f"{one.student}/{one.student}.ipynb") for one in submissions]
-
-    def scores(self, submissions: Sequence[Submission]) -> list[float]:
-        paths = [self.folder / one.student / "results.json" for one in submissions]
-        results = [json.loads(path.read_text(encoding="utf-8")) for path in paths if path.exists()]
-        return [sum(test.get("score", 0.0) for test in result["tests"]) for result in results]
-
-
-class OtterLoop(OtterRun):
-    """Otter's function for one submission, called in a loop."""
-
-    title = "otter, a loop in Python"
-
-    def prepare(self, submissions: Sequence[Submission]) -> None:
-        super().prepare(submissions)
+            nbformat.write(_notebook(_ALARM, one.cell, "signal.alarm(0)"), self.folder / f"{one.student}.ipynb")
         (self.folder / "loop.py").write_text(_OTTER_LOOP, encoding="utf-8")
 
     def commands(self, submissions: Sequence[Submission]) -> list[list[str]]:
-        notebooks = (f"{one.student}/{one.student}.ipynb" for one in submissions)
-        return [python("loop.py", "autograder.zip", "scores.json", *notebooks)]
+        return [python("loop.py", "autograder.zip", "scores.json", *(f"{one.student}.ipynb" for one in submissions))]
 
     def scores(self, submissions: Sequence[Submission]) -> list[float]:
         del submissions
@@ -274,28 +214,13 @@ class OtterLoop(OtterRun):
         return list(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else []
 
 
-CONTESTANTS: dict[str, type[Contestant]] = {
-    "ours": Ours,
-    "fork": Fork,
-    "script": Script,
-    "nbgrader": Nbgrader,
-    "nbgrader-each": NbgraderEach,
-    "otter-loop": OtterLoop,
-    "otter-run": OtterRun,
-    "nbconvert": Nbconvert,
-}
+CONTESTANTS: dict[str, type[Contestant]] = {"ours": Ours, "fork": Fork, "nbgrader": Nbgrader, "otter-loop": OtterLoop}
 
 
 def _notebook(*cells: str) -> Any:
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     return notebook
-
-
-def _shown(cell: Any) -> float:
-    """The number a cell ends with; 0 when it has none."""
-    texts = [output["data"].get("text/plain", "") for output in cell.outputs if output.output_type == "execute_result"]
-    return float(texts[0]) if texts else 0.0
 
 
 def _environment(folder: Path, domain: int) -> dict[str, str]:

@@ -39,11 +39,6 @@ class Submission:
     exercise: str = EXERCISE
 
     @property
-    def loops(self) -> bool:
-        """Whether it never ends."""
-        return self.kind == LOOP
-
-    @property
     def cell(self) -> str:
         """Its text for a notebook's cell, where the last lines would run the node for ever."""
         return self.text.split('\nif __name__ == "__main__"', maxsplit=1)[0] + f"\n# handed in by {self.student}"
@@ -61,14 +56,10 @@ def mixed() -> list[Submission]:
     return _named([kinds[number * step % len(kinds)] for number in range(len(kinds))])
 
 
-def large(number: int, *, loops: bool = True) -> list[Submission]:
-    """A class for ours alone: 2 of 5 right, 1 of 10 crashing, the others any mistake there is; one in 50 loops.
-
-    Without `loops` the looping ones are left out, and everything else is the same.
-    """
+def large(number: int) -> list[Submission]:
+    """A class for ours alone: 2 of 5 right, 1 of 10 crashing, the others any mistake there is; one in 50 loops."""
     kinds = _endless()
-    named = _named([LOOP if place % LOOP_EVERY == LOOP_EVERY - 1 else next(kinds) for place in range(number)])
-    return [one for one in named if loops or not one.loops]
+    return _named([LOOP if place % LOOP_EVERY == LOOP_EVERY - 1 else next(kinds) for place in range(number)])
 
 
 def _endless() -> Iterator[str]:

@@ -1,12 +1,12 @@
 """The work that all contestants of `class.py` do for a submission: exercise 1's checks, made as simple as they can be.
 
-A notebook's test cell, an Otter test, a plain script and a fork all call `points` with the class that was handed in:
+A notebook's test cell, an Otter test and a fork all call `points` with the class that was handed in:
 its node is served on a thread of its own, and asked what our grader asks it, with the same tolerances and patience.
 So what is compared is what stands around the checks. Ours does more in the same time: it runs the node in a process
 isolated, and says what went wrong.
 
-`python class_work.py script FILE` grades in this process; `python class_work.py fork FILE...` imports everything once
-and forks for each, without isolation: the lower bound. A score is printed for each file.
+`python class_work.py FILE...` imports everything once and forks for each, without isolation: the lower bound. A score
+is printed for each file.
 """
 
 from __future__ import annotations
@@ -202,9 +202,6 @@ def _fork(path: str) -> None:
 
 
 if __name__ == "__main__":
-    mode, *paths = sys.argv[1:]
-    if mode == "script":
-        _end(paths[0])
     ConvertTemperature.__class__.__import_type_support__()
-    for one in paths:
+    for one in sys.argv[1:]:
         _fork(one)

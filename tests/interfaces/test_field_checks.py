@@ -55,7 +55,7 @@ def test_fields_accept_and_refuse_the_same(package: str) -> None:
 
 @pytest.mark.parametrize("value", [bytes(100_000), [7] * 100_000])
 def test_a_large_field_is_checked_no_slower_than_in_a_compiled_class(value: Any) -> None:
-    """`benchmarks/field_kinds.py` measures every kind; here only that Python does not look at each element."""
+    """Python does not look at each element."""
     ((compiled, live),) = [pair for pair in message_twins("sensor_msgs") if pair[0].__name__ == "Image"]
     taken = []
     for cls in (compiled, live):

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @pytest.mark.usefixtures("own_lab")
 def test_an_interrupt_that_comes_with_the_message_is_not_lost() -> None:
-    """`benchmarks/interrupts.py` presses at random; here the message and the interrupt are in one round of the loop."""
+    """The message and the interrupt are in one round of the loop."""
 
     async def waited_for() -> None:
         waiting = asyncio.ensure_future(lab.next_messages("/words", String, 1))

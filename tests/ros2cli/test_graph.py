@@ -19,7 +19,7 @@ from .commands import GOLDEN, OURS, Ros2
 if TYPE_CHECKING:
     from pathlib import Path
 
-FRESH = 4  # runs; `benchmarks/ros2_command.py --settle 200` does more
+FRESH = 4  # runs
 
 
 def daemon_is_running(ros2: Ros2) -> bool:
