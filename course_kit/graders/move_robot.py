@@ -16,7 +16,7 @@ from course_interfaces.action import MoveRobot
 
 from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, inside
-from course_kit.grading.checks.goals import CANCELED
+from course_kit.grading.checks.goals import CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     Evidence,
     Failed,
@@ -46,6 +46,7 @@ BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) fo
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 STOPS, CUTS = _moves.ways(between(1.7, 2.1)), either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.85, 0.85), ("second", "outside", "second", "nowhere", "second", "outside")
+_ASK_AGAIN_S = 0.2
 PLAIN = ("accepted", "succeeds", *_moves.ASPECTS)
 
 
@@ -72,7 +73,7 @@ class RobotModel(Model):
     def begin(self, node: GradedNode) -> None:
         """Have the robot at its own speed where the fast one was too fast; look where a stranger's robot is."""
         if node.context.job.mode == "attach":
-            self.drive(node, CENTRE)  # from nowhere is it farther than from (0, 0)
+            self.take_over(node)
         elif _moves.speed_of(node.context).own:
             self.start_afresh(node)
 
@@ -124,25 +125,23 @@ class RobotModel(Model):
                 self.special = "outside"
                 self.finish(self.at, target, goal)
 
-    @rule("outside", target=either(*BESIDE), z=Z)
+    @rule("outside", targets=_moves.shuffled(BESIDE), z=Z, often=3)
     @fair
-    def send_outside(self, node: GradedNode, target: tuple[float, float], z: float) -> None:
-        """A target outside the arena is rejected."""
-        _moves.send_goal(node, ArenaPoint(*target), z).rejected(
-            what=f"this goal, which lies outside the arena (0 to {ARENA:g} m)"
-        )
-        self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
+    def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
+        """A target outside the arena is rejected, on each of its sides."""
+        for target in targets:
+            _moves.send_goal(node, ArenaPoint(*target), z).rejected(
+                what=f"this goal, which lies outside the arena (0 to {ARENA:g} m)"
+            )
+            self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
-    @rule(
-        "not_a_number",
-        target=either(*NO_PLACES),
-        z=Z,
-    )
+    @rule("not_a_number", targets=_moves.shuffled(NO_PLACES), z=Z, often=3)
     @fair
-    def send_nowhere(self, node: GradedNode, target: tuple[float, float], z: float) -> None:
-        """A target that is no place is rejected."""
-        _moves.send_goal(node, ArenaPoint(*target), z).rejected(what="this goal, which is not a place")
-        self.special = "second_goal"
+    def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
+        """A target that is no place is rejected, whatever is wrong with it."""
+        for target in targets:
+            _moves.send_goal(node, ArenaPoint(*target), z).rejected(what="this goal, which is not a place")
+            self.special = "second_goal"
 
     @rule(
         "second_goal", way=_moves.ways(between(1.1, 1.4)), moment=either(*zip(SHARES, KINDS, strict=True)), angle=ANGLE
@@ -223,6 +222,16 @@ class RobotModel(Model):
         """Drive to a target."""
         return self.finish(self.at, target, self.start(node, target, z, breaks))
 
+    def take_over(self, node: GradedNode) -> None:
+        """Send a stranger's robot to the middle, as soon as it has ended what it does for somebody else."""
+        clock, goal = node.context.clock(), None
+        while not (goal and goal.accepted) and not clock.past(_moves.allowed_s(ARENA)):
+            node.context.wait_until(lambda: False, _ASK_AGAIN_S if goal else 0.0)
+            goal = _moves.send_goal(node, CENTRE)
+            goal.wait_for_answer("the goal accepted")
+        goal = goal if goal and goal.accepted else self.start(node, CENTRE)
+        self.finish(self.at, CENTRE, goal)
+
     def start(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> GradedGoal:
         """Send a goal, which is accepted; what rejects just this one costs the check that is named."""
         self.targets.append(target)
@@ -265,8 +274,12 @@ class RobotModel(Model):
             _moves.require_one_at_a_time(first, second, evidence, node.context.wait_until)
 
     def arrive(self, move: Move) -> Move:
-        """The robot is then where the result says."""
-        self.at = _moves.place_of(move.ended.result.final_position)
+        """The robot is then where the result says, unless that is nowhere in the arena."""
+        said = _moves.place_of(move.ended.result.final_position)
+        if all(-1.0 <= value <= ARENA + 1.0 for value in said):
+            self.at = said
+        else:
+            self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         return move
 
     def settle(self, node: GradedNode) -> None:
@@ -324,8 +337,10 @@ class RobotModel(Model):
         while True:
             clock = context.clock()
             try:
-                for step in steps:
-                    step()
+                for step in steps[:-1]:
+                    with suppress(OverError):
+                        step()
+                steps[-1]()
             except OverError:
                 over += 1
                 self.start_afresh(node)

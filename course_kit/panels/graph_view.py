@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import threading
 import time
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -83,9 +84,10 @@ class GraphView(Panel):
         return still(self.describe(), graph_svg(graph.read(self._node), lab.others()), "graph_flow.css")
 
     def _watch(self) -> None:
-        while not self._ended.wait(_PAUSE):
-            self._look()
-            self._others.show(lab.others())
+        with suppress(lab.LabError):  # the lab has been closed meanwhile
+            while not self._ended.wait(_PAUSE):
+                self._look()
+                self._others.show(lab.others())
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time

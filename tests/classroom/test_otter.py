@@ -176,11 +176,3 @@ def test_the_command_prints_the_file_and_knows_its_seed(capsys: pytest.CaptureFi
     assert capsys.readouterr().out == otter.case_file(QUICK, 7) != otter.case_file(QUICK)
     assert main.main(["otter", "pattern_choise"]) == 2
     assert "Did you mean pattern_choice?" in capsys.readouterr().err
-
-
-def test_the_proof_asks_for_otter_where_there_is_none(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
-    assert main.main(["dev", "otter", QUICK]) == 2
-    assert '-e ".[bench]"' in capsys.readouterr().err

@@ -57,7 +57,12 @@ def test_a_place_that_is_none_is_beside_every_way() -> None:
     ],
 )
 def test_feedback_is_spread_or_in_a_bunch(times: list[float], spread: bool) -> None:
-    assert is_spread(times, 0.0, 1.0) == spread
+    assert is_spread([(time, 0.0) for time in times], 0.0, 1.0) == spread
+
+
+@pytest.mark.parametrize(("middle_s", "spread"), [(0.5, True), (0.75, True), (0.95, False)])
+def test_a_message_from_the_middle_of_the_way_may_come_late_but_not_at_the_end(middle_s: float, spread: bool) -> None:
+    assert is_spread([(0.0, 1.0), (0.2, 0.8), (middle_s, 0.5), (0.98, 0.1), (1.0, 0.0)], 0.0, 1.0) == spread
 
 
 def heard(*values: tuple[float, float]) -> list[Any]:

@@ -83,7 +83,7 @@ def test_an_answer_is_marked_at_once_with_both_explanations() -> None:
     assert panel.widget.summary == "1 of 10 answered. 0 of 1 point so far; to pass: 8 of 10."
     panel.answer(scenario.id, *right(scenario))
     assert panel.widget.marks[scenario.id]["reason"] == {"right": True, "explanation": scenario.why}
-    assert panel.widget.summary == "1 of 10 answered. 1 of 1 points so far; to pass: 8 of 10."
+    assert panel.widget.summary == "1 of 10 answered. 1 of 1 point so far; to pass: 8 of 10."
 
 
 def test_marking_at_the_end_shows_nothing_before_and_forgets_what_is_changed_after() -> None:

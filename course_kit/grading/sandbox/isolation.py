@@ -11,7 +11,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import file_view, landlock, namespaces, seccomp, socket_memory
+from course_kit.grading.sandbox import file_view, landlock, namespaces, scratch, seccomp, socket_memory
 from course_kit.process.fork import fork
 
 if TYPE_CHECKING:
@@ -166,7 +165,7 @@ class _Attempt:
 
     def __init__(self, user: int) -> None:
         self._reader, writer = os.pipe()
-        self._folder = tempfile.mkdtemp(prefix="course-kit-trial-")
+        self._folder = str(scratch.make())  # which the next one removes when this process is killed
         self._child = fork(partial(_try_each, writer, self._folder, user))
         os.close(writer)
 
@@ -175,8 +174,7 @@ class _Attempt:
         with os.fdopen(self._reader) as lines:
             told = [line.rstrip("\n") for line in lines]
         os.waitpid(self._child, 0)
-        with suppress(OSError):
-            os.rmdir(self._folder)  # noqa: PTH106 - as plain as it was made
+        scratch.remove(Path(self._folder))
         return told
 
 

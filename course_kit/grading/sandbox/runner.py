@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits
 from course_kit.grading.sandbox import locking, notes, values
+from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.parent import set_name
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ def _lock_in(cell: Conditions, inside: Streams) -> int:
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
     locking.lock_in(cell)
+    cell.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
     return _arrange_streams(inside)
 
 

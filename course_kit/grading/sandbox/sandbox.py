@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.runner import Program
 
 
-@dataclass(frozen=True)
+@dataclass
 class Conditions:
     """Under which conditions a program runs.
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import hidden_files
+from course_kit.grading import engine, exercise, hidden_files
+from course_kit.grading.submission import Submission
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
@@ -51,6 +52,28 @@ def spy(made: Path, others: list[Path], tmp_path: Path, worker: grading.Worker |
     program.parent.mkdir()
     program.write_text(SPY.replace("{folders}", repr([str(made), *map(str, others)])))
     return grading.grade(ID, program, worker=worker, exercises=None if worker is None else made.parent)
+
+
+FRAMES = """
+import sys
+frame, names = sys._getframe(), []
+while frame is not None:
+    names += [repr(one) for one in frame.f_locals.values()]
+    frame = frame.f_back
+print("WON: a hidden folder" if any("every" "body" in one for one in names) else "nothing")
+print("FRAMES", len(names) > 10)
+"""
+
+
+def test_the_frames_of_a_program_name_no_hidden_folder(tmp_path: Path, worker: grading.Worker) -> None:
+    hidden = tmp_path / "everybody"
+    hidden.mkdir()
+    made = exercise.load("temperature_service")
+    report = engine.grade_task(
+        engine.Task(made, Submission("ada.py", "ada.py", FRAMES), "ada.py", 1, (str(hidden),)), worker
+    )
+    assert "FRAMES True" in report.stdout, (report.stdout, report.stderr, report.problem)
+    assert "WON" not in report.stdout
 
 
 def judged(report: grading.Report) -> list[str]:
