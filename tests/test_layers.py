@@ -70,7 +70,7 @@ STILL_ABOVE = {
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,
     "course_kit/grading": 12480,
-    "course_kit/graders": 2490,
+    "course_kit/graders": 2480,
     "course_kit/classroom": 6920,
     "course_kit/learner": 1510,
     "course_kit/authoring": 5525,

@@ -101,11 +101,6 @@ def ways(*lengths: Any) -> Any:
     return drawn(make)
 
 
-def shuffled(places: Sequence[tuple[float, float]]) -> Any:
-    """A drawing of all these, in any order."""
-    return drawn(lambda rng: rng.sample(places, len(places)))
-
-
 def allowed_s(length: float) -> float:
     """How long a move may take."""
     return _SLOWEST_S * length + _EXTRA_S
@@ -282,10 +277,9 @@ def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -
         return False
     first, last, late = min(heard)[0], max(heard)[0], over - _TOO_LATE * (over - began)
     third = (last - first) / 3.0
-    in_the_middle = any(
-        first + third <= time <= last - third or (1 / 3 <= left <= 2 / 3 and time <= late) for time, left in heard
-    )
-    return in_the_middle and last - first >= _GOOD_PART * (over - began)
+    by_time = any(first + third <= time <= last - third for time, _ in heard)
+    by_way = any(1 / 3 <= left <= 2 / 3 and time <= late for time, left in heard)
+    return (by_time or by_way) and last - first >= _GOOD_PART * (over - began)
 
 
 def require_truth(move: Move) -> None:

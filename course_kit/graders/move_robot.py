@@ -25,6 +25,7 @@ from course_kit.grading.checks.vocabulary import (
     Model,
     between,
     conversation,
+    drawn,
     either,
     node_name,
     offered,
@@ -125,7 +126,7 @@ class RobotModel(Model):
                 self.special = "outside"
                 self.finish(self.at, target, goal)
 
-    @rule("outside", targets=_moves.shuffled(BESIDE), z=Z, often=3)
+    @rule("outside", targets=drawn(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
     @fair
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
@@ -135,7 +136,7 @@ class RobotModel(Model):
             )
             self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
-    @rule("not_a_number", targets=_moves.shuffled(NO_PLACES), z=Z, often=3)
+    @rule("not_a_number", targets=drawn(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
     @fair
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""

@@ -183,7 +183,7 @@ def test_resuming_grades_only_what_has_no_result_or_has_changed(handed_in: Path,
     assert results(second) == {**results(first), "bob": ("graded", 10.0, "")}
 
 
-@pytest.mark.parametrize("score", ["ten", None, True, float("nan")])
+@pytest.mark.parametrize("score", ["ten", None, True, []])
 def test_a_record_whose_points_are_no_number_is_none(score: object, handed_in: Path, tmp_path: Path) -> None:
     """Somebody wrote it by hand: its submission is graded again."""
     out = tmp_path / "out"
