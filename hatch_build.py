@@ -12,7 +12,6 @@ import platform
 import shutil
 import subprocess
 import sys
-import tempfile
 import zlib
 from fnmatch import fnmatch
 from pathlib import Path
@@ -27,7 +26,6 @@ SOURCE = Path("course_kit/interfaces/native/helper.c")
 LEAVING = SOURCE.with_name("leaving.c")
 LIBRARY = SOURCE.with_name("_helper.so")
 START_UP = Path("course_kit/course_kit.pth")
-STARTERS = Path("course_kit/starters")
 # Lessons and exercises, as `course_kit.environment.course_files` looks for them; without what only instructors need.
 COURSE = Path("course_kit/course")
 HANDED_OUT = ("notebooks", "exercises")
@@ -44,6 +42,10 @@ LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
 
 class NoCompilerError(RuntimeError):
     """No compiler could compile the helper; the text is for the user."""
+
+
+class ChangedExercisesError(RuntimeError):
+    """The wheel would hand out exercises that somebody has worked on; the text is for the user."""
 
 
 def system_compilers() -> Iterator[list[str]]:
@@ -137,42 +139,40 @@ def can_be_compiled(root: Path) -> bool:
     return True
 
 
-def lessons_and_exercises(root: Path, spare: Path) -> dict[str, str]:
-    """By file where it lies in the wheel; starters as they are given out, whatever was done to those in the folder.
+def lessons_and_exercises(root: Path) -> dict[str, str]:
+    """By file of the course's folder where it lies in the wheel.
 
-    Args:
-        root: the course's folder.
-        spare: a folder for copies of starters: the wheel has each of them twice, and hatchling takes a file once.
+    Raises:
+        ChangedExercisesError: git calls a file in `exercises/` changed: the wheel would hand out somebody's answer.
     """
     found = {}
-    committed = _committed(root)
+    if changed := _git_lists(root, "--modified", "exercises"):
+        raise ChangedExercisesError(
+            f"The exercises were changed since git last saw them: {', '.join(sorted(changed))}. "
+            "Take the changes back with git restore exercises, or keep them with git add exercises."
+        )
+    known = _git_lists(root, "--cached", *HANDED_OUT)
     for name in HANDED_OUT:
         for folder, folders, files in os.walk(root / name):
             folders[:] = sorted(each for each in folders if not _is_left_out(each))
             for each in sorted(files):
                 source = Path(folder, each)
-                pristine = root / STARTERS / source.parent.name / f"{each}.pristine"
-                if _is_left_out(each) or (committed is not None and source not in committed):
+                if _is_left_out(each) or (known is not None and str(source.relative_to(root)) not in known):
                     continue
-                target = COURSE / source.relative_to(root)
-                if pristine.is_file():
-                    source = spare / target
-                    source.parent.mkdir(parents=True, exist_ok=True)
-                    shutil.copy(pristine, source)
-                found[str(source)] = target.as_posix()
+                found[str(source)] = (COURSE / source.relative_to(root)).as_posix()
     return found
 
 
-def _committed(root: Path) -> set[Path] | None:
-    """The files that belong to the course in a clone, where others may lie; None in an archive."""
+def _git_lists(root: Path, which: str, *folders: str) -> set[str] | None:
+    """The files in folders of a clone, where others may lie, that git knows or calls changed; None in an archive."""
     if not (root / ".git").exists():
         return None
-    command = ["git", "-C", str(root), "ls-files", "-z", "--", *HANDED_OUT]
+    command = ["git", "-C", str(root), "ls-files", "-z", which, "--", *folders]
     try:
         listed = subprocess.run(command, capture_output=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):  # no git here, or it does not trust the folder's owner
         return None
-    return {root / os.fsdecode(name) for name in listed.split(b"\0") if name}
+    return {os.fsdecode(name) for name in listed.split(b"\0") if name}
 
 
 def _is_left_out(name: str) -> bool:
@@ -213,16 +213,12 @@ class CustomBuildHook(BuildHookInterface):
         else:
             build_data["force_include"][str(root / library)] = str(LIBRARY)
             build_data["force_include"][str(root / START_UP)] = START_UP.name
-            self._spare = tempfile.TemporaryDirectory(prefix="course-kit-build-")
-            build_data["force_include"].update(lessons_and_exercises(root, Path(self._spare.name)))
+            build_data["force_include"].update(lessons_and_exercises(root))
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove what was made for this wheel alone; the helper beside its source serves this folder."""
         del build_data, artifact_path
-        machine = _machine(version)
-        if version != "editable":
-            self._spare.cleanup()
-        if machine:
+        if machine := _machine(version):
             (Path(self.root) / _library_for(machine)).unlink(missing_ok=True)
 
 

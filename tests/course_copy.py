@@ -8,9 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-from course_kit.grading import exercise_folders
-from course_kit.learner import starters
-
 # A shell runs these three lines, and finds Python beside the program; Python sees a string.
 BESIDE_ITS_PYTHON = b"""#!/bin/sh
 '''exec' "$(dirname "$(realpath "$0")")/python" "$0" "$@"
@@ -22,9 +19,9 @@ SOLUTION = REPOSITORY / "solutions" / TEMPERATURE / f"{TEMPERATURE}.py"
 
 
 def starter(folder: Path, name: str = "starter.py") -> Path:
-    """A file with the starter of exercise 1, whatever the person at this machine has made of theirs."""
+    """A file with the starter of exercise 1."""
     path = folder / name
-    path.write_bytes((starters.STARTERS / TEMPERATURE / f"{TEMPERATURE}.py{starters.PRISTINE}").read_bytes())
+    path.write_bytes((REPOSITORY / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py").read_bytes())
     return path
 
 
@@ -56,7 +53,7 @@ class Course:
 
 
 def copy_course(folder: Path) -> Course:
-    """The course as it is handed to people: no git, nothing generated but bytecode, no exercise begun."""
+    """The course as it is handed to people: no git, nothing generated but bytecode."""
     root = folder / "a course"
     leave = [".course", ".ipynb_checkpoints", "*.backup-*"]
     shutil.copytree(REPOSITORY / "course_kit", root / "course_kit", ignore=shutil.ignore_patterns(*leave))
@@ -64,10 +61,6 @@ def copy_course(folder: Path) -> Course:
     shutil.copytree(REPOSITORY / "exercises", root / "exercises", ignore=without)
     (root / "notebooks").mkdir()
     shutil.copy(REPOSITORY / "pyproject.toml", root)
-    drills = root / "exercises" / exercise_folders.DRILLS
-    for toml in [*(root / "exercises").glob("*/exercise.toml"), *drills.glob("*/exercise.toml")]:
-        for pristine in (starters.STARTERS / toml.parent.name).iterdir():
-            (toml.parent / pristine.name.removesuffix(starters.PRISTINE)).write_bytes(pristine.read_bytes())
     return Course(folder, root)
 
 

@@ -117,8 +117,8 @@ def test_a_source_distribution_holds_the_tests_and_nothing_of_a_learners(tmp_pat
     assert packed == {"pyproject.toml", "hatch_build.py", ".gitignore", "tests/test_layers.py"}
 
 
-def test_a_wheel_hands_out_what_a_clone_does(tmp_path: Path) -> None:
-    packed = hatch_build.lessons_and_exercises(REPOSITORY, tmp_path).values()
+def test_a_wheel_hands_out_what_a_clone_does() -> None:
+    packed = hatch_build.lessons_and_exercises(REPOSITORY).values()
     given = {path.relative_to(REPOSITORY) for path in workspace._files(REPOSITORY)}
     assert {Path(one).relative_to(hatch_build.COURSE) for one in packed} == given
 
@@ -132,8 +132,11 @@ def test_a_wheel_made_in_a_clone_holds_nothing_that_merely_lies_there(tmp_path: 
         (root / name).touch()
     for words in (["init", "-q"], ["add", *own]):
         subprocess.run(["git", *words], cwd=root, check=True, timeout=60)
-    packed = hatch_build.lessons_and_exercises(root, tmp_path).values()
+    packed = hatch_build.lessons_and_exercises(root).values()
     assert {str(Path(one).relative_to(hatch_build.COURSE)) for one in packed} == own
+    (root / "exercises/task/task.py").write_text("an answer\n")
+    with pytest.raises(hatch_build.ChangedExercisesError, match=r"exercises/task/task\.py\. Take the changes back"):
+        hatch_build.lessons_and_exercises(root)
 
 
 def test_what_cites_the_course_names_its_version() -> None:

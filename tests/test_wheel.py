@@ -72,14 +72,12 @@ class Installed:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Built from a copy, in which somebody has solved an exercise."""
     root = tmp_path_factory.mktemp("source") / "a course"
     ignored = shutil.ignore_patterns(*hatch_build.LEFT_OUT[:3], "*.so")
     for name in ("course_kit", *hatch_build.HANDED_OUT):
         shutil.copytree(REPOSITORY / name, root / name, ignore=ignored)
     for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE", ".gitignore"):
         shutil.copy(REPOSITORY / name, root)
-    shutil.copy(SOLUTION, root / MINE)
     wheel = next(WheelBuilder(str(root)).build(directory=str(root / "dist"), versions=["standard"]))
     return Installed(tmp_path_factory.mktemp("installed"), Path(wheel))
 
@@ -121,8 +119,7 @@ def test_an_update_of_the_package_brings_new_lessons_and_leaves_what_is_the_lear
     (folder / MINE).write_text("# mine\n")
     assert installed.run("update", cwd=folder) == f"{folder} is up to date.\n"
     given = installed.packages / "course_kit" / "course"
-    pristine = installed.packages / "course_kit" / "starters" / TEMPERATURE / f"{TEMPERATURE}.py.pristine"
-    new = {given / MINE: "# a new starter\n", given / "notebooks" / "07_new.ipynb": "{}", pristine: "# a new starter\n"}
+    new = {given / MINE: "# a new starter\n", given / "notebooks" / "07_new.ipynb": "{}"}
     before = {path: path.read_bytes() for path in new if path.exists()}
     try:
         for path, text in new.items():

@@ -24,11 +24,12 @@ _KINDS = (".msg", ".srv", ".action")
 
 
 def files(task: Exercise) -> dict[str, Path]:
-    """The files of an added exercise, by the names they get in a course's folder."""
+    """The files of an exercise, by the names they have in a course's folder."""
     found = {task.folder / TOML, task.folder / task.starter, task.folder / task.notebook, *_checks(task.folder)}
     found |= {path for path in (task.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
     found |= {path for path in task.folder.glob("*") if path.suffix.lower() in _PICTURES}
-    return {f"{FOLDER}/{task.id}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
+    place = exercise_folders.place(task.folder)
+    return {f"{FOLDER}/{place}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
 
 
 def left_behind(task: Exercise) -> list[str]:

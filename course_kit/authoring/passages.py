@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-PRISTINE = ".pristine"
 _LOOKED_AT = 8192  # bytes in which a file that is no text has a zero
 _PAIR = 2
 _COLOURS = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
@@ -48,7 +47,7 @@ def passages(path: Path) -> Iterator[Passage]:
     if b"\0" in data[:_LOOKED_AT]:
         return
     text = plain(data.decode("utf-8-sig", errors="replace"))
-    ending = path.name.removesuffix(PRISTINE).rpartition(".")[2]
+    ending = path.name.rpartition(".")[2]
     if ending in ("ipynb", "json"):
         yield from _of_json(text, notebook=ending == "ipynb")
     elif ending == "toml":

@@ -1,7 +1,7 @@
 """`course-kit release`: the student edition, which is the course without its answers.
 
-`edition_plan` decides what goes in, by the lists in edition.toml. Of the exercises the pristine starters go in,
-whatever stands in the working tree, and of the demos all but the cells of the instructor. Then every program that is
+`edition_plan` decides what goes in, by the lists in edition.toml: of the exercises the files as they were committed, of
+the demos all but the cells of the instructor. Then every program that is
 found in the edition is graded (`proof`), and the edition gets its name only if none scores more than a starter does.
 What is left is a course of its own: `./course lab` and `./course test` work in it.
 """

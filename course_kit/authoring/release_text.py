@@ -73,8 +73,6 @@ def _lines(planned: EditionPlan, proven: EditionProof) -> Iterator[str]:
             f"Left out, because they are on no list: {_named(planned.undecided)}. "
             f"To put them in, or to say that they stay out, name them in {_short(LIST)}."
         )
-    if planned.solved:
-        yield f"Changed here, so the pristine starter went in instead: {_named(planned.solved)}."
     if planned.changed:
         yield f"Differ from the last commit: {_named(planned.changed)}."
     if planned.git:
@@ -86,18 +84,6 @@ def _of_exercises(planned: EditionPlan) -> Iterator[str]:
         yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
     for name, folder in planned.added.items():
         yield f"Put in from another folder: {name} ({folder})."
-    if planned.without_starter:
-        pristine = f".venv/bin/python -m course_kit.authoring.pristine {' '.join(planned.without_starter)}"
-        yield (
-            f"Exercises left out, because no copy of their starters is kept: {_named(planned.without_starter)}. "
-            f"To put them in, see that exercises/ holds the starter and not its solution, then run {pristine}"
-        )
-    if planned.new_exercises:
-        without = " ".join(f"--without {name}" for name in planned.new_exercises)
-        yield (
-            f"Put in, although git does not know them: {', '.join(planned.new_exercises)}. "
-            f"To leave them out: {environment.command()} release TARGET {without}"
-        )
 
 
 def answers_found(proven: EditionProof) -> str:

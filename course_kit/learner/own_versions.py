@@ -13,8 +13,8 @@ _OF_GIT_S = 20.0
 
 
 def committed(root: Path, folders: Sequence[str]) -> dict[str, bytes]:
-    """By path the last commit's version of each file that differs from it; empty where git knows nothing."""
-    listed = _git(root, "diff", "--name-only", "--relative", "--diff-filter=M", "-z", "HEAD", "--", *folders)
+    """By path the last commit's version of each file that differs from it or is gone; empty where git knows nothing."""
+    listed = _git(root, "diff", "--name-only", "--relative", "--diff-filter=MD", "-z", "HEAD", "--", *folders)
     found = {path: _git(root, "show", f"HEAD:./{path}") for path in (listed or b"").decode().split("\0") if path}
     return {path: content for path, content in found.items() if content is not None}
 

@@ -1,10 +1,6 @@
 """`course-kit reset` and `solution`: what the course itself has written for an exercise.
 
-Pristine starters are package data, `course_kit/starters/<exercise>/<file>.pristine`. Git cannot be asked (a zip has
-none), and a copy taken at the set-up may be of a file that was already worked on; package data is right in a clone,
-in a student edition and in a wheel. `python -m course_kit.authoring.pristine` renews them after an exercise was
-changed, and a test holds the two together. The suffix keeps linters, pytest and Jupyter from taking them for
-something to run.
+Learners work in a folder of their own, so the files in `exercises/` are the starters.
 """
 
 from __future__ import annotations
@@ -17,13 +13,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise, exercise_folders
+from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.learner import handed_out, progress, workspace
-from course_kit.learner.workspace import PRISTINE, STARTERS, shown
+from course_kit.learner.workspace import read_starter, shown
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from course_kit.grading.exercise import Exercise
 
 
@@ -32,7 +30,7 @@ class Return:
     """A learner's file that is not the starter any more, or is gone."""
 
     file: Path
-    pristine: bytes
+    starter: bytes
 
     @property
     def backup(self) -> Path:
@@ -53,7 +51,7 @@ class Return:
             saved = self.backup
             environment.write_new(saved, self.file.read_bytes())
             shutil.copystat(self.file, saved)
-        environment.write_atomically(self.file, self.pristine)
+        environment.write_atomically(self.file, self.starter)
         return saved
 
 
@@ -65,38 +63,20 @@ def changed(task: Exercise, place: Path | None = None) -> list[Return]:
         place: the folder they are in, or one of the two files; the exercise's own folder when None.
 
     Raises:
-        GradingError: the kit has no pristine copy, a file cannot be read, or `place` is neither.
+        GradingError: a file cannot be read, or `place` is neither.
     """
-    found = []
-    for name, file in _files(task, task.folder if place is None else place).items():
-        pristine = _pristine(task, name)
-        content = pristine if file.parent == task.folder else handed_out.as_handed_out(name, pristine)
-        try:
-            if not file.exists() or file.read_bytes() not in (content, pristine):
-                found.append(Return(file, content))
-        except OSError as problem:
-            raise GradingError(f"{file} cannot be read: {problem.strerror}. Nothing was changed.") from None
-    return found
+    try:
+        return list(_compare(task, _files(task, task.folder if place is None else place)))
+    except OSError as problem:
+        raise GradingError(f"{problem.filename} cannot be read: {problem.strerror}. Nothing was changed.") from None
 
 
-def _pristine(task: Exercise, name: str) -> bytes:
-    """A starter as it is given out: the course's own from the kit, others from their exercise's folder.
-
-    Raises:
-        GradingError: there is none.
-    """
-    if exercise_folders.is_added(task.folder) and not (STARTERS / task.id).is_dir():
-        try:
-            return (task.folder / name).read_bytes()
-        except OSError as problem:
-            raise GradingError(f"The starter {task.folder / name} cannot be read: {problem.strerror}.") from None
-    pristine = STARTERS / task.id / f"{name}{PRISTINE}"
-    if not pristine.is_file():
-        raise GradingError(
-            f"The course kit has no copy of the starter {name}. The author of the exercise makes one with: "
-            "python -m course_kit.authoring.pristine"
-        )
-    return pristine.read_bytes()
+def _compare(task: Exercise, files: Mapping[str, Path]) -> Iterator[Return]:
+    for name, file in files.items():
+        starter = read_starter(task.folder / name)
+        content = starter if file.parent == task.folder else handed_out.as_handed_out(name, starter)
+        if not file.exists() or file.read_bytes() not in (content, starter):
+            yield Return(file, content)
 
 
 def _files(task: Exercise, place: Path) -> dict[str, Path]:
@@ -129,7 +109,11 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
         raise workspace.no_files_of(task, "reset")
     returns = [] if place is None else changed(task, place)
     if not returns and not forget and place is not None:
-        print(f"{task.id} already matches the starter: {shown(place)}")
+        if place == task.folder:
+            where = environment.LEARNER_FOLDER
+            print(f"The files in {shown(place)} are the starters themselves. Learners work in {where}/.")
+        else:
+            print(f"{task.id} already matches the starter: {shown(place)}")
         return 0
     nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
     if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):

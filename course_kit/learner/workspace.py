@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     from course_kit.grading.exercise import Exercise
 
-STARTERS = environment.PACKAGE / "starters"
-PRISTINE = ".pristine"
 _COMMAND = "course"
 _MARK = "#!/bin/sh\n# The course's command, made by it.\n"
 _INSTALLED_COMMAND = (
@@ -100,9 +98,7 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> bool:
     course = {}
     for source in _files(root):
         path = source.relative_to(root).as_posix()
-        content = source.read_bytes()
-        shipped = committed.get(path) or _pristine(source)
-        course[path] = handed_out.as_handed_out(source.name, content if shipped is None else shipped)
+        course[path] = handed_out.as_handed_out(source.name, committed.get(path) or source.read_bytes())
     told = learner_folder.update(target, course, restore=restore).sentences()
     for sentence in told:
         tell(sentence)
@@ -144,10 +140,18 @@ def _files(root: Path) -> Iterator[Path]:
             yield from (Path(folder, each) for each in files if each not in left_out)
 
 
-def _pristine(source: Path) -> bytes | None:
-    """The starter itself, where the course's owner may have worked on theirs; None for what is no starter."""
-    kept = STARTERS / source.parent.name / f"{source.name}{PRISTINE}"
-    return kept.read_bytes() if kept.is_file() else None
+def read_starter(file: Path) -> bytes:
+    """A starter of the course: as it lies there, or as it was committed where somebody has worked on it in a clone.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    root = environment.checkout()
+    if root is not None and file.is_relative_to(root):
+        path = file.relative_to(root).as_posix()
+        if (kept := own_versions.committed(root, [path]).get(path)) is not None:
+            return kept
+    return file.read_bytes()
 
 
 def exercise_folder(task: Exercise) -> Path | None:
@@ -233,7 +237,7 @@ def _identities_of_starters(task: Exercise) -> Iterator[str]:
     yield ""
     for name in (task.starter, task.notebook):
         with suppress(OSError, text.UnreadableTextError):
-            content = _pristine(task.folder / name) or (task.folder / name).read_bytes()
+            content = read_starter(task.folder / name)
             yield fingerprints.identity(text.program(name, io.BytesIO(content), task.id)[0])
 
 
@@ -258,7 +262,7 @@ def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
 def _as_given(file: Path) -> bool:
     """Whether a file is the starter still."""
     with suppress(OSError):
-        return file.read_bytes() == _pristine(file)
+        return file.read_bytes() == read_starter(file)
     return False
 
 

@@ -52,9 +52,11 @@ def test_an_edition_carries_it_without_its_solution_and_students_are_graded(
     graded = student.run("grade", ID, str(handed_in))
     assert "3 of 3 points" in graded.stdout, graded.stdout + graded.stderr
     assert student.run("solution", ID).returncode == 2
-    (folder / "add_three.py").write_text("changed")
+    assert student.run("copy").returncode == 0
+    own = edition / "my-course" / "exercises" / ID / "add_three.py"
+    own.write_text("changed")
     assert student.run("reset", ID, "--yes").returncode == 0
-    assert (folder / "add_three.py").read_text() == outside_exercises.STARTER
+    assert own.read_text() == outside_exercises.STARTER
 
 
 def test_an_edition_with_a_solved_starter_is_refused(

@@ -17,23 +17,9 @@ from tests.course_copy import REPOSITORY, TEMPERATURE, Course
 if TYPE_CHECKING:
     from pathlib import Path
 
-STARTERS = "course_kit/starters"
-
 
 def told(planned: edition_plan.EditionPlan, folder: Path) -> str:
     return release_text.made(folder / "student", planned, EditionProof(3, (), 20.0))
-
-
-def new_exercise(course: Course, name: str, *, pristine: bool) -> None:
-    """An exercise that git has not been told of, made out of the first one."""
-    folder = course.root / "exercises" / name
-    shutil.copytree(course.root / "exercises" / TEMPERATURE, folder)
-    toml = folder / "exercise.toml"
-    toml.write_text(toml.read_text().replace(f'id = "{TEMPERATURE}"', f'id = "{name}"'))
-    (folder / "my_solution.py").touch()
-    if pristine:
-        made = course.root / STARTERS / name
-        shutil.copytree(course.root / STARTERS / TEMPERATURE, made)
 
 
 def test_everything_that_git_knows_here_has_an_owner() -> None:
@@ -92,31 +78,35 @@ def test_many_are_counted_by_folder(clone: Course, tmp_path: Path) -> None:
     assert "on no list: drafts/ (12)." in told(edition_plan.plan(clone.root), tmp_path)
 
 
-def test_an_exercise_that_git_does_not_know_goes_in_if_a_pristine_copy_is_kept(clone: Course, tmp_path: Path) -> None:
-    new_exercise(clone, "humidity", pristine=True)
+def test_an_exercise_goes_in_once_it_is_committed(clone: Course) -> None:
+    folder = clone.root / "exercises" / "humidity"
+    shutil.copytree(clone.root / "exercises" / TEMPERATURE, folder)
+    toml = folder / "exercise.toml"
+    toml.write_text(toml.read_text().replace(f'id = "{TEMPERATURE}"', 'id = "humidity"'))
+    (folder / "my_solution.py").touch()
+    assert "exercises/humidity/exercise.toml" in edition_plan.plan(clone.root).untracked
+    git(clone.root, "add", "exercises")
+    git(clone.root, "commit", "-q", "-m", "Humidity")
     planned = edition_plan.plan(clone.root)
-    pristine = clone.root / STARTERS / "humidity" / f"{TEMPERATURE}.py.pristine"
-    assert planned.files[f"exercises/humidity/{TEMPERATURE}.py"] == pristine
-    assert "exercises/humidity/exercise.toml" in planned.files
-    assert planned.untracked == ["exercises/humidity/my_solution.py"]
-    said = told(planned, tmp_path)
-    assert "although git does not know them: humidity." in said
-    assert "release TARGET --without humidity" in said
+    found = {name for name in planned.files if "humidity" in name}
+    names = ("exercise.toml", f"{TEMPERATURE}.py", f"{TEMPERATURE}.ipynb")
+    assert found == {f"exercises/humidity/{name}" for name in names}
+    assert "exercises/humidity/my_solution.py" in planned.instructors
 
 
-def test_an_exercise_without_a_pristine_copy_stays_out_and_is_named(clone: Course, tmp_path: Path) -> None:
-    new_exercise(clone, "humidity", pristine=False)
-    planned = edition_plan.plan(clone.root)
-    assert not [name for name in planned.files if "humidity" in name]
-    said = told(planned, tmp_path)
-    assert "no copy of their starters is kept: humidity." in said
-    assert "-m course_kit.authoring.pristine humidity" in said
+@pytest.mark.parametrize("change", ["solve", "remove"])
+def test_an_exercise_that_git_calls_changed_is_refused(clone: Course, change: str) -> None:
+    starter = clone.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
+    starter.write_text("solved") if change == "solve" else starter.unlink()
+    with pytest.raises(GradingError, match=rf"as they are: exercises/{TEMPERATURE}/{TEMPERATURE}\.py\. Take"):
+        edition_plan.plan(clone.root)
+    assert TEMPERATURE not in edition_plan.plan(clone.root, [TEMPERATURE]).exercises
 
 
 def test_an_exercise_that_is_not_wanted_stays_out(clone: Course, tmp_path: Path) -> None:
     planned = edition_plan.plan(clone.root, ["move_robot"])
     assert "move_robot" not in planned.exercises
-    assert not [name for name in planned.files if name.startswith(("exercises/move_robot", f"{STARTERS}/move_robot"))]
+    assert not [name for name in planned.files if name.startswith("exercises/move_robot")]
     assert "Left out, as you asked: move_robot." in told(planned, tmp_path)
     with pytest.raises(GradingError, match="Did you mean move_robot"):
         edition_plan.plan(clone.root, ["mov_robot"])
@@ -130,12 +120,6 @@ def test_what_differs_from_the_last_commit_is_named(clone: Course, tmp_path: Pat
     ours.write_text(f"{ours.read_text()}\n")
     said = told(edition_plan.plan(clone.root), tmp_path)
     assert "Differ from the last commit: course_kit/robot.py, notebooks/00_welcome.ipynb." in said
-
-
-def test_an_exercise_that_is_gone_leaves_no_starter_behind(clone: Course) -> None:
-    git(clone.root, "rm", "-rq", "exercises/move_robot")
-    planned = edition_plan.plan(clone.root)
-    assert not [name for name in planned.files if "move_robot" in name and not name.startswith("course_kit/graders")]
 
 
 def test_without_git_what_was_generated_stays_out_and_it_is_said(

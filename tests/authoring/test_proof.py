@@ -14,7 +14,7 @@ from course_kit.authoring import edition_programs
 from course_kit.authoring.edition_programs import ExerciseClues
 from course_kit.grading import exercise
 from tests.authoring.conftest import git
-from tests.course_copy import REPOSITORY, TEMPERATURE, starter
+from tests.course_copy import REPOSITORY, TEMPERATURE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +52,7 @@ def hide_in_an_output(course: Course) -> str:
 
 
 def hide_in_markdown(course: Course) -> str:
-    name = "exercises/temperature_service/NOTES.md"
+    name = "notebooks/NOTES.md"
     write(course, name, f"# How I did it\n\nSo:\n\n```python\n{variant('own_context')}```\n\nEasy.\n")
     return name
 
@@ -78,32 +78,17 @@ def test_a_near_solution_makes_the_release_fail(
     assert list(target.parent.iterdir()) == []
 
 
-def test_without_it_the_edition_is_made_with_the_pristine_starter_of_a_solved_exercise(
-    one_exercise: Callable[[str], Course], tmp_path: Path
-) -> None:
-    """As after a lecture in which it was solved, in the working tree and even in a commit."""
-    course = one_exercise(TEMPERATURE)
-    solved = course.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
-    solved.write_text(variant("main_guarded"))
-    git(course.root, "commit", "-qam", "Lecture 3")
-    done = course.run("release", str(tmp_path / "student"))
-    assert done.returncode == 0, done.stderr
-    shipped = tmp_path / "student" / solved.relative_to(course.root)
-    assert shipped.read_bytes() == starter(tmp_path).read_bytes()
-    assert f"the pristine starter went in instead: exercises/{TEMPERATURE}/{TEMPERATURE}.py" in done.stdout
-
-
 @pytest.mark.parametrize("file", [f"{TEMPERATURE}.py", f"{TEMPERATURE}.ipynb"])
-def test_a_solution_that_was_kept_as_the_pristine_copy_is_found(
+def test_a_solution_that_was_committed_as_the_starter_is_found(
     one_exercise: Callable[[str], Course], file: str, tmp_path: Path
 ) -> None:
     course = one_exercise(TEMPERATURE)
-    pristine = course.root / f"course_kit/starters/{TEMPERATURE}/{file}.pristine"
     answer = variant("class_only")
     if file.endswith(".ipynb"):
         cell = nbformat.v4.new_code_cell(f"%%submission {TEMPERATURE}\n{answer}")
         answer = nbformat.writes(nbformat.v4.new_notebook(cells=[cell]))
-    pristine.write_text(answer)
+    (course.root / f"exercises/{TEMPERATURE}/{file}").write_text(answer)
+    git(course.root, "commit", "-qam", "Lecture 3")
     done = course.run("release", str(tmp_path / "student.zip"))
     assert done.returncode == 1, done.stdout
     assert f"exercises/{TEMPERATURE}/{file}  the starter" in done.stderr
@@ -112,7 +97,7 @@ def test_a_solution_that_was_kept_as_the_pristine_copy_is_found(
 
 def wanted(exercise_id: str) -> ExerciseClues:
     task = exercise.load(exercise_id)
-    pristine = REPOSITORY / f"course_kit/starters/{exercise_id}/{task.starter}.pristine"
+    pristine = task.folder / task.starter
     solution = REPOSITORY / "solutions" / exercise_id / f"{exercise_id}.py"
     return ExerciseClues(task, pristine.read_text(), solution.read_text())
 
@@ -134,7 +119,6 @@ RIGHT = '{"save_map": ("service", "a"), "laser_scan": ("topic", "b"), "dock_to_c
     ("name", "text", "place"),
     [
         ("a.py", PROGRAM, "line 1"),
-        ("a.py.pristine", PROGRAM, "line 1"),
         ("a.txt", PROGRAM, "line 1"),
         ("a.py", f"x = 1\ny = {PROGRAM!r}\n", "line 2"),
         ("a.py", f"y = {PROGRAM.encode()!r}\n", "line 1"),

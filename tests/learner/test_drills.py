@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit import environment
 from course_kit.grading import GradingError, exercise, exercise_folders
-from course_kit.learner import course_list, drills, starters
+from course_kit.learner import course_list, drills, workspace
 from course_kit.reader import text as reader
 from tests.course_copy import REPOSITORY, Course, copy_course
 
@@ -72,12 +73,14 @@ def test_one_is_begun_with_its_files_and_the_commands_for_it(course: Course) -> 
 
 
 def test_a_program_that_is_gone_comes_back_and_one_that_was_begun_stays(course: Course) -> None:
-    folder = course.root / "exercises" / "drills" / DRILL
+    mine = course.root / environment.LEARNER_FOLDER
+    workspace.make_copy(course.root, mine)
+    folder = mine / "exercises" / "drills" / DRILL
     program, notebook = folder / f"{DRILL}.py", folder / f"{DRILL}.ipynb"
     program.unlink()
     notebook.write_text("mine")
     assert course.run("drills", DRILL).returncode == 0
-    assert program.read_bytes() == (starters.STARTERS / DRILL / f"{DRILL}.py{starters.PRISTINE}").read_bytes()
+    assert program.read_bytes() == (course.root / "exercises" / "drills" / DRILL / f"{DRILL}.py").read_bytes()
     assert notebook.read_text() == "mine"
     assert course.run("reset", DRILL, "--yes").returncode == 0
     assert notebook.read_text() != "mine"

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring.pristine import renew
+from course_kit import environment
 from course_kit.grading import GradingError, exercise
-from course_kit.learner import progress, starters
-from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE, Course, copy_course
+from course_kit.learner import progress, starters, workspace
+from tests.authoring.conftest import git
+from tests.course_copy import SOLUTION, TEMPERATURE, Course, copy_course
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,20 +31,15 @@ def pristine(tmp_path_factory: pytest.TempPathFactory) -> Course:
 
 @pytest.fixture
 def course(pristine: Course, tmp_path: Path) -> Course:
-    """The copy, with its exercises as at the beginning."""
-    shutil.rmtree(pristine.root / "exercises")
-    leave = shutil.ignore_patterns("*.backup-*", ".ipynb_checkpoints")
-    shutil.copytree(REPOSITORY / "exercises", pristine.root / "exercises", ignore=leave)
-    for pristine_file in (starters.STARTERS / TEMPERATURE).iterdir():
-        target = pristine.root / "exercises" / TEMPERATURE / pristine_file.name.removesuffix(starters.PRISTINE)
-        target.write_bytes(pristine_file.read_bytes())
-    shutil.rmtree(pristine.root / "solutions", ignore_errors=True)
+    """The copy, with a learner's folder as at the beginning."""
+    shutil.rmtree(pristine.root / environment.LEARNER_FOLDER, ignore_errors=True)
+    workspace.make_copy(pristine.root, pristine.root / environment.LEARNER_FOLDER)
     return Course(tmp_path, pristine.root)
 
 
 @pytest.fixture
 def file(course: Course) -> Path:
-    return course.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
+    return course.root / environment.LEARNER_FOLDER / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
 
 
 def keep(course: Course, **entry: object) -> None:
@@ -63,14 +59,6 @@ def answer(course: Course, typed: str, *arguments: str) -> tuple[int, str]:
         os.close(keyboard)
         os.close(terminal)
     return done.returncode, done.stdout
-
-
-@pytest.mark.answers
-def test_the_copies_of_the_starters_are_those_of_the_exercises(tmp_path: Path) -> None:
-    """When this fails, an exercise was changed: run `python -m course_kit.authoring.pristine`."""
-    fresh = {path.relative_to(tmp_path): path.read_bytes() for path in renew(tmp_path)}
-    kept = {path.relative_to(starters.STARTERS): path.read_bytes() for path in starters.STARTERS.rglob("*.*")}
-    assert fresh == kept
 
 
 def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None:
@@ -130,7 +118,7 @@ def test_a_backup_that_cannot_be_written_leaves_the_file(
     file.write_text(MINE)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(GradingError, match="No space left"):
-        starters.reset(TEMPERATURE, yes=True, forget=False, folder=course.root / "exercises")
+        starters.reset(TEMPERATURE, yes=True, forget=False, place=file, folder=course.root / "exercises")
     assert file.read_text() == MINE
 
 
@@ -145,18 +133,39 @@ def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> No
     assert json.loads(course.progress.read_text())["exercises"] == {}
 
 
-def test_an_exercise_the_kit_has_no_starter_of_is_left_alone(course: Course, file: Path) -> None:
+def test_an_exercise_whose_starter_is_gone_is_left_alone(course: Course, file: Path) -> None:
     file.write_text(MINE)
-    copy = course.root / "course_kit/starters" / TEMPERATURE / f"{TEMPERATURE}.ipynb{starters.PRISTINE}"
-    kept = copy.read_bytes()
-    copy.unlink()
+    starter = course.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.ipynb"
+    kept = starter.read_bytes()
+    starter.unlink()
     try:
         done = course.run("reset", TEMPERATURE, "--yes")
     finally:
-        copy.write_bytes(kept)
+        starter.write_bytes(kept)
     assert done.returncode == 2
-    assert "course_kit.authoring.pristine" in done.stderr
+    assert f"{starter} cannot be read: No such file or directory. Nothing was changed." in done.stderr
     assert file.read_text() == MINE
+
+
+def test_the_courses_own_files_are_the_starters(course: Course) -> None:
+    shutil.rmtree(course.root / environment.LEARNER_FOLDER)
+    done = course.run("reset", TEMPERATURE)
+    assert done.returncode == 0
+    assert "are the starters themselves. Learners work in my-course/." in done.stdout
+
+
+def test_what_somebody_did_in_a_clone_is_no_starter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    clone = copy_course(tmp_path).root
+    git(clone, "init", "-q")
+    git(clone, "add", "exercises")
+    git(clone, "commit", "-q", "-m", "The course")
+    monkeypatch.setattr(environment.paths, "PACKAGE", clone / "course_kit")
+    file = clone / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
+    starter = file.read_bytes()
+    file.write_text(MINE)
+    assert workspace.read_starter(file) == starter
+    file.unlink()
+    assert workspace.read_starter(file) == starter
 
 
 def test_a_link_is_replaced_and_what_it_leads_to_stays(course: Course, file: Path, tmp_path: Path) -> None:
@@ -208,6 +217,5 @@ def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> No
 
 def test_every_exercise_can_be_reset() -> None:
     for name in exercise.ids():
-        assert {path.suffix for path in (starters.STARTERS / name).iterdir()} == {starters.PRISTINE}
         starters.changed(exercise.load(name))
     assert progress.read() == {}
