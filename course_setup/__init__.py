@@ -1,6 +1,4 @@
-"""Makes the Python environments of the course, for `./course`.
-
-It runs before anything is installed, on the Python that `./course` has found, so it needs the standard library only.
+"""Makes the Python environments of the course, for `./course`, on the Python that it has found and nothing else.
 
     .venvs/uv-0.13.9/uv      the installer, where this machine has none
     .venvs/wheels-3f9a1c/    an environment; it is made once and never changed
@@ -9,6 +7,6 @@ It runs before anything is installed, on the Python that `./course` has found, s
     .venvs/lock              locked while a set-up runs
     .venv                    link to the one that `./course` used last, for people and editors
 
-A new environment takes the place of an old one by renaming a link, when it is whole and not before. The old one is
-removed unless something runs in it.
+A new environment takes the place of an old one by renaming a link, when it is whole and not before. The old one stays
+until the next one is made: a JupyterLab may still run in it.
 """

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import secrets
 import shutil
-from contextlib import suppress
+import time
+from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_setup.problems import SetUpError
+from course_setup.problems import SetUpError, say
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
 
 KINDS = ("wheels", "jazzy")
-_PROCESSES = Path("/proc")
+PATIENCE_S = 1800.0  # a slow network takes minutes for an installation
 
 
 @dataclass(frozen=True)
@@ -32,11 +38,8 @@ class Environment:
 
     def finish(self, stamp: str, extra: str, made_with: str, *, unlocked: bool) -> None:
         """Note what it was made from; from now on it is whole."""
-        if unlocked:
-            (self.path / ".course-unlocked").touch()
-        if extra:
-            (self.path / f".course-has-{extra}").touch()
-        for name, text in (("python", made_with), ("stamp", stamp)):
+        marks = [("unlocked", "")] * unlocked + [(f"has-{extra}", "")] * bool(extra)
+        for name, text in (*marks, ("python", made_with), ("stamp", stamp)):
             (self.path / f".course-{name}").write_text(f"{text}\n", "utf-8", "surrogateescape")
 
 
@@ -57,11 +60,7 @@ class Environments:
         return Environment(self.folder / f"{self.link.name}-{secrets.token_hex(3)}")
 
     def require_face(self) -> None:
-        """Look whether `.venv` is ours to change.
-
-        Raises:
-            SetUpError: it was not made by the course.
-        """
+        """Look whether `.venv` is ours to change."""
         if self.face.exists() and not self.face.is_symlink():
             raise SetUpError(
                 f"{self.face} was not made by ./course, which needs that name. Rename it or move it away, then run the "
@@ -71,20 +70,15 @@ class Environments:
     def put_in_force(self, environment: Environment) -> None:
         """Have the links lead to it."""
         self._lead(self.link, environment.path.name)
-        self.show(environment)
+        self._lead(self.face, f"{self.folder.name}/{environment.path.name}")
 
-    def show(self, environment: Environment) -> None:
-        """Have `.venv` lead to it, unless something was started through `.venv` that would lose its modules."""
-        if not self.face.exists() or not is_used(self.face):
-            self._lead(self.face, f"{self.folder.name}/{environment.path.name}")
-
-    def remove_unused(self, uv: Path) -> None:
-        """Remove what no link leads to and nothing runs in, and other versions of uv. Only for the lock's holder."""
+    def remove_unused(self, uv: Path, before: Environment | None) -> None:
+        """Remove what no link leads to, but for the one in force before, in which programs may run still."""
         kept = {link.resolve() for link in (uv.parent, self.face, *(self.folder / kind for kind in KINDS))}
         for path in list(self.folder.iterdir()):
             if path.name.startswith("link-"):
                 path.unlink()
-            elif path.is_dir() and not path.is_symlink() and path not in kept and not is_used(path):
+            elif path.is_dir() and not path.is_symlink() and path not in kept and Environment(path) != before:
                 shutil.rmtree(path, ignore_errors=True)
 
     def _lead(self, link: Path, target: str) -> None:
@@ -93,19 +87,34 @@ class Environments:
         fresh.replace(link)
 
 
-def is_used(path: Path) -> bool:
-    """Whether a process was started from a folder, has libraries from there in memory, or has it activated."""
-    return any(_uses(process, os.fsencode(path)) for process in _PROCESSES.iterdir() if process.name.isdecimal())
+@contextmanager
+def held(path: Path, patience_s: float = PATIENCE_S) -> Iterator[bool]:
+    """One set-up of a folder at a time: hold the lock of this file, and tell whether another process had it before.
+
+    It is a record lock (fcntl(2)), which works on NFS, and which the kernel takes away when its owner ends.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    deadline = time.monotonic() + patience_s
+    waited = False
+    try:
+        while not _take(descriptor):
+            if not waited:
+                say("waiting for another set-up of this folder. Ctrl-C stops waiting.")
+            waited = True
+            if time.monotonic() > deadline:
+                raise SetUpError(
+                    f"Another set-up of this folder has not finished within {patience_s / 60:.0f} minutes. Stop it, "
+                    "then run the same command again."
+                )
+            time.sleep(0.2)  # a wait in the kernel would have no deadline
+        yield waited
+    finally:
+        os.close(descriptor)  # and with it the lock
 
 
-def _uses(process: Path, path: bytes) -> bool:
-    with suppress(OSError):  # of somebody else, or it has just ended
-        program_and_script = (process / "cmdline").read_bytes().split(b"\0")[:2]
-        here = os.fsencode((process / "cwd").readlink())
-        started = [os.path.normpath(os.path.join(here, one)) for one in program_and_script if b"/" in one]  # noqa: PTH118
-        if any(one.startswith(path + b"/") for one in started):
-            return True
-        if b"VIRTUAL_ENV=" + path in (process / "environ").read_bytes().split(b"\0"):
-            return True
-        return path + b"/" in (process / "maps").read_bytes()
-    return False
+def _take(descriptor: int) -> bool:
+    try:
+        fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):  # EAGAIN or EACCES: the system's choice
+        return False
+    return True

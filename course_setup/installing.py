@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_setup.problems import SetUpError, unfinished
+from course_setup.problems import SetUpError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +28,6 @@ _LOCKED = Path("course_setup", "locked")
 _BUILD_TOOLS = ["--build-constraints", str(_LOCKED / "build.txt")]
 _OLDEST_NUMPY = (1, 26)  # pyproject.toml asks for it
 _ONLINE = "It needs a network connection."
-_DOWNLOADING = "uv, which installs the course, could not be downloaded"
 _NO_UV = "Where there is no uv for a machine, use a container of x86-64 Linux."
 # What the user has set for other installations would lead this one astray.
 _NOT_PASSED_ON = re.compile(
@@ -72,11 +71,7 @@ class Installer:
         return Path(self.request.uv or self.root / ".venvs" / f"uv-{version and version[1]}" / "uv")
 
     def get_uv(self) -> None:
-        """Download uv where this machine has none.
-
-        Raises:
-            SetUpError: it cannot be had, or does not run here.
-        """
+        """Download uv where this machine has none."""
         if not self.uv.exists():
             with tempfile.TemporaryDirectory(prefix="uv-", dir=self.root / ".venvs") as work:
                 self._download_uv(Path(work, "packages"))
@@ -90,7 +85,7 @@ class Installer:
                 f"This Python ({self.request.python}) comes without 'venv'. Debian, Ubuntu: sudo apt install "
                 "python3-venv. Or install uv (https://docs.astral.sh/uv/). Then run this again."
             )
-        self._require(done, _DOWNLOADING, f"{self._source()} {_NO_UV}")
+        self._require(done, "uv, which installs the course, could not be downloaded", f"{self._source()} {_NO_UV}")
         program = packages / "bin" / "uv"
         try:
             subprocess.run([program, "--version"], capture_output=True, check=True)
@@ -100,11 +95,7 @@ class Installer:
         program.replace(self.uv)
 
     def create(self, environment: Environment) -> None:
-        """Make an empty environment.
-
-        Raises:
-            SetUpError: uv could not.
-        """
+        """Make an empty environment."""
         python = os.path.realpath(self.request.python)  # /usr/bin/python3 is another one after the next release upgrade
         options = ["--quiet", "--prompt", "course", "--python", python]
         if self.request.system_ros:
@@ -113,11 +104,7 @@ class Installer:
         self._require(done, "the Python environment could not be made", _ONLINE)
 
     def install(self, environment: Environment, *, with_tests: bool) -> None:
-        """Install the course, and ROS 2 where there is none.
-
-        Raises:
-            SetUpError: uv could not.
-        """
+        """Install the course, and ROS 2 where there is none."""
         extras = [] if self.request.system_ros else ["ros"]
         if with_tests:
             extras += ["test"] if self.request.system_ros else ["test-ros", "test"]
@@ -139,8 +126,6 @@ class Installer:
         for way in environment.path.glob("lib/python3*/site-packages/*ros2_course_kit.pth"):
             way.unlink()  # uv keeps the same file in its cache
             way.write_bytes(_WAY_TO_THE_COURSE)
-        if with_tests:
-            _hide_test_tools(environment)
 
     def _version_of_numpy(self) -> tuple[int, ...]:
         command = [self.request.python, "-c", _VERSION_OF_NUMPY]
@@ -185,7 +170,7 @@ class Installer:
     def _require(self, done: subprocess.CompletedProcess[str], failed: str, source: str) -> None:
         if done.returncode:
             sys.stderr.write(done.stdout)
-            raise SetUpError(unfinished(failed, source, self.root, self.request.kind))
+            raise SetUpError(f"{failed}; the lines above say why. {source} Then run the same command again.")
 
     def _source(self) -> str:
         """Where an installation gets its packages, as a sentence for when it did not work."""
@@ -204,29 +189,7 @@ def _variables(work: str) -> dict[str, str]:
     # In a locale of another encoding uv would install into a folder whose name it got wrong. The user's own packages,
     # outside of the environment, may be gone tomorrow.
     kept.update(LC_ALL="C.UTF-8", PYTHONUTF8="1", PYTHONNOUSERSITE="1", PIP_USER="0", TMPDIR=work)
-    if not _can_write(_cache_of_uv()):
+    home = os.path.expanduser("~")  # noqa: PTH111 - pathlib's raises an error where there is no home
+    if not kept.get("UV_CACHE_DIR") and not kept.get("XDG_CACHE_HOME") and not os.access(home, os.W_OK | os.X_OK):
         kept["UV_NO_CACHE"] = "1"
     return kept
-
-
-def _cache_of_uv() -> Path:
-    if os.environ.get("UV_CACHE_DIR"):
-        return Path(os.environ["UV_CACHE_DIR"])
-    shared = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    home = os.path.expanduser("~")  # noqa: PTH111 - pathlib's raises an error where there is no home
-    return (shared if shared.is_absolute() else Path(home, ".cache")) / "uv"
-
-
-def _can_write(folder: Path) -> bool:
-    if not folder.is_absolute():  # nobody's home
-        return False
-    existing = next(path for path in (folder, *folder.parents) if path.exists())
-    return os.access(existing, os.W_OK | os.X_OK)
-
-
-def _hide_test_tools(environment: Environment) -> None:
-    """Keep nbgrader's buttons, which come with the test tools, out of a learner's way."""
-    page = environment.path / "etc" / "jupyter" / "labconfig" / "page_config.json"
-    page.parent.mkdir(parents=True, exist_ok=True)
-    if not page.exists():
-        page.write_text('{"disabledExtensions": {"@jupyter/nbgrader": true}}\n')

@@ -5,29 +5,16 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_setup.environments import Environments
+from course_setup.environments import Environments, held
 from course_setup.installing import Installer
-from course_setup.lock import held
-from course_setup.problems import SetUpError, describe, require_usable, require_wheels, say, size
+from course_setup.problems import SIZES, SetUpError, describe, require_usable, require_wheels, say
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from types import FrameType
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-
-
-class _StoppedError(BaseException):
-    """A signal has come: Ctrl-C, or the terminal was closed."""
-
-    def __init__(self, number: int) -> None:
-        super().__init__()
-        self.number = number
+    from collections.abc import Sequence
 
 
 @dataclass(frozen=True)
@@ -60,18 +47,16 @@ class Request:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Make the environment, then replace this process by `./course` with the arguments that follow.
-
-    Returns:
-        128 + the signal's number where one has stopped it, 2 where the set-up could not be done.
-    """
+    """Make the environment, then replace this process by `./course` with the arguments that follow."""
     request, command = Request(*arguments[:7]), arguments[7:]
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
     try:
-        with _stoppable():
-            set_up(request)
-    except _StoppedError as stopped:
+        set_up(request)
+    except KeyboardInterrupt as stopped:
         say("stopped half-way. Run the same command again to go on.")
-        return 128 + stopped.number
+        return 128 + int(stopped.args[0])
     except SetUpError as problem:
         say(str(problem))
         return 2
@@ -83,23 +68,14 @@ def main(arguments: Sequence[str]) -> int:
     return os.execv("/bin/sh", ["sh", str(Path(request.root, "course")), *command])
 
 
-def show(root: str, kind: str) -> int:
-    """Have `.venv` lead to the environment in force, if nothing stands against it."""
-    environments = Environments(Path(root), kind)
-    found = environments.current()
-    with suppress(OSError):  # a folder of somebody else, for instance
-        if found is not None:
-            environments.show(found)
-    return 0
+def _stop(number: int, _frame: object) -> None:
+    for other in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(other, signal.SIG_IGN)  # a second Ctrl-C would disturb the tidying up
+    raise KeyboardInterrupt(number)
 
 
 def set_up(request: Request) -> None:
-    """Make the environment that is wanted; leave that to another process if one is at it.
-
-    Raises:
-        SetUpError: it cannot be done; the text is for the user.
-        OSError: a file cannot be written.
-    """
+    """Make the environment that is wanted; leave that to another process if one is at it."""
     root = Path(request.root)
     environments = Environments(root, request.kind)
     environments.require_face()
@@ -108,9 +84,7 @@ def set_up(request: Request) -> None:
     with held(environments.folder / "lock") as waited:
         if waited:  # `./course` looks what the other one has made
             return
-        installer = Installer(request, root)
-        _make(environments, installer, request)
-        environments.remove_unused(installer.uv)
+        _make(environments, Installer(request, root), request)
     os.environ["COURSE_SET_UP_DONE"] = "1"
 
 
@@ -122,31 +96,12 @@ def _make(environments: Environments, installer: Installer, request: Request) ->
         say("[1/2] making a Python environment in .venvs")
         installer.get_uv()
         installer.create(fresh)
-        say(f"[2/2] installing {what} ({size(request.kind)} on disk; once)")
+        say(f"[2/2] installing {what} ({SIZES[request.kind]} on disk; once)")
         installer.install(fresh, with_tests=extra == "test")
         fresh.finish(request.stamp, extra, request.made_with, unlocked=request.unlocked)
         environments.put_in_force(fresh)
     finally:
         if environments.current() != fresh:
             shutil.rmtree(fresh.path, ignore_errors=True)
+    environments.remove_unused(installer.uv, old)
     say("ready.")
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """Have signals raise an exception, except those that are ignored in this terminal."""
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        del frame
-        for other in _SIGNALS:
-            signal.signal(other, signal.SIG_IGN)  # a second Ctrl-C would disturb the tidying up
-        raise _StoppedError(number)
-
-    heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-    for number in heard:
-        signal.signal(number, stop)
-    try:
-        yield
-    finally:
-        for number in heard:
-            signal.signal(number, signal.SIG_DFL)

@@ -78,7 +78,6 @@ STILL_ABOVE = {
     "course_kit/presentation": 600,
     "course_kit/dev": 880,
     "course_kit/cli": 1610,
-    "course_setup": 960,
     "tests": 51500,
     "benchmarks": 1920,
 }

@@ -63,7 +63,7 @@ def not_writable(*folders: Path) -> Iterator[None]:
 
 @pytest.mark.parametrize(
     ("name", "word"),
-    [("a:b", "':'"), ("a;b", "';'"), ("two\nlines", "line break"), ("at end\n", "line break"), ("$LIB", "'$'")],
+    [("a:b", "':'"), ("a;b", "';'")],
 )
 def test_names_of_folders_that_cannot_work_are_refused_at_once(tmp_path: Path, name: str, word: str) -> None:
     clone = Clone(tmp_path, name)
@@ -71,12 +71,6 @@ def test_names_of_folders_that_cannot_work_are_refused_at_once(tmp_path: Path, n
     assert done.returncode == 2
     assert word in done.stderr
     assert "Rename the folder" in done.stderr
-    assert clone.calls() == []
-
-
-def test_a_name_in_an_old_encoding_is_refused(tmp_path: Path) -> None:
-    clone = Clone(tmp_path, os.fsdecode("Übung".encode("latin-1")))
-    assert "is not valid UTF-8" in refusal(clone.course("lab"))
     assert clone.calls() == []
 
 
@@ -232,26 +226,6 @@ def test_errors_of_the_system_are_sentences(number: int, word: str) -> None:
     assert word in problems.describe(problem, Path("/a course"), "wheels")
 
 
-@pytest.mark.parametrize(
-    ("free_mb", "words"),
-    [
-        (3, ["The disk is full. The course needs about 500 MB in"]),
-        (60, ["the lines above say why", "Only 60 MB are free, but the course needs about 500 MB."]),
-        (900, ["the lines above say why. It needs a network connection. Then run the same command again."]),
-    ],
-)
-def test_a_failed_installation_tells_of_the_room_there_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, free_mb: int, words: list[str]
-) -> None:
-    """Only root can mount a small file system, so its status is stood in for."""
-    real = os.statvfs(tmp_path)
-    blocks = free_mb * 2**20 // real.f_frsize
-    stand_in = os.statvfs_result((*real[:3], blocks, blocks, *real[5:], real.f_namemax))
-    monkeypatch.setattr(os, "statvfs", lambda _path: stand_in)
-    told = problems.unfinished("the installation did not finish", "It needs a network connection.", tmp_path, "wheels")
-    assert [word for word in words if word not in told] == []
-
-
 def test_a_folder_in_which_nothing_may_be_run_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only root can mount such a file system, so its status is stood in for."""
     real = os.statvfs(tmp_path)
@@ -260,14 +234,3 @@ def test_a_folder_in_which_nothing_may_be_run_is_refused(tmp_path: Path, monkeyp
     with pytest.raises(problems.SetUpError, match=r"mounted 'noexec'.*Move the course's folder"):
         problems.require_usable(tmp_path, tmp_path / ".venvs")
     assert not (tmp_path / ".venvs").exists()
-
-
-def test_a_file_system_without_links_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The system call is stood in for: it takes root to mount a FAT file system."""
-
-    def refuse(_self: Path, _target: str) -> None:
-        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
-
-    monkeypatch.setattr(Path, "symlink_to", refuse)
-    with pytest.raises(problems.SetUpError, match=r"has no symbolic links.*Move the course's folder"):
-        problems.require_usable(tmp_path, tmp_path / ".venvs")
