@@ -65,7 +65,7 @@ STILL_ABOVE = {
     "course_kit/interfaces": 3800,
     "course_kit/process": 600,
     "course_kit/ros": 2000,
-    "course_kit/lab": 7400,
+    "course_kit/lab": 7350,
     "course_kit/quiz": 900,
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,

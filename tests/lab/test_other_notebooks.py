@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -89,18 +87,6 @@ def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Ker
         f"/ask is also offered by robot of {FIRST}: both answer every request. "
         "lab.stop_others() stops what other notebooks run.\n"
     )
-    assert "/ask" not in second.run("other = lab.start(Mine)").stdout.replace(said, "")
-
-
-def test_it_is_told_later_where_it_is_seen_later(two: tuple[Kernel, Kernel]) -> None:
-    first, second = two
-    start(second, "Mine", "mine")
-    cell = "import asyncio\nfor _ in range(200):\n    await asyncio.sleep(0.1)"
-    message = second.send(f"lab.start(Mine)\n{cell}")
-    start(first, "Robot", "robot")
-    assert f"/ask is also offered by robot of {FIRST}" in second.finish(message, until="both answer").stdout
-    second.manager.interrupt_kernel()
-    second.finish(message)
 
 
 def test_two_nodes_of_one_name_are_told(two: tuple[Kernel, Kernel]) -> None:
@@ -156,28 +142,6 @@ def test_stop_closes_subscriptions_too(two: tuple[Kernel, Kernel]) -> None:
     first.run("from std_msgs.msg import String\nears = lab.subscribe('/chatter', String, print)\nlab.stop()")
     assert first.run("ears").result["text/plain"] == "subscription to /chatter [std_msgs/msg/String] (closed)"
     assert first.run("lab.publish('/chatter', String, data='hello')").stdout == ""
-
-
-def test_another_program_that_offers_the_name_is_told(two: tuple[Kernel, Kernel]) -> None:
-    _, second = two
-    stranger = (
-        "import rclpy\nrclpy.init()\nfrom rclpy.node import Node\nfrom std_srvs.srv import Trigger\n"
-        "node = Node('stranger')\nnode.create_service(Trigger, 'ask', print)\nprint('up', flush=True)\nrclpy.spin(node)"
-    )
-    domain_id = second.run("import os; print(os.environ['ROS_DOMAIN_ID'])").stdout.strip()
-    environ = environment.child_environment(ROS_DOMAIN_ID=domain_id)
-    with subprocess.Popen([sys.executable, "-c", stranger], env=environ, stdout=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            assert process.stdout.readline() == "up\n"
-            wait = "import asyncio\nfor _ in range(300):\n    await asyncio.sleep(0.1)"
-            message = second.send(SERVER.format(name="Mine", node="mine") + f"started = lab.start(Mine)\n{wait}")
-            shown = second.finish(message, until="both answer")
-            assert shown.stdout == "/ask is also offered by stranger in another program: both answer every request.\n"
-            second.manager.interrupt_kernel()
-            second.finish(message)
-        finally:
-            process.kill()  # rclpy now and then hangs at its end after a signal that it handles
 
 
 def test_what_notebooks_tell_each_other_is_on_no_list_of_topics(two: tuple[Kernel, Kernel]) -> None:

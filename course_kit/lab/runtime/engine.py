@@ -107,7 +107,6 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
-        self.neighbours.close()
         self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
         try:
             return self.executor_thread.close(self._destroy_nodes)

@@ -1,4 +1,4 @@
-"""What surrounds a notebook's nodes: other notebooks, and whoever offers what this one's nodes offer, too.
+"""Other notebooks on the graph: what they run, what answers in place of this one's nodes, and how to stop it.
 
 Two servers of one name both answer every request, and a server left in another notebook answers where this one's has
 been forgotten. Both look like success, so the learner is told.
@@ -9,7 +9,6 @@ hidden topic whose name tells the notebook. A node is that notebook's whose mark
 
 from __future__ import annotations
 
-import contextlib
 import os
 import threading
 import time
@@ -40,25 +39,16 @@ _OF_EVERY_NODE = "/parameter_events"
 _LONGEST = 60  # bytes of a title
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
-_PAUSE = 0.1  # seconds between two looks. What follows counts looks: a machine that sleeps or is busy takes none
-_LOOKING = 60  # another program is found within ten of them, unless the machine is busy
-_UNKNOWN = 40  # a program that was killed stays visible for 2 s
-_ENDING = 6.0  # seconds for a look to end
+_REMEDY = "lab.stop_others() stops what other notebooks run."
 _GOALS = "/_action/send_goal"
 
 
 class OtherNotebook(NamedTuple):
-    """Another notebook, or a program with a lab, that has nodes on this graph.
+    """Another notebook, or a program with a lab, that has nodes on this graph."""
 
-    Attributes:
-        title: the notebook's file, such as "02_actions.ipynb".
-        nodes: the full names of its nodes, its scripts' included.
-        key: by which it is told to stop.
-    """
-
-    title: str
-    nodes: tuple[str, ...]
-    key: str
+    title: str  # the notebook's file, such as "02_actions.ipynb"
+    nodes: tuple[str, ...]  # their full names, those of its scripts included
+    key: str  # by which it is asked to stop
 
     def __str__(self) -> str:
         return f"{self.title}: {', '.join(name.lstrip('/') for name in self.nodes)}"
@@ -75,29 +65,17 @@ def mark_as(topic: str, node: Node) -> None:
 
 
 class Neighbours:
-    """Tells the learner what other notebooks and programs have to do with this one's nodes.
-
-    Other programs are found some time after a node is made, so a thread looks for some seconds after each start.
-
-    Attributes:
-        on_stop_asked: called, on a thread of its own, when another notebook asks this one to stop its nodes.
-        script_nodes: tells the full names of the nodes of scripts, each with the script's name.
-    """
+    """Tells the learner what other notebooks have to do with this one's nodes."""
 
     def __init__(self, lab: Engine, title: str) -> None:
-        self.on_stop_asked: Callable[[str], None] = lambda _: None
-        self.script_nodes: Callable[[], dict[str, str]] = dict
+        self.on_stop_asked: Callable[[str], None] = lambda _: None  # called on a thread of its own
+        self.script_nodes: Callable[[], dict[str, str]] = dict  # full names of nodes, each with its script's name
         self._mark = mark_of(title)
         self._lab, self._node, self._title = lab, lab.node, title
         mark_as(self._mark, self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
         self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
-        self._told: set[tuple[str, str]] = set()
         self._answered: set[tuple[str, str]] = set()
-        self._seen: dict[tuple[str, str], int] = {}  # in how many looks
-        self._left = 0  # looks
-        self._news, self._ended = threading.Event(), threading.Event()
-        self._thread: threading.Thread | None = None
 
     def others(self) -> list[OtherNotebook]:
         """The other notebooks that have nodes, by title."""
@@ -147,59 +125,26 @@ class Neighbours:
         if node and (node, name) not in self._answered:
             self._answered.add((node, name))
             self._lab.note(
-                f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. "
-                "lab.stop_others() stops what other notebooks run."
+                f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
     def node_started(self) -> None:
-        """A node was started: look now, and for some seconds, who offers the same."""
-        self._told.clear()
-        self._seen.clear()
-        self._left = _LOOKING
-        self._look()
-        self._news.set()
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._watch, name="lab-neighbours", daemon=True)
-            self._thread.start()
-
-    def close(self) -> None:
-        """Look no more."""
-        self._ended.set()
-        self._news.set()
-        if self._thread is not None:
-            self._thread.join(_ENDING)
-
-    def _watch(self) -> None:
-        while not self._ended.is_set():
-            self._news.wait()
-            self._news.clear()
-            while self._left > 0 and not self._ended.wait(_PAUSE):
-                self._left -= 1
-                with contextlib.suppress(Exception):  # a node that is destroyed at this very moment
-                    self._look()
-
-    def _look(self) -> None:
+        """A node was started: say what another notebook, or a script of this one, offers as well."""
         for name, role in list(self._doubled()):
             for node in self._offering(name, role):
-                self._tell_once(node, f"{name} is also offered by {{}}: both answer every request.")
+                self._tell(node, f"{name} is also offered by {{}}: both answer every request.")
         running = graph.nodes(self._node)
         for name in {live.name for live in self._lab.nodes}:
             if running.count(name) > 1:
-                self._tell_once(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
+                self._tell(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
 
-    def _tell_once(self, node: str, sentence: str) -> None:
-        """Say it with whose node it is; one that is no notebook's may have been killed just now."""
-        key = (node, sentence)
-        self._seen[key] = looks = self._seen.get(key, 0) + 1
-        whose = self._whose(node)
-        if key in self._told:
-            return
-        if whose is None and looks <= _UNKNOWN:
-            self._left = max(self._left, 2)
-            return
-        self._told.add(key)
-        who, remedy = whose or (f"{short_name(node)} in another program", "")
-        self._lab.note(f"{sentence.format(who)} {remedy}".rstrip())
+    def _tell(self, node: str, sentence: str) -> None:
+        """Say it with whose node it is, and what stops it; one that is no notebook's may have been killed just now."""
+        shown = short_name(node)
+        if script := self.script_nodes().get(node):
+            self._lab.note(f"{sentence.format(f'{shown} of your script {script}')} %ros_stop {script} stops it.")
+        elif title := next((other.title for other in self.others() if node in other.nodes), ""):
+            self._lab.note(f"{sentence.format(f'{shown} of {title}')} {_REMEDY}")
 
     def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
         """What this lab's nodes offer and somebody else as well."""
@@ -218,16 +163,6 @@ class Neighbours:
 
     def _offers(self, node: str, role: graph.Role, name: str) -> bool:
         return any(use.channel == name for use in graph.uses_of(self._node, node, role))
-
-    def _whose(self, node: str) -> tuple[str, str] | None:
-        """Whose node it is, and what stops it; None where it is no notebook's."""
-        shown = short_name(node)
-        if script := self.script_nodes().get(node):
-            return f"{shown} of your script {script}", f"%ros_stop {script} stops it."
-        for other in self.others():
-            if node in other.nodes:
-                return f"{shown} of {other.title}", "lab.stop_others() stops what other notebooks run."
-        return None
 
 
 def _title_of(mark: str) -> str:
