@@ -35,7 +35,7 @@ SLOW = (
     "tests/authoring/test_carried_exercises.py",
     "tests/authoring/test_check.py",
     "tests/authoring/test_new_exercise.py",
-    "tests/authoring/test_proof.py",
+    "tests/authoring/test_leaks.py",
     "tests/authoring/test_release.py",
     "tests/classroom/test_class_command.py",
     "tests/classroom/test_hostile_intake.py",

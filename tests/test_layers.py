@@ -73,7 +73,7 @@ STILL_ABOVE = {
     "course_kit/graders": 2480,
     "course_kit/classroom": 6920,
     "course_kit/learner": 1500,
-    "course_kit/authoring": 5345,
+    "course_kit/authoring": 4642,
     "course_kit/integrations": 1225,
     "course_kit/presentation": 600,
     "course_kit/dev": 880,

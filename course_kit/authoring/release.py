@@ -1,9 +1,8 @@
 """`course-kit release`: the student edition, which is the course without its answers.
 
 `edition_plan` decides what goes in, by the lists in edition.toml: of the exercises the files as they were committed, of
-the demos all but the cells of the instructor. Then every program that is
-found in the edition is graded (`proof`), and the edition gets its name only if none scores more than a starter does.
-What is left is a course of its own: `./course lab` and `./course test` work in it.
+the demos all but the cells of the instructor. The edition gets its name only if `leaks` finds no answer in it. What is
+left is a course of its own: `./course lab` and `./course test` work in it.
 """
 
 from __future__ import annotations
@@ -11,26 +10,30 @@ from __future__ import annotations
 import os
 import shutil
 import stat
-import sys
 import tempfile
 import zipfile
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import nbformat
 
 from course_kit import environment
-from course_kit.authoring import edition_notebooks, edition_plan, proof, release_text
+from course_kit.authoring import edition_notebooks, edition_plan, leaks
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import cannot, tell
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from course_kit.authoring.edition_plan import EditionPlan
-    from course_kit.authoring.proof import EditionProof
+    from course_kit.authoring.leaks import Leak
 
 NAME = "ros2-course"  # the folder inside a zip
-ANSWERS_FOUND, FAILED = 1, 2
+ANSWERS_FOUND = 1
+_LIST = "course_kit/authoring/edition.toml"
+_NAMED = 10  # files that are named; of more, their folders with counts
 
 
 class ReleaseError(RuntimeError):
@@ -38,7 +41,7 @@ class ReleaseError(RuntimeError):
 
 
 class AnswersFoundError(ReleaseError):
-    """Programs in the edition score more than a starter; the text has a table of them."""
+    """There are answers in the edition; the text names them."""
 
 
 def run(target: str, without: Collection[str] = (), left_out_file: str | None = None) -> int:
@@ -50,38 +53,40 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
         left_out_file: where to write the name of every file that stays out; nowhere if None.
 
     Returns:
-        0 when it was made, 1 when programs in it score more than a starter, 2 when it or the list could not be made.
+        0 when it was made, 1 when there are answers in it, 2 when it or the list could not be made.
     """
     try:
-        path, planned, proven = make(Path(target), without)
+        path, planned = make(Path(target), without)
     except AnswersFoundError as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
+        cannot(problem)
         return ANSWERS_FOUND
     except (ReleaseError, GradingError) as problem:
-        print(f"course-kit: {problem}", file=sys.stderr)
-        return FAILED
+        return cannot(problem)
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
-        print(f"course-kit: the student edition could not be written: {problem.strerror}{where}.", file=sys.stderr)
-        return FAILED
-    print(release_text.made(path, planned, proven))
-    return 0 if left_out_file is None else _list_left_out(planned, Path(left_out_file))
+        return cannot(f"the student edition could not be written: {problem.strerror}{where}.")
+    print("\n".join([f"The student edition is in {path}.", *describe(planned)]))
+    if left_out_file is not None:
+        try:
+            listed = "".join(f"{name}\n" for name in planned.left_out)
+            environment.write_atomically(Path(left_out_file), os.fsencode(listed))
+        except OSError as problem:
+            return cannot(f"the list of what was left out could not be written: {problem.strerror} ({left_out_file}).")
+    return 0
 
 
-def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan, EditionProof]:
-    """Write the student edition.
-
-    It appears under its name only when it is complete and proven.
+def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan]:
+    """Write the student edition, which appears under its name only when it is complete and holds no answers.
 
     Args:
         target: a folder that does not exist yet or is empty, or a file that ends in .zip.
         without: ids of exercises that shall not go in.
 
     Returns:
-        the target, as an absolute path; what went in; and what was graded.
+        the target, as an absolute path, and what went in.
 
     Raises:
-        AnswersFoundError: a program in it scores more than its exercise's starter.
+        AnswersFoundError: there are answers in it.
         ReleaseError: there is something in the way, or this is not the course's folder.
         GradingError: a list or an exercise.toml has a mistake, or the programs in it cannot be graded here.
         OSError: it cannot be written.
@@ -96,24 +101,20 @@ def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan
     with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
         built = Path(workshop) / NAME
         build(planned, built)
-        proven = proof.prove(built, planned.solutions, release_text.ProofProgress(sys.stderr))
-        if proven.findings:
-            raise AnswersFoundError(release_text.answers_found(proven))
+        tell("Grading the programs in the edition; this takes a minute.")
+        if found := leaks.find(built, planned.solutions):
+            raise AnswersFoundError(_describe_leaks(found))
         if _is_zip(target):
             packed = Path(workshop) / "student.zip"
             pack(built, packed)
             packed.replace(target)
         else:
             built.replace(target)
-    return target, planned, proven
+    return target, planned
 
 
 def build(planned: EditionPlan, folder: Path) -> None:
     """Write the files of an edition.
-
-    Args:
-        planned: what goes in.
-        folder: where to.
 
     Raises:
         ReleaseError: a notebook cannot be read.
@@ -128,16 +129,47 @@ def build(planned: EditionPlan, folder: Path) -> None:
             _leave_answers_out(target, name)
 
 
-def _list_left_out(planned: EditionPlan, path: Path) -> int:
-    try:
-        environment.write_atomically(path, os.fsencode("".join(f"{name}\n" for name in planned.left_out)))
-    except OSError as problem:
-        print(
-            f"course-kit: the list of what was left out could not be written: {problem.strerror} ({path}).",
-            file=sys.stderr,
+def pack(folder: Path, archive: Path) -> None:
+    """Zip an edition's folder, which within the zip has the course's name; who may run a file stays with it."""
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                packed.write(path, f"{NAME}/{path.relative_to(folder).as_posix()}")
+
+
+def describe(planned: EditionPlan) -> Iterator[str]:
+    """What to say of an edition, in lines."""
+    yield (
+        f"It holds {_count(len(planned.files), 'file')} and {_count(len(planned.exercises), 'exercise')}: "
+        f"{', '.join(planned.exercises) or 'none'}."
+    )
+    if planned.drills:
+        yield f"For practice it holds {_count(len(planned.drills), 'drill')}: {', '.join(planned.drills)}."
+    yield "No program in it scores more than its exercise's starter, and none has a solution's shape."
+    yield f"Left out: {_name_folders(planned.instructors)}."
+    if planned.unwanted:
+        yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
+    for name, folder in planned.added.items():
+        yield f"Put in from another folder: {name} ({folder})."
+    if planned.untracked:
+        yield f"Left out, because git does not know them: {_name(planned.untracked)}. To put them in: git add FILE"
+    if planned.undecided:
+        yield (
+            f"Left out, because they are on no list: {_name(planned.undecided)}. "
+            f"To put them in, or to say that they stay out, name them in {_LIST}."
         )
-        return FAILED
-    return 0
+    if planned.changed:
+        yield f"Differ from the last commit: {_name(planned.changed)}."
+    if planned.git:
+        yield f"Git could not be asked ({planned.git}): all files on the list went in, and no changes are known."
+
+
+def _describe_leaks(found: Sequence[Leak]) -> str:
+    lines = "\n".join(f"  {one_line(one.file)}, for {one.exercise}: {one.why}" for one in found)
+    return (
+        f"no student edition was made: there are answers in it.\n{lines}\n"
+        f"Take them out, or name their files among the instructor's in {_LIST}; then run this again."
+    )
 
 
 def _is_zip(target: Path) -> bool:
@@ -161,17 +193,27 @@ def _leave_answers_out(target: Path, name: str) -> None:
         nbformat.write(edition_notebooks.without_answers(notebook), target)
 
 
-def pack(folder: Path, archive: Path) -> None:
-    """Zip an edition's folder; who may run a file stays with it.
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
-    Args:
-        folder: the folder; within the zip it has the course's name.
-        archive: the new zip.
 
-    Raises:
-        OSError: it cannot be written.
-    """
-    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
-        for path in sorted(folder.rglob("*")):
-            if path.is_file():
-                packed.write(path, f"{NAME}/{path.relative_to(folder).as_posix()}")
+def _name(names: Sequence[str]) -> str:
+    """Files by name, or when there are many by folder."""
+    return ", ".join(map(one_line, names)) if len(names) <= _NAMED else _name_folders(names)
+
+
+def _name_folders(names: Iterable[str]) -> str:
+    """Files counted by folder: `solutions/ (4), tests/ (210), README.md`."""
+    counts = Counter(_folder_of(name) for name in names)
+    shown = [
+        f"{one_line(name)} ({count})" if name.endswith("/") else one_line(name)
+        for name, count in sorted(counts.items())
+    ]
+    return ", ".join(shown) or "nothing"
+
+
+def _folder_of(name: str) -> str:
+    """The folder to count a file in; its own name at the top. The kit is shown one level deeper."""
+    parts = name.split("/")
+    depth = 2 if parts[0] == "course_kit" else 1
+    return name if len(parts) <= depth else "/".join(parts[:depth]) + "/"

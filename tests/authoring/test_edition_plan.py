@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring import course_files, edition_plan, parts, release_text
+from course_kit.authoring import course_files, edition_plan, parts, release
 from course_kit.authoring.parts import Owner
-from course_kit.authoring.proof import EditionProof
 from course_kit.grading.errors import GradingError
 from tests.authoring.conftest import git
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course
@@ -18,8 +17,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def told(planned: edition_plan.EditionPlan, folder: Path) -> str:
-    return release_text.made(folder / "student", planned, EditionProof(3, (), 20.0))
+def told(planned: edition_plan.EditionPlan) -> str:
+    return "\n".join(release.describe(planned))
 
 
 def test_everything_that_git_knows_here_has_an_owner() -> None:
@@ -55,7 +54,7 @@ def test_a_list_with_a_mistake_is_a_sentence(tmp_path: Path, text: str) -> None:
         parts.load(path)
 
 
-def test_new_folders_and_files_stay_out_and_are_named(clone: Course, tmp_path: Path) -> None:
+def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:
     for name in ("lecture 3/answers.py", "lecture 3/more.py", "exam.md", "course_kit/secrets/x.py"):
         (clone.root / name).parent.mkdir(exist_ok=True)
         (clone.root / name).touch()
@@ -65,17 +64,17 @@ def test_new_folders_and_files_stay_out_and_are_named(clone: Course, tmp_path: P
     assert planned.undecided == ["course_kit/secrets/x.py", "exam.md", "lecture 3/answers.py", "lecture 3/more.py"]
     assert planned.untracked == ["notebooks/07_draft.ipynb"]
     assert not {*planned.undecided, *planned.untracked} & planned.files.keys()
-    said = told(planned, tmp_path)
+    said = told(planned)
     assert "are on no list: course_kit/secrets/x.py, exam.md, lecture 3/answers.py, lecture 3/more.py." in said
     assert "git does not know them: notebooks/07_draft.ipynb. To put them in: git add FILE" in said
     assert set(planned.left_out) >= {*planned.undecided, *planned.untracked, "course_kit/authoring/release.py"}
 
 
-def test_many_are_counted_by_folder(clone: Course, tmp_path: Path) -> None:
+def test_many_are_counted_by_folder(clone: Course) -> None:
     (clone.root / "drafts").mkdir()
     for number in range(12):
         (clone.root / "drafts" / f"{number}.md").touch()
-    assert "on no list: drafts/ (12)." in told(edition_plan.plan(clone.root), tmp_path)
+    assert "on no list: drafts/ (12)." in told(edition_plan.plan(clone.root))
 
 
 def test_an_exercise_goes_in_once_it_is_committed(clone: Course) -> None:
@@ -103,22 +102,22 @@ def test_an_exercise_that_git_calls_changed_is_refused(clone: Course, change: st
     assert TEMPERATURE not in edition_plan.plan(clone.root, [TEMPERATURE]).exercises
 
 
-def test_an_exercise_that_is_not_wanted_stays_out(clone: Course, tmp_path: Path) -> None:
+def test_an_exercise_that_is_not_wanted_stays_out(clone: Course) -> None:
     planned = edition_plan.plan(clone.root, ["move_robot"])
     assert "move_robot" not in planned.exercises
     assert not [name for name in planned.files if name.startswith("exercises/move_robot")]
-    assert "Left out, as you asked: move_robot." in told(planned, tmp_path)
+    assert "Left out, as you asked: move_robot." in told(planned)
     with pytest.raises(GradingError, match="Did you mean move_robot"):
         edition_plan.plan(clone.root, ["mov_robot"])
 
 
-def test_what_differs_from_the_last_commit_is_named(clone: Course, tmp_path: Path) -> None:
+def test_what_differs_from_the_last_commit_is_named(clone: Course) -> None:
     (clone.root / "notebooks/00_welcome.ipynb").unlink()
     robot = clone.root / "course_kit/robot.py"
     robot.write_text(f"{robot.read_text()}\n")
     ours = clone.root / "course_kit/authoring/rules.py"
     ours.write_text(f"{ours.read_text()}\n")
-    said = told(edition_plan.plan(clone.root), tmp_path)
+    said = told(edition_plan.plan(clone.root))
     assert "Differ from the last commit: course_kit/robot.py, notebooks/00_welcome.ipynb." in said
 
 
@@ -141,7 +140,7 @@ def test_without_git_what_was_generated_stays_out_and_it_is_said(
     monkeypatch.setattr(course_files.shutil, "which", lambda _name: None)
     planned = edition_plan.plan(tmp_path)
     assert sorted(planned.files) == ["README.md", "exercises/b/b.py", "notebooks/a.ipynb"]
-    assert "Git could not be asked (git is not installed)" in told(planned, tmp_path)
+    assert "Git could not be asked (git is not installed)" in told(planned)
 
 
 def test_an_edition_made_before_in_the_course_is_no_part_of_it(clone: Course) -> None:
@@ -153,7 +152,7 @@ def test_an_edition_made_before_in_the_course_is_no_part_of_it(clone: Course) ->
     assert (planned.undecided, planned.untracked) == ([], [])
 
 
-def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course, tmp_path: Path) -> None:
+def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course) -> None:
     planned = edition_plan.plan(clone.root)
     found = {name for name in planned.files if name.startswith("exercises/drills/")}
     drill = "exercises/drills/dark_lamp"
@@ -164,7 +163,7 @@ def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course, tmp_
     assert f"{drill}/proof/slips.toml" in planned.instructors
     assert "dark_lamp" in planned.drills
     assert "dark_lamp" not in planned.exercises
-    assert f"For practice it holds {len(planned.drills)} drills: " in told(planned, tmp_path)
+    assert f"For practice it holds {len(planned.drills)} drills: " in told(planned)
 
 
 def test_a_drill_that_is_not_wanted_stays_out(clone: Course) -> None:
