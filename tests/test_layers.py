@@ -59,14 +59,13 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/environment": 1300,
-    "course_kit/text": 200,
-    "course_kit/reader": 900,
+    "course_kit/environment": 1110,
+    "course_kit/reader": 870,
     "course_kit/interfaces": 3800,
-    "course_kit/process": 600,
+    "course_kit/process": 560,
     "course_kit/ros": 2000,
     "course_kit/lab": 7350,
-    "course_kit/quiz": 900,
+    "course_kit/quiz": 750,
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 4000,
     "course_kit/grading": 12480,
@@ -75,7 +74,7 @@ STILL_ABOVE = {
     "course_kit/learner": 1500,
     "course_kit/authoring": 4642,
     "course_kit/integrations": 1225,
-    "course_kit/presentation": 600,
+    "course_kit/presentation": 490,
     "course_kit/dev": 880,
     "course_kit/cli": 1610,
     "tests": 51500,

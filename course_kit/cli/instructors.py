@@ -263,7 +263,7 @@ def _bundle(options: argparse.Namespace) -> int:
 def _present(words: Sequence[str]) -> int:
     """Present the demo that is the first word if that is no option; the others are options of `jupyter lab`."""
     from course_kit.presentation import session
-    from course_kit.presentation.errors import PresentationError
+    from course_kit.presentation.demos import PresentationError
 
     root = environment.course_files()
     if root is None:

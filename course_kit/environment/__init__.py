@@ -7,16 +7,16 @@ child processes and the grader alike. A value the user has set wins wherever it 
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment import log_folder, middleware
-from course_kit.environment.container import sign_of_container
+from course_kit.environment import middleware
 from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
 from course_kit.environment.errors import DomainError, SettingsError
 from course_kit.environment.files import remove_half_written, write_atomically, write_new
-from course_kit.environment.interrupts import heed_interrupts
 from course_kit.environment.paths import (
     COPIED,
     FOLDER_VARIABLE,
@@ -28,14 +28,17 @@ from course_kit.environment.paths import (
     command,
     course_files,
     guess_folder,
+    has_chosen_logs,
     home,
     is_shared,
     is_writable,
     learner_folder,
     lesson,
+    make_log_folder,
     own_run_dir,
     progress_file,
     run_dir,
+    sign_of_container,
     state_dir,
     usual_learner_folder,
     usual_state_dir,
@@ -221,6 +224,16 @@ def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
     return [sys.executable, "-c", program, *arguments]
 
 
+def heed_interrupts() -> None:
+    """Have SIGINT raise KeyboardInterrupt in this process, and end its children, as in one started at a terminal.
+
+    What a script starts in the background has to ignore SIGINT, and so has everything that is started from there.
+    Python leaves it at that and raises no KeyboardInterrupt, so that nothing would end what waits for one.
+    """
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def _apply_defaults() -> dict[str, str]:
     if told := middleware.settle():
         sys.stderr.write(f"course-kit: {told}\n")
@@ -231,8 +244,8 @@ def _apply_defaults() -> dict[str, str]:
         os.environ.setdefault(name, value)
     if not os.environ.get("AMENT_PREFIX_PATH"):  # else nothing finds the share folder of a package that pip installed
         os.environ["AMENT_PREFIX_PATH"] = sys.prefix
-    if not log_folder.is_chosen():
-        os.environ["ROS_LOG_DIR"] = str(log_folder.made())
+    if not has_chosen_logs():
+        os.environ["ROS_LOG_DIR"] = str(make_log_folder())
     return made
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
+import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
 _LONGEST = 40  # characters of a name within that of its temporary file: a name has at most 255 bytes
+_NO_MEMFD = (errno.ENOSYS, errno.EPERM)  # a kernel without it, or a container that allows only calls it knows
 _HALF_WRITTEN = re.compile(r"\..+-[0-9a-f]{16}\.tmp", re.DOTALL)
 
 
@@ -75,3 +78,20 @@ def _fill(descriptor: int, data: bytes, *, durable: bool) -> None:
         file.write(data)
     if durable:
         os.fsync(descriptor)
+
+
+def file_in_memory(name: str) -> int:
+    """A descriptor of a new file that nobody else knows and that is gone when it is closed; it is not inherited.
+
+    Where there is no memfd_create(2), as on macOS, it is a temporary file without a name.
+    """
+    try:
+        return os.memfd_create(name, os.MFD_CLOEXEC)
+    except AttributeError:
+        pass
+    except OSError as problem:
+        if problem.errno not in _NO_MEMFD:
+            raise
+    descriptor, path = tempfile.mkstemp(prefix="course-kit-")
+    os.unlink(path)  # noqa: PTH108 - a path of the operating system's
+    return descriptor

@@ -8,8 +8,12 @@ import tempfile
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 PACKAGE = Path(__file__).resolve().parent.parent
 LEARNER_FOLDER = "my-course"  # in a clone: where a learner works; `course_kit.learner.workspace` makes it
@@ -20,6 +24,11 @@ COPIED = ("notebooks", "exercises")  # from the course into a learner's folder
 _NAME = "ros2-course"
 _OFF = "off"
 _APPLICATION = "ros2-course-kit"
+_LOGS_KEPT = 40
+_FILES = (".dockerenv", "run/.containerenv", "run/systemd/container")  # Docker, Podman, systemd-nspawn
+_VARIABLES = ("container", "KUBERNETES_SERVICE_HOST")  # most engines set the first for all processes
+# In the names of process 1's, with cgroups of version 1
+_CGROUPS = ("docker", "kubepods", "containerd", "libpod", "lxc")
 
 
 def checkout() -> Path | None:
@@ -167,3 +176,47 @@ def is_writable(folder: Path, *, make: bool = True) -> bool:
     except OSError:
         return False
     return os.access(folder, os.W_OK | os.X_OK, effective_ids=True)
+
+
+def has_chosen_logs() -> bool:
+    """Whether the user has chosen one that can be written, by themselves: without any, ROS does not start."""
+    home = os.environ.get("ROS_HOME", "")
+    chosen = os.environ.get("ROS_LOG_DIR") or (f"{home}/log" if home else "")
+    return bool(chosen) and is_writable(Path(os.path.expanduser(chosen)))  # noqa: PTH111 - unlike Path's, never raises
+
+
+def make_log_folder() -> Path:
+    """Where ROS writes a file per process; the oldest are removed so that the folder does not grow for ever."""
+    folder = state_dir() / "log"
+    folder.mkdir(parents=True, exist_ok=True)
+    with os.scandir(folder) as entries:
+        files = [entry for entry in entries if entry.name.endswith(".log")]
+    if len(files) > 2 * _LOGS_KEPT:
+        for old in sorted(files, key=_time_of)[:-_LOGS_KEPT]:
+            Path(old.path).unlink(missing_ok=True)
+    return folder
+
+
+def _time_of(entry: os.DirEntry[str]) -> float:
+    try:
+        return entry.stat().st_mtime
+    except FileNotFoundError:  # another process has just removed it
+        return 0.0
+
+
+def sign_of_container(root: Path = Path("/"), environ: Mapping[str, str] = os.environ) -> str:
+    """What shows that this is a container, for people: `/.dockerenv`; empty where nothing does."""
+    for name in _FILES:
+        if (root / name).exists():
+            return f"/{name}"
+    for name in _VARIABLES:
+        if environ.get(name):
+            return f"the variable {name}"
+    with suppress(OSError):  # /proc/1/environ is for root alone, and not always even for root
+        if any(pair.startswith(b"container=") for pair in (root / "proc/1/environ").read_bytes().split(b"\0")):
+            return "/proc/1/environ"
+    with suppress(OSError):
+        groups = (root / "proc/1/cgroup").read_text(encoding="utf-8", errors="replace")
+        if any(name in groups for name in _CGROUPS):
+            return "/proc/1/cgroup"
+    return ""

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
-from course_kit.environment.memory_file import file_in_memory
+from course_kit.environment.files import file_in_memory
 from course_kit.grading import reading_answers as answers
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import UnreadableError

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.interfaces.hints import nearest
-from course_kit.presentation.errors import PresentationError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -14,12 +13,12 @@ LESSONS = "notebooks"
 DEMOS = f"{LESSONS}/demos"
 
 
-def demos(root: Path) -> list[Path]:
-    """The demos in their order.
+class PresentationError(RuntimeError):
+    """It cannot be presented; the text is for the speaker."""
 
-    Raises:
-        PresentationError: there are none.
-    """
+
+def demos(root: Path) -> list[Path]:
+    """The demos in their order."""
     found = sorted(path for path in (root / DEMOS).glob("*.ipynb") if path.is_file())
     if not found:
         raise PresentationError(
@@ -29,15 +28,7 @@ def demos(root: Path) -> list[Path]:
 
 
 def find(root: Path, name: str) -> Path:
-    """The demo or lesson that a speaker names; the first demo for an empty name.
-
-    Args:
-        root: the course's folder.
-        name: its number, its name with or without that, a part that only one has, or its path.
-
-    Raises:
-        PresentationError: no notebook is called that, or several are.
-    """
+    """The demo or lesson that a speaker names; the first demo for an empty name."""
     shown = demos(root)
     if not name:
         return shown[0]

@@ -14,8 +14,7 @@ import nbformat
 from course_kit.environment import PACKAGE
 from course_kit.learner import handed_out
 from course_kit.presentation import projected
-from course_kit.presentation.demos import LESSONS, demos
-from course_kit.presentation.errors import PresentationError
+from course_kit.presentation.demos import LESSONS, PresentationError, demos
 from course_kit.presentation.scratch import make_writable
 from course_kit.text import templates
 
@@ -38,17 +37,7 @@ _SETTINGS: dict[str, dict[str, Any]] = {
 
 
 def prepare(root: Path, folder: Path, opened: Path) -> None:
-    """Fill the folder of a presentation.
-
-    Args:
-        root: the course's folder.
-        folder: it is empty.
-        opened: the notebook that is opened first.
-
-    Raises:
-        PresentationError: there are no demos, or the notebook to open is damaged.
-        OSError: a file cannot be read or written.
-    """
+    """Fill the folder of a presentation."""
     for name in _COPIED:
         shutil.copytree(
             root / name,

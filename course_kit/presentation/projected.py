@@ -24,14 +24,7 @@ _PREAMBLE = ("%", "import ", "from ", "#")
 
 @dataclass(frozen=True)
 class SpokenCell:
-    """What a speaker needs to know of a cell of the projected copy.
-
-    Attributes:
-        cell_id: its id there.
-        kind: "code" or "markdown"; "repair" for what the button puts in place.
-        label: its beginning, to know it by.
-        notes: the speaker's notes, Markdown.
-    """
+    """What a speaker needs to know of a cell of the projected copy."""
 
     cell_id: str
     kind: str
@@ -40,11 +33,7 @@ class SpokenCell:
 
 
 def project(notebook: Any) -> Any:
-    """A notebook as a class sees it first: no outputs, no notes, no remarks, and the failure before the repair.
-
-    Args:
-        notebook: it is changed, and returned.
-    """
+    """A notebook as a class sees it first: no outputs, no notes, no remarks, and the failure before the repair."""
     repairs = {repairs_of(cell): cell.source for cell in notebook.cells if repairs_of(cell)}
     notebook.cells = [cell for cell in notebook.cells if _is_projected(cell)]
     for cell in notebook.cells:

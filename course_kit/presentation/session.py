@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.integrations import jupyter
 from course_kit.presentation import demos, preparing, web
-from course_kit.presentation.errors import PresentationError
+from course_kit.presentation.demos import PresentationError
 from course_kit.presentation.scratch import scratch_folder
 from course_kit.process.child import Child
 
@@ -31,21 +31,7 @@ class _EndedError(BaseException):
 
 
 def present(root: Path, name: str, arguments: Sequence[str]) -> int:
-    """Show a notebook to a class until it is over.
-
-    Args:
-        root: the course's folder.
-        name: what `demos.find` takes.
-        arguments: more for `jupyter lab`.
-
-    Returns:
-        the exit code: 0 after Ctrl-C, which is how a presentation ends.
-
-    Raises:
-        PresentationError: it cannot begin.
-        DomainError: there is no ROS domain for it.
-        LabStartError: JupyterLab would refuse to start.
-    """
+    """Show a notebook to a class until it is over."""
     opened = demos.find(root, name)
     parent = environment.state_dir() / "present"
     with _tidily_ended(), _own_domain() as domain_id:
@@ -108,11 +94,7 @@ def _hold_interrupts_back() -> Callable[[], None]:
 
 @contextmanager
 def _own_domain() -> Iterator[str]:
-    """A domain for this presentation alone, or the one that the user has chosen.
-
-    Raises:
-        DomainError: there is none.
-    """
+    """A domain for this presentation alone, or the one that the user has chosen."""
     chosen = environment.domain_of_user()
     if chosen is not None:
         yield str(chosen)

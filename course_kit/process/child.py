@@ -27,11 +27,6 @@ class Child:
     """A process in a session of its own, with nothing to read.
 
     So a Ctrl-C at the terminal does not reach it: it is passed on by whoever has started it, once.
-
-    Attributes:
-        pid: its number.
-        stdout: our end of its pipe, None without one.
-        stderr: the same.
     """
 
     def __init__(  # noqa: PLR0913 - a process is described by that much

@@ -6,7 +6,7 @@ import fcntl
 import os
 from contextlib import suppress
 
-from course_kit.environment.memory_file import file_in_memory
+from course_kit.environment.files import file_in_memory
 
 
 class LineReader:

@@ -8,11 +8,7 @@ from signal import SIGINT, SIGKILL, SIGTERM, Signals
 
 
 class Ladder:
-    """The signals that one process gets, one after the other, and how long it has to obey each.
-
-    Attributes:
-        climbed: the signals it has got, each with the seconds it had or has.
-    """
+    """The signals that one process gets, one after the other, and how long it has to obey each."""
 
     def __init__(self, interrupt_s: float, terminate_s: float, kill_s: float) -> None:
         """Begin at the bottom."""

@@ -23,14 +23,7 @@ _TABLE_ENTRY = 8  # bytes of a page's table for each page
 
 @dataclass(frozen=True)
 class Usage:
-    """What some processes use together.
-
-    Attributes:
-        cpu_s: seconds of computing; children that they have waited for are among it.
-        tasks: processes and threads.
-        memory: resident bytes, what forks share counted for each of them.
-        tables: bytes that the tables of all their pages can take at most.
-    """
+    """What some processes use together."""
 
     cpu_s: float = 0.0
     tasks: int = 0

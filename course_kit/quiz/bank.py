@@ -41,19 +41,7 @@ class BankError(ValueError):
 
 @dataclass(frozen=True)
 class Scenario:
-    """One scenario.
-
-    Attributes:
-        id: its name in answers.
-        title: a few words for people.
-        field: where such robots work.
-        text: the situation, with every fact that decides.
-        reasons: the four reasons to choose from, by id.
-        source: the real package and interface it comes from; empty, as all that follows, where there is no answer.
-        why: why the accepted patterns fit; for several, why each can be defended.
-        accepted: each accepted pattern with the ids of the reasons that decide for it.
-        wrong: why not: an explanation for each pattern that is not accepted and each reason that never decides.
-    """
+    """One scenario."""
 
     id: str
     title: str
@@ -78,30 +66,18 @@ class Scenario:
 
 @lru_cache(maxsize=1)
 def practice() -> Mapping[str, Scenario]:
-    """The scenarios to practise with, by id, in the file's order; each with its answer.
-
-    Raises:
-        BankError: the file cannot be read or has a mistake.
-    """
+    """The scenarios to practise with, by id, in the file's order; each with its answer."""
     return parse(_text_of(PRACTICE))
 
 
 @lru_cache(maxsize=1)
 def graded() -> Mapping[str, Scenario]:
-    """The scenarios that count for a grade, by id; each without an answer in a student edition.
-
-    Raises:
-        BankError: a file cannot be read or has a mistake.
-    """
+    """The scenarios that count for a grade, by id; each without an answer in a student edition."""
     return parse(_text_of(QUESTIONS), _text_of(ANSWERS) if ANSWERS.exists() else None)
 
 
 def bank() -> Mapping[str, Scenario]:
-    """All scenarios by id.
-
-    Raises:
-        BankError: a file cannot be read or has a mistake.
-    """
+    """All scenarios by id."""
     return {**practice(), **graded()}
 
 
@@ -113,16 +89,7 @@ def _text_of(path: Path) -> str:
 
 
 def parse(text: str, answers: str | None = "") -> Mapping[str, Scenario]:
-    """The scenarios in a TOML text.
-
-    Args:
-        text: the scenarios.
-        answers: a second TOML text with their answers; empty where they stand beside the questions, None where
-            nobody is to know them.
-
-    Raises:
-        BankError: there is a mistake.
-    """
+    """The scenarios in a TOML text."""
     try:
         found = _by_id(_tables(text, "scenario"))
         if answers is None:

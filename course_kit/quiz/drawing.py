@@ -23,15 +23,7 @@ DRAWN = 10
 
 
 def draw(seed: int = DEFAULT_SEED, scenarios: Mapping[str, Scenario] | None = None) -> tuple[Scenario, ...]:
-    """The ten scenarios of a seed, in the order to show them.
-
-    Args:
-        seed: any integer. `DEFAULT_SEED` stands for the scenarios to practise with, which no other seed draws.
-        scenarios: the bank to draw from, the course's own when None.
-
-    Raises:
-        BankError: the course's bank cannot be used.
-    """
+    """The ten scenarios of a seed, in the order to show them."""
     if scenarios is None:
         scenarios = practice() if seed == DEFAULT_SEED else graded()
     chosen = _ranked(f"{seed}/draw", scenarios)[:DRAWN]

@@ -21,13 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Guessed:
-    """What was chosen for a question.
-
-    Attributes:
-        first: the text of the first choice.
-        first_right: whether that one was right.
-        last: the text of the last choice.
-    """
+    """What was chosen for a question."""
 
     first: str
     first_right: bool
@@ -36,15 +30,7 @@ class Guessed:
 
 @dataclass(frozen=True)
 class Score:
-    """How a lesson's questions of one kind went.
-
-    Attributes:
-        lesson: its name, such as "01_services".
-        kind: `guess` or `check`.
-        right: how many were right at the first try.
-        answered: how many were answered.
-        count: how many there are.
-    """
+    """How a lesson's questions of one kind went."""
 
     lesson: str
     kind: str
@@ -82,11 +68,7 @@ class GuessRecord:
 
 
 def scores() -> list[Score]:
-    """How each lesson went of which any question was answered, in the lessons' order.
-
-    Raises:
-        BankError: a file of questions has a mistake.
-    """
+    """How each lesson went of which any question was answered, in the lessons' order."""
     record, found = GuessRecord(), []
     for lesson in guesses.lessons():
         for kind in (guesses.GUESS, guesses.CHECK):

@@ -28,13 +28,7 @@ GUESS, CHECK = "guess", "check"
 
 @dataclass(frozen=True)
 class QuestionChoice:
-    """One of the answers that can be chosen.
-
-    Attributes:
-        text: what stands there.
-        why: why it is right, or what somebody who chooses it has misunderstood.
-        is_right: whether it is the right one.
-    """
+    """One of the answers that can be chosen."""
 
     text: str
     why: str
@@ -43,14 +37,7 @@ class QuestionChoice:
 
 @dataclass(frozen=True)
 class LessonQuestion:
-    """One question of a lesson.
-
-    Attributes:
-        name: the lesson and the question's own id, such as "01_services/late_display".
-        text: the question; `code` stands between backticks, here and in the choices.
-        choices: in the order in which they are shown.
-        kind: `guess`, or `check` for the questions at a lesson's end.
-    """
+    """One question of a lesson."""
 
     name: str
     text: str
@@ -71,22 +58,14 @@ def lessons() -> list[str]:
 
 @cache
 def of_lesson(lesson: str) -> Mapping[str, LessonQuestion]:
-    """The questions of a lesson by their whole names, in the file's order.
-
-    Raises:
-        BankError: there is no such lesson, or its file has a mistake.
-    """
+    """The questions of a lesson by their whole names, in the file's order."""
     if lesson not in lessons():
         raise BankError(f"There are no questions for '{lesson}'. There are some for {', '.join(lessons())}.")
     return parse(lesson, (FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
 
 
 def question(name: str) -> LessonQuestion:
-    """The question of a name such as "01_services/late_display".
-
-    Raises:
-        BankError: there is none.
-    """
+    """The question of a name such as "01_services/late_display"."""
     lesson, _, _ = name.rpartition("/")
     found = of_lesson(lesson)
     if name not in found:
@@ -95,20 +74,12 @@ def question(name: str) -> LessonQuestion:
 
 
 def checks(lesson: str) -> list[LessonQuestion]:
-    """The questions at a lesson's end.
-
-    Raises:
-        BankError: there are none.
-    """
+    """The questions at a lesson's end."""
     return [one for one in of_lesson(lesson).values() if one.kind == CHECK]
 
 
 def parse(lesson: str, text: str) -> Mapping[str, LessonQuestion]:
-    """The questions in a TOML text.
-
-    Raises:
-        BankError: it has a mistake; names the question.
-    """
+    """The questions in a TOML text."""
     try:
         content = tomllib.loads(text)
         found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]

@@ -37,14 +37,7 @@ class Unusable:
 
 @dataclass(frozen=True)
 class Half:
-    """One half of an answer.
-
-    Attributes:
-        right: whether it earns its half point.
-        got: what was answered, as text; empty for nothing.
-        explanation: why it is right or wrong, for the learner.
-        code: a diagnosis when it is not a choice at all, else None.
-    """
+    """One half of an answer."""
 
     right: bool
     got: str
@@ -107,13 +100,7 @@ class MarkedAnswers:
 def mark(
     scenarios: Sequence[Scenario], answers: Mapping[Any, object], known: Collection[str] | None = None
 ) -> MarkedAnswers:
-    """Mark the answers to `scenarios`.
-
-    Args:
-        scenarios: those that were drawn.
-        answers: a pair for each scenario's id; anything else is named, never raised.
-        known: ids that may stand in `answers` beside those drawn, the whole bank when None.
-    """
+    """Mark the answers to `scenarios`."""
     known = bank() if known is None else known
     given = {_plain(name): answer for name, answer in answers.items()}
     drawn = [scenario.id for scenario in scenarios]

@@ -51,11 +51,7 @@ class Questions:
         return "\n".join(["answers = {", *lines, "}"])
 
     def sheet(self, answers: Mapping[str, tuple[str, str]] | None = None) -> str:
-        """The answers as a Python file: all scenarios and reasons as comments, with a pair under each.
-
-        Args:
-            answers: pattern and reason by the scenario's id; a pair that is not in it stays empty.
-        """
+        """The answers as a Python file: all scenarios and reasons as comments, with a pair under each."""
         given = answers or {}
         blocks = [
             _block(number, scenario, self.seed, given.get(scenario.id, ("", "")))
@@ -77,14 +73,7 @@ class Questions:
 
 
 def show(seed: int = DEFAULT_SEED) -> Questions:
-    """The ten scenarios of a learner, to be the last line of a cell.
-
-    Args:
-        seed: the number your instructor gave you; without one, leave it out.
-
-    Raises:
-        TypeError: the seed is no whole number.
-    """
+    """The ten scenarios of a learner, to be the last line of a cell."""
     if not isinstance(seed, int) or isinstance(seed, bool):
         raise TypeError(f"The seed must be a whole number, such as seed=17, not {seed!r}.")
     return Questions(seed)

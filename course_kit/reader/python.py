@@ -83,12 +83,7 @@ def _is_start(statement: ast.stmt) -> bool:
 
 
 def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
-    """A class, else `main`, that more than one cell of a notebook defines; empty where there is none.
-
-    Args:
-        tree: the program that was joined from cells.
-        sizes: how many lines each cell gave.
-    """
+    """A class, else `main`, that more than one cell of a notebook defines; empty where there is none."""
     ends = list(accumulate(sizes))
     cells: dict[str, set[int]] = {}
     for one in tree.body:

@@ -12,11 +12,7 @@ CANNOT = 2  # the exit code of a command that could not be carried out
 
 
 def tell(sentence: object) -> None:
-    """Say something beside the output of the command; an empty text says nothing.
-
-    Args:
-        sentence: a text, or an error whose text is meant for people.
-    """
+    """Say something beside the output of the command; an empty text says nothing."""
     if told := printable(str(sentence)):  # names of files and words of submissions may stand in it
         sys.stderr.write(f"course-kit: {told}\n")
         sys.stderr.flush()
@@ -31,15 +27,7 @@ def cannot(sentence: object) -> int:
 def wrapped(
     text: str, first: str = "", following: str = "", *, width: int = WIDTH, whole_words: bool = False
 ) -> list[str]:
-    """Text in lines, never broken at a hyphen (ids have some), and harmless for the terminal, whoever wrote it.
-
-    Args:
-        text: the text.
-        first: what the first line begins with.
-        following: what the others begin with.
-        width: the columns there are.
-        whole_words: let a word that is longer than a line stand out, so that an address can be clicked or copied.
-    """
+    """Text in lines, never broken at a hyphen (ids have some), and harmless for the terminal, whoever wrote it."""
     return textwrap.wrap(
         printable(text),
         width,

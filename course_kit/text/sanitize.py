@@ -29,10 +29,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """A stranger's name as people read it: printable, composed letters, one line, single spaces, not endless.
-
-    Two different names can become the same one here; whoever tells people apart by them has to see to that.
-    """
+    """A stranger's name as people read it, in one line; two names can become the same one here."""
     short = text if len(text) <= _LONGEST_NAME else f"{text[:_LONGEST_NAME]}\u2026"
     return printable(" ".join(unicodedata.normalize("NFC", short.translate(_FILLERS)).split()))
 
@@ -43,10 +40,7 @@ def escaped(text: str) -> str:
 
 
 def encodable(document: str) -> str:
-    """JSON that can be written as UTF-8: halves of characters become escapes, which mean the same.
-
-    They come from file names that are not UTF-8 and from a submission's own texts.
-    """
+    """JSON that can be written as UTF-8: halves of characters, as of odd file names, become escapes."""
     return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", document)
 
 

@@ -18,15 +18,7 @@ if TYPE_CHECKING:
 
 
 def render(template: Path, **values: object) -> Markup:
-    """A template with its values filled in; other templates take the result as it is.
-
-    Args:
-        template: the file. What it includes and imports lies beside it.
-        values: what the template names; one that it names and that is not here is an error.
-
-    Raises:
-        jinja2.TemplateError: the template has a mistake.
-    """
+    """A template with its values filled in; other templates take the result as it is."""
     from markupsafe import Markup
 
     return Markup(_environment(template.parent).get_template(template.name).render(values))  # noqa: S704 - it escapes

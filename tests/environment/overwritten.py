@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-INIT = 'Lark = "the real one"\n'
+INIT = '__version__ = "1.3.1"\n'
 
 
 def install_lark(folder: Path) -> Path:
@@ -29,5 +29,5 @@ def install_lark(folder: Path) -> Path:
 def overwrite_lark(folder: Path) -> Path:
     """The same, its file overwritten by the package `lark-parser`."""
     file = install_lark(folder)
-    file.write_text("import sre_parse\n")
+    file.write_text('__version__ = "0.12.0"\n')
     return file

@@ -8,7 +8,7 @@ import os
 
 import pytest
 
-from course_kit.environment.memory_file import file_in_memory
+from course_kit.environment.files import file_in_memory
 
 
 def take_memfd_away(monkeypatch: pytest.MonkeyPatch, number: int | None) -> None:

@@ -9,8 +9,6 @@ import sys
 import zipfile
 from pathlib import Path
 
-import pytest
-
 from course_kit.environment import packages
 from tests.environment.overwritten import install_lark, overwrite_lark
 
@@ -20,7 +18,7 @@ PYPROJECT = Path(__file__).resolve().parent.parent.parent / "pyproject.toml"
 def look(folder: Path) -> str:
     """What is found by a Python that has the packages in the folder."""
     return subprocess.run(
-        [sys.executable, "-m", "course_kit.environment.packages"],
+        [sys.executable, "-c", "from course_kit.environment.packages import damaged; print(*damaged())"],
         env={**os.environ, "PYTHONPATH": str(folder)},
         capture_output=True,
         text=True,
@@ -37,14 +35,11 @@ def test_the_environment_of_these_tests_has_one_good_lark() -> None:
 
 def test_a_whole_package_is_not_mentioned(tmp_path: Path) -> None:
     install_lark(tmp_path)
-    assert look(tmp_path) == ""
+    assert look(tmp_path) == "\n"
 
 
-@pytest.mark.parametrize("lost", [False, True])
-def test_one_that_has_lost_a_file_to_another_is_named_with_its_version(lost: bool, tmp_path: Path) -> None:
-    file = overwrite_lark(tmp_path)
-    if lost:
-        file.unlink()
+def test_one_that_has_lost_a_file_to_another_is_named_with_its_version(tmp_path: Path) -> None:
+    overwrite_lark(tmp_path)
     assert look(tmp_path) == "lark==1.3.1\n"
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.presentation import demos
-from course_kit.presentation.errors import PresentationError
+from course_kit.presentation.demos import PresentationError
 
 if TYPE_CHECKING:
     from pathlib import Path
