@@ -1,7 +1,6 @@
 """`course-kit prove`: what would a grader let through?
 
-It makes every small mistake in an exercise's solution, grades each, and names those that get full marks. It also grades
-right programs made from the solution, which must get full marks, and repeats what must not differ. The mistakes are our
-own, not those of mutmut or cosmic-ray: these change a package and run its unit tests, while ours are graded over the
-wire, and half of them are mistakes with ROS.
+It makes every small mistake in an exercise's solution, grades each, and names those that get full marks. The mistakes
+are our own, not those of mutmut or cosmic-ray: these change a package and run its unit tests, while ours are graded
+over the wire, and half of them are mistakes with ROS.
 """

@@ -31,10 +31,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.authoring.prove.mutants import Mutant
+    from course_kit.grading.exercise import Exercise
 
 FILE = "equivalent.toml"
-_LIST, _TEXT, _NUMBER = "a list of texts", "a text", "a whole number"
-_FIELDS = {"lines": _LIST, "operators": _LIST, "reason": _TEXT, "change": _TEXT, "ordinal": _NUMBER}
+_LIST = "a list of texts"
+_FIELDS = {"lines": _LIST, "operators": _LIST, "reason": "a text", "change": "a text", "ordinal": "a whole number"}
 _NEEDED = ("lines", "operators", "reason")
 
 
@@ -62,6 +63,12 @@ class DeclaredEquivalent:
         return f"{self.operator}: {self.line}{change}"
 
 
+def file_of(exercise: Exercise) -> Path:
+    """The declarations of an exercise, in its own proof set, or else beside its solution; the file need not exist."""
+    own = exercise.solution.is_relative_to(exercise.folder)
+    return (exercise.folder / "proof" if own else exercise.solution.parent) / FILE
+
+
 def read(path: Path) -> list[DeclaredEquivalent]:
     """The entries of a file, one for each line and operator; none when it is not there.
 
@@ -80,10 +87,8 @@ def read(path: Path) -> list[DeclaredEquivalent]:
     return [one for number, entry in enumerate(entries, start=1) for one in _declared(entry, path, number)]
 
 
-def _declared(entry: object, path: Path, number: int) -> Iterator[DeclaredEquivalent]:
+def _declared(entry: dict[str, object], path: Path, number: int) -> Iterator[DeclaredEquivalent]:
     where = f"{path} cannot be used: entry {number} of [[equivalent]]"
-    if not isinstance(entry, dict):
-        raise GradingError(f"{where} is not a table.")
     for name in _NEEDED:
         if not entry.get(name):
             raise GradingError(f"{where} has no '{name}'.")
@@ -92,16 +97,13 @@ def _declared(entry: object, path: Path, number: int) -> Iterator[DeclaredEquiva
             raise GradingError(f"{where} has a field '{name}'. There are: {', '.join(_FIELDS)}.")
         if _kind(value) != _FIELDS[name]:
             raise GradingError(f"{where}: '{name}' has to be {_FIELDS[name]}.")
-    for line in entry["lines"]:
-        for operator in entry["operators"]:
-            yield DeclaredEquivalent(
-                line.strip(), operator, entry["reason"], entry.get("change", ""), entry.get("ordinal", 0)
-            )
+    more = {name: value for name, value in entry.items() if name not in ("lines", "operators")}
+    for line in entry["lines"]:  # type: ignore[attr-defined]  # a list, as `_kind` has seen
+        for operator in entry["operators"]:  # type: ignore[attr-defined]
+            yield DeclaredEquivalent(line.strip(), operator, **more)  # type: ignore[arg-type]
 
 
 def _kind(value: object) -> str:
-    if isinstance(value, list):
-        return _LIST if all(isinstance(one, str) for one in value) else ""
-    if isinstance(value, bool):
-        return ""
-    return _TEXT if isinstance(value, str) else _NUMBER if isinstance(value, int) else ""
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        return _LIST
+    return {str: "a text", int: "a whole number"}.get(type(value), "")

@@ -11,9 +11,9 @@ from course_kit.authoring.prove.operators import endpoints, expressions, ros, st
 from course_kit.authoring.prove.program import ParsedProgram, parsed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
-    from course_kit.authoring.prove.changes import Mutation
+    from course_kit.authoring.prove.program import Mutation
 
 OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Mutation]], ...] = (
     endpoints.endpoint_names,
@@ -69,13 +69,17 @@ class Mutant:
         return f"{self.operator}: {self.before} -> {self.after}{more}"
 
 
-def of(source: str) -> list[Mutant]:
-    """All mutants of a program, in the order of its lines.
+def of(source: str, *, starts_itself: bool = True) -> list[Mutant]:
+    """All mutants of a program, in the order of its lines; without those that nobody can see.
+
+    Args:
+        source: the program.
+        starts_itself: whether the program has to start its node; else the grader starts the class.
 
     Raises:
         SyntaxError: it is not Python.
     """
-    program = ParsedProgram(source)
+    program = ParsedProgram(source, starts_itself=starts_itself)
     seen = {parsed(source)}
     found: list[Mutant] = []
     counted: Counter[tuple[str, str, str]] = Counter()
@@ -93,28 +97,6 @@ def of(source: str) -> list[Mutant]:
         ordinal = counted[change.operator, before, after]
         found.append(Mutant(change.operator, change.line, before, after, ordinal, text, tuple(diff)))
     return found
-
-
-def evenly(mutants: Sequence[Mutant]) -> list[Mutant]:
-    """The mutants such that each operator comes by turns, and each with lines from all over the program."""
-    by_operator: dict[str, list[Mutant]] = {}
-    for one in mutants:
-        by_operator.setdefault(one.operator, []).append(one)
-    spread = [_spread(group) for group in by_operator.values()]
-    longest = max(map(len, spread), default=0)
-    return [group[place] for place in range(longest) for group in spread if place < len(group)]
-
-
-def _spread(group: Sequence[Mutant]) -> list[Mutant]:
-    """The middle first, then the middles of the halves, and so on."""
-    waiting, order = [(0, len(group))], []
-    while waiting:
-        low, high = waiting.pop(0)
-        if low < high:
-            middle = (low + high) // 2
-            order.append(group[middle])
-            waiting += [(low, middle), (middle + 1, high)]
-    return order
 
 
 def _diff(old: str, new: str) -> list[str]:

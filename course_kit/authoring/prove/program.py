@@ -8,16 +8,32 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Edit
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 _WHOLE = (ast.Constant, ast.Name, ast.Attribute, ast.Call, ast.Tuple, ast.List, ast.JoinedStr)  # never in parentheses
+_AT_THE_END, _IN_MAIN = ("destroy_node", "shutdown", "try_shutdown"), ("main", "spin")
 # Calls that are handed a callback, by how the callback's keyword is called where it is given by name.
 _TAKE_CALLBACKS = ("create_", "add_", "ActionServer", "ActionClient", "Timer")
+
+
+@dataclass(frozen=True, order=True)
+class Edit:
+    """A part of the text, by its offsets, and what replaces it."""
+
+    start: int
+    end: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One mistake: what kind, on which line, from 1, and what it replaces."""
+
+    operator: str
+    line: int
+    edits: tuple[Edit, ...]
 
 
 @dataclass
@@ -26,9 +42,11 @@ class ParsedProgram:
 
     Attributes:
         source: its text, with plain line ends.
+        starts_itself: whether it has to start its node; else a grader starts the class, and nobody sees its `main`.
     """
 
     source: str
+    starts_itself: bool = True
     tree: ast.Module = field(init=False)
 
     def __post_init__(self) -> None:
@@ -88,12 +106,6 @@ class ParsedProgram:
             yield above
             node = above
 
-    def statement(self, node: ast.AST) -> ast.stmt:
-        """The statement that a node stands in."""
-        while not isinstance(node, ast.stmt):
-            node = self.parents[node]
-        return node
-
     def function(self, node: ast.AST) -> Function | None:
         """The function that a node stands in."""
         return next(
@@ -150,6 +162,11 @@ class ParsedProgram:
     def name_of(call: ast.Call) -> str:
         """What a call calls, without what stands before it: `spin` of `rclpy.spin()`."""
         return str(getattr(call.func, "id", getattr(call.func, "attr", "")))
+
+    def is_unseen_call(self, value: ast.expr) -> bool:
+        """Whether nobody sees that a call is missing: at a program's end, or in a `main` that no grader needs."""
+        name = self.name_of(value) if isinstance(value, ast.Call) else ""
+        return name in _AT_THE_END or (name in _IN_MAIN and not self.starts_itself)
 
     @cached_property
     def out_of_sight(self) -> set[ast.AST]:

@@ -1,210 +1,156 @@
-"""Grades the mutants of a solution and its right variants, and repeats what must not differ."""
+"""Grades the mutants of a solution by the pool that grades a class, and says which get full marks."""
 
 from __future__ import annotations
 
+import random
+import sys
+import tempfile
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from concurrent.futures import as_completed
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from course_kit.authoring import gradings
-from course_kit.authoring.prove import equivalent, mutants, variants
-from course_kit.authoring.prove.outcome import GraderProof, MutantOutcome, VariantOutcome
-from course_kit.authoring.prove.program import ParsedProgram
-from course_kit.authoring.prove.verdicts import ProgramGrader, Request, Verdict, verdict_of
+from course_kit.authoring.prove import equivalent, mutants
 from course_kit.authoring.rules import outcome
+from course_kit.classroom.executors import Local
+from course_kit.grading import needs
+from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import Reader
+from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.process.closing import Closing
+from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
+    from collections.abc import Iterator, Sequence
 
+    from course_kit.authoring.prove.equivalent import DeclaredEquivalent
     from course_kit.authoring.prove.mutants import Mutant
-    from course_kit.authoring.prove.places import ProofPlaces
-    from course_kit.authoring.prove.variants import RightVariant
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.report import Report
 
 _MORE_SEEDS = 2  # for a mutant that gets full marks with the first one
 _SEEDS_OF_ANSWERS = 40  # where each draws other questions: so many that a question that is never drawn is unlikely
-_BEGIN_S, _END_S = 40.0, 52.0  # of --quick: when nothing more is begun, and when nothing is waited for
-_ANSWERS_AT_MOST = 60  # mutants of --quick where each is graded with many seeds
-_SOLUTION = "the solution"
+_SAMPLE = 60  # mutants of --quick
+_EACH = 50  # gradings from one line of progress to the next
+_WIDTH = 100
+_TINY = 1e-6  # points
 
 
 @dataclass(frozen=True)
-class HowToProve:
-    """The options.
+class GraderProof:
+    """What was found out about the grader of an exercise.
 
     Attributes:
-        quick: take under a minute: a sample of the mutants, nothing repeated.
-        seed: what the checks draw from.
-        repeat: how often right programs are graded again while the processors are kept busy.
-        workers: how many gradings run at a time; as many as fit this machine when 0.
-        more_seeds: with how many others a mutant is graded that gets full marks; as many as the exercise needs if None.
+        exercise: the exercise.
+        made: how many mistakes there are in its solution.
+        graded: how many were graded.
+        survivors: those that get full marks with each seed, and are not declared as equivalent.
+        equivalent: those that get full marks, as declared.
+        problems: what does not hold beside the survivors, a sentence each.
+        duration_s: seconds on the wall.
     """
 
-    quick: bool = False
-    seed: int = 1
-    repeat: int = 2
-    workers: int = 0
-    more_seeds: int | None = None
-
-
-class ProveWatcher(Protocol):
-    """Told how it goes."""
-
-    def begin(self, what: str, total: int) -> None:
-        """So many gradings of this kind."""
-
-    def done(self) -> None:
-        """One more was graded."""
-
-
-class _Proving:
-    """One run."""
-
-    def __init__(
-        self, exercise: Exercise, source: str, grader: ProgramGrader, how: HowToProve, watcher: ProveWatcher
-    ) -> None:
-        self._exercise, self._source, self._grader = exercise, source, grader
-        self._how, self._watcher = how, watcher
-        self._began = time.monotonic()
-
-    def of_the_solution(self) -> Report:
-        """The report on the solution.
-
-        Raises:
-            GradingError: it does not get full marks, so that nothing can be found out.
-        """
-        report = self._grader.report(Request(_SOLUTION, self._source, self._how.seed))
-        if not verdict_of(report).full_marks:
-            raise GradingError(
-                f"Nothing can be proven, because the solution itself does not get full marks: {outcome(report)}"
-            )
-        return report
-
-    def verdicts(self, what: str, requests: Sequence[Request], *, sample: bool = False) -> dict[Request, Verdict]:
-        """Grade programs.
-
-        Args:
-            what: what they are, for who watches.
-            requests: the programs.
-            sample: with `quick`, only as many as there is time for.
-        """
-        self._watcher.begin(what, len(requests))
-        limits = (self._began + _BEGIN_S, self._began + _END_S) if sample and self._how.quick else (None, None)
-        found = {}
-        for request, verdict in self._grader.grade(requests, *limits):
-            found[request] = verdict
-            self._watcher.done()
-        return found
-
-    def mutants(self, made: Sequence[Mutant], right: Sequence[RightVariant]) -> dict[str, list[Verdict]]:
-        """The verdicts on mutants and variants, by their texts."""
-        seed = self._how.seed
-        requests = [Request(one.name, one.source, seed) for one in right]
-        sample = mutants.evenly(made)[: _ANSWERS_AT_MOST if self._how.quick and self._exercise.variable else None]
-        requests += [Request(one.key, one.source, seed, first_failure=True) for one in sample]
-        found = self.verdicts("programs", requests, sample=True)
-        return {request.source: [verdict] for request, verdict in found.items()}
-
-    def with_other_seeds(self, survivors: Sequence[Mutant], verdicts: dict[str, list[Verdict]]) -> None:
-        """Grade what has got full marks again, until it does not, or often enough."""
-        left, seed = list(survivors), self._how.seed
-        last, at_once = seed + self.more_seeds, 1
-        while left and seed < last and not (self._how.quick and time.monotonic() > self._began + _BEGIN_S):
-            seeds = range(seed + 1, min(seed + at_once, last) + 1)
-            requests = [Request(one.key, one.source, each, first_failure=True) for each in seeds for one in left]
-            found = self.verdicts("survivors with other seeds", requests, sample=True)
-            for request, verdict in found.items():
-                verdicts[request.source].append(verdict)
-            left = [one for one in left if all(verdict.full_marks for verdict in verdicts[one.source])]
-            seed, at_once = seeds[-1], 2 * at_once
+    exercise: Exercise
+    made: int = 0
+    graded: int = 0
+    survivors: list[Mutant] = field(default_factory=list)
+    equivalent: list[Mutant] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+    duration_s: float = 0.0
 
     @property
-    def more_seeds(self) -> int:
-        """With how many other seeds a mutant is graded that gets full marks."""
-        usual = _SEEDS_OF_ANSWERS if self._exercise.variable else _MORE_SEEDS
-        return usual if self._how.more_seeds is None else self._how.more_seeds
-
-    def under_load(self, right: Mapping[str, str]) -> dict[str, list[Verdict]]:
-        """The verdicts on right programs, by name, while every processor is kept busy."""
-        if self._how.quick or not self._how.repeat:
-            return {}
-        requests = [
-            Request(name, source, self._how.seed, repeat=number)
-            for number in range(1, self._how.repeat + 1)
-            for name, source in right.items()
-        ]
-        with gradings.load(gradings.processors()):
-            found = self.verdicts("right programs on a busy machine", requests)
-        again: dict[str, list[Verdict]] = {name: [] for name in right}
-        for request, verdict in found.items():
-            again[request.name].append(verdict)
-        return again
+    def holds(self) -> bool:
+        """Whether nothing was found."""
+        return not self.survivors and not self.problems
 
 
-def prove(exercise: Exercise, places: ProofPlaces, how: HowToProve, watcher: ProveWatcher) -> GraderProof:
+def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int = 0) -> GraderProof:
     """Find out what a grader lets through.
 
     Args:
         exercise: the exercise.
-        places: its files.
-        how: the options.
-        watcher: told how it goes.
+        quick: grade a sample of the mistakes, with one seed.
+        seed: what the checks draw from.
+        workers: how many gradings run at a time; as many as fit this machine when 0.
 
     Raises:
         GradingError: it cannot be done; the text says why.
     """
     began = time.monotonic()
-    source = _text(places.solution)
-    made, right = mutants.of(source), variants.of(source, own_start=exercise.practice)
-    entries = equivalent.read(places.declared)
-    with ProgramGrader(exercise, how.workers) as grader:
-        run = _Proving(exercise, source, grader, how, watcher)
-        report = run.of_the_solution()
-        verdicts = run.mutants(made, right)
-        by_mutant = {one: next((entry for entry in entries if entry.covers(one)), None) for one in made}
-        survivors = [
-            one
-            for one in made
-            if verdicts.get(one.source, [])
-            and verdicts[one.source][0].full_marks
-            and (by_mutant[one] is None or exercise.variable)
-        ]
-        run.with_other_seeds(survivors, verdicts)
-        programs = {_SOLUTION: source, **{one.name: one.source for one in right}}
-        again = run.under_load(programs)
-    verdicts[source] = [verdict_of(report)]
+    source = _read_solution(exercise.solution)
+    made = mutants.of(source, starts_itself=exercise.practice or not exercise.class_name)
+    entries = equivalent.read(equivalent.file_of(exercise))
+    declared = {one: entry for one in made for entry in entries if entry.covers(one)}
+    chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
+    more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
+    left, problems = list(chosen), _name_unused(entries, made)
+    with _Grading(exercise, workers) as grading:
+        grading.require_full_marks(source, seed)
+        for each in range(seed, seed + more + 1):
+            reports = grading.grade(left, each)
+            problems += list(_name_failures(reports, declared))
+            left = [one for one in left if _has_full_marks(reports[one])]
+            if each == seed and not exercise.variable:
+                agreed = [one for one in left if one in declared]
+                left = [one for one in left if one not in declared]
     return GraderProof(
         exercise=exercise,
-        solution=places.solution,
-        source=source,
-        checks=report.checks,
-        mutants=tuple(
-            MutantOutcome(
-                one,
-                tuple(verdicts.get(one.source, ())),
-                by_mutant[one],
-                sees_any=bool(exercise.variable),
-                wanted=1 + run.more_seeds if exercise.variable else 1,
-            )
-            for one in made
-        ),
-        variants=tuple(
-            VariantOutcome(name, (*verdicts.get(text, ()), *again.get(name, ()))) for name, text in programs.items()
-        ),
-        unused=tuple(entry for entry in entries if not any(entry.covers(one) for one in made)),
-        seed=how.seed,
+        made=len(made),
+        graded=len(chosen),
+        survivors=[one for one in left if one not in declared],
+        equivalent=[one for one in left if one in declared] if exercise.variable else agreed,
+        problems=problems,
         duration_s=time.monotonic() - began,
-        quick=how.quick,
     )
 
 
-def _text(solution: Path) -> str:
+def describe(proof: GraderProof, *, quick: bool) -> Iterator[str]:
+    """What was found, in lines, the survivors first."""
+    if proof.survivors:
+        yield from ("Mistakes that get full marks, with no reason given:", "")
+    for one in proof.survivors:
+        yield f"{proof.exercise.solution.name}, line {one.line}: {one.operator}"
+        yield from (f"    {line}" for line in one.diff)
+        yield ""
+    for problem in proof.problems:
+        yield from wrapped(f"✗ {problem}", following="    ", width=_WIDTH)
+    seen = proof.graded - len(proof.survivors) - len(proof.equivalent)
+    yield (
+        f"{proof.exercise.id}: {proof.graded} of {proof.made} mistakes graded: {seen} seen, "
+        f"{len(proof.survivors)} survived, {len(proof.equivalent)} declared as equivalent."
+    )
+    held = "A sample was graded, and nothing was found." if quick else "PROVEN."
+    yield f"{held if proof.holds else 'NOT PROVEN.'} ({proof.duration_s:.0f} s)"
+
+
+def _name_unused(entries: Sequence[DeclaredEquivalent], made: Sequence[Mutant]) -> list[str]:
+    return [
+        f"Declared as equivalent, but there is no such mutant any more: {entry}. Take it out, or adapt it."
+        for entry in entries
+        if not any(entry.covers(one) for one in made)
+    ]
+
+
+def _name_failures(reports: dict[Mutant, Report], declared: dict[Mutant, DeclaredEquivalent]) -> Iterator[str]:
+    """Mutants that could not be graded, and those that a check sees though they are declared as equivalent."""
+    for one, report in reports.items():
+        if report.status in ("error", "unreadable"):
+            yield f"Not graded: {one.key}. {report.problem}"
+        elif one in declared and not _has_full_marks(report):
+            seen = " and ".join(check.id for check in report.checks if check.status == "failed")
+            yield f"Declared as equivalent, but {seen} sees it: {one.key}. Take it out of the declarations."
+
+
+def _has_full_marks(report: Report) -> bool:
+    return report.status == "graded" and report.score >= report.max_score - _TINY
+
+
+def _read_solution(solution: Path) -> str:
     try:
         source = solution.read_text(encoding="utf-8")
-        ParsedProgram(source)
+        compile(source, solution.name, "exec", dont_inherit=True)
     except FileNotFoundError:
         raise GradingError(
             f"There is no solution {solution}: without one there are no mistakes to make in it."
@@ -214,3 +160,53 @@ def _text(solution: Path) -> str:
     except (OSError, ValueError) as problem:
         raise GradingError(f"{solution} cannot be read: {problem}.") from None
     return source
+
+
+class _Grading(Closing):
+    """The pool. Use it in a `with` statement."""
+
+    def __init__(self, exercise: Exercise, workers: int) -> None:
+        needs.require(exercise.limits)
+        self._exercise = exercise
+        self._folder = tempfile.TemporaryDirectory(prefix="course-kit-prove-")
+        self._reader = Reader()
+        self._executor = Local(workers or None, [exercise.grader] if exercise.grader else [], [exercise.limits])
+
+    def close(self) -> None:
+        """End it; what is under way is given up."""
+        self._executor.close()
+        self._reader.close()
+        self._folder.cleanup()
+
+    def require_full_marks(self, source: str, seed: int) -> None:
+        """Grade the solution.
+
+        Raises:
+            GradingError: it does not get full marks, so that nothing can be found out.
+        """
+        report = self._executor.submit(self._task("the solution", source, seed)).result()
+        if not _has_full_marks(report):
+            raise GradingError(
+                f"Nothing can be proven, because the solution itself does not get full marks: {outcome(report)}"
+            )
+
+    def grade(self, programs: Sequence[Mutant], seed: int) -> dict[Mutant, Report]:
+        """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
+        waiting = {
+            self._executor.submit(self._task(one.key, one.source, seed, first_failure=True)): one for one in programs
+        }
+        for number, _ in enumerate(as_completed(waiting), start=1):
+            if number % _EACH == 0 or number == len(waiting):
+                sys.stderr.write(f"[{number}/{len(waiting)}] mistakes graded with seed {seed}\n")
+                sys.stderr.flush()
+        return {one: future.result() for future, one in waiting.items()}
+
+    def _task(self, name: str, source: str, seed: int, *, first_failure: bool = False) -> Task:
+        path = Path(self._folder.name) / f"{self._exercise.id}.py"
+        path.write_text(source, encoding="utf-8")
+        try:
+            with Copy(path) as copy:
+                submission = self._reader.read(copy, self._exercise)
+        except UnreadableError as problem:
+            raise GradingError(f"{name} cannot be graded: {problem}") from None
+        return Task(self._exercise, submission, name, seed, first_failure=first_failure)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring.prove import proving
-from course_kit.authoring.prove.places import ProofPlaces
+from course_kit.authoring.prove import equivalent, proving
 from course_kit.grading import exercise
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.authoring.prove.outcome import GraderProof
+    from course_kit.authoring.prove.proving import GraderProof
+    from course_kit.grading.exercise import Exercise
 
 SOLUTION = 'limits = {\n    "low": 2,\n    "high": 5,\n}\n'
 _TOML = """
@@ -79,52 +79,37 @@ CHECKS = (low, high)
 '''
 
 
-class SilentWatcher:
-    """Hears what a proof tells, and keeps it."""
-
-    def __init__(self) -> None:
-        self.begun: list[tuple[str, int]] = []
-        self.graded = 0
-
-    def begin(self, what: str, total: int) -> None:
-        self.begun.append((what, total))
-
-    def done(self) -> None:
-        self.graded += 1
-
-
 @dataclass
 class Tiny:
     """The exercise in a folder of its own, outside of the checkout."""
 
     folder: Path
-    watcher: SilentWatcher
 
     def grader(self, low: str = "got == 2", high: str = "got == 5") -> None:
         """Write its grader: what of `got` each check takes for right."""
         (self.folder / "tiny_grader.py").write_text(_GRADER.replace("{low}", low).replace("{high}", high))
 
     @property
-    def places(self) -> ProofPlaces:
-        return ProofPlaces(self.folder / "solution" / "tiny.py", self.folder / "equivalent.toml")
+    def exercise(self) -> Exercise:
+        return exercise.load("tiny", self.folder / "exercises")
 
     def declare(self, text: str) -> None:
-        self.places.declared.write_text(text)
+        (self.exercise.solution.parent / equivalent.FILE).write_text(text)
 
-    def prove(self, *, repeat: int = 0) -> GraderProof:
-        how = proving.HowToProve(repeat=repeat, workers=1, more_seeds=1)
-        return proving.prove(exercise.load("tiny", self.folder / "exercises"), self.places, how, self.watcher)
+    def prove(self) -> GraderProof:
+        return proving.prove(self.exercise, workers=1)
 
 
 @pytest.fixture
 def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Tiny:
-    made = Tiny(tmp_path, SilentWatcher())
+    made = Tiny(tmp_path)
     (tmp_path / "exercises" / "tiny").mkdir(parents=True)
     (tmp_path / "exercises" / "tiny" / "exercise.toml").write_text(_TOML)
-    made.places.solution.parent.mkdir()
-    made.places.solution.write_text(SOLUTION)
+    made.exercise.solution.parent.mkdir(parents=True)
+    made.exercise.solution.write_text(SOLUTION)
     made.grader()
     paths = [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
+    monkeypatch.setattr(proving, "_SEEDS_OF_ANSWERS", 1)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))  # so that workers find the grader
     monkeypatch.delitem(sys.modules, "tiny_grader", raising=False)
     return made

@@ -8,7 +8,8 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring.prove import equivalent, mutants
-from course_kit.grading import GradingError
+from course_kit.grading import GradingError, exercise
+from tests import outside_exercises
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,7 +64,14 @@ def test_each_declaration_of_the_course_is_about_a_mutant_that_there_is(name: st
     root = environment.checkout()
     assert root is not None
     folder = root / "solutions" / name
-    made = mutants.of((folder / f"{name}.py").read_text())
+    made = mutants.of((folder / f"{name}.py").read_text(), starts_itself=False)
     entries = equivalent.read(folder / equivalent.FILE)
     assert entries
     assert [str(one) for one in entries if not any(one.covers(mutant) for mutant in made)] == []
+
+
+def test_declarations_lie_in_the_proof_set_or_beside_the_solution(tmp_path: Path) -> None:
+    folder = outside_exercises.write(tmp_path)
+    assert equivalent.file_of(exercise.read(folder)) == folder / "proof" / "equivalent.toml"
+    ours = exercise.load("move_robot")
+    assert equivalent.file_of(ours) == ours.solution.parent / "equivalent.toml"

@@ -242,12 +242,33 @@ def test_the_same_mistake_on_lines_of_the_same_text_is_numbered() -> None:
     assert keys == ["return left out: return b -> b", "return left out: return b -> b (no. 2)"]
 
 
-def test_a_sample_takes_operators_by_turns() -> None:
-    found = made(NODE)
-    operators = len({one.operator for one in found})
-    order = mutants.evenly(found)
-    assert sorted(one.key for one in order) == sorted(one.key for one in found)
-    assert len({one.operator for one in order[:operators]}) == operators
+@pytest.mark.parametrize(
+    ("seen", "unseen"),
+    [
+        ("response.success = True", "response.success = False"),
+        ("self.count = 0", "response.count = 0"),
+        ("a = Range(low=1.0)", "a = Range(low=0.0)"),
+        ("a = 'celsius'", "a = 'not a temperature'"),
+        ("a = f'{b}: {c}'", "a = f'{b} is too cold for {c}'"),
+        ("node.stop()", "node.destroy_node()"),
+        ("stop()", "main()"),
+        ("rclpy.stop(node)", "rclpy.spin(node)"),
+    ],
+)
+def test_what_nobody_can_see_is_no_mistake(seen: str, unseen: str) -> None:
+    """Fields set to their default, words that are free, the end of a program, and main where the class is started."""
+    kinds = {"assignment left out", "keyword left out", "another text", "value left out of a text", "call left out"}
+    found = [
+        [one.operator for one in mutants.of(source, starts_itself=False) if one.operator in kinds]
+        for source in (seen, unseen)
+    ]
+    assert found[0]
+    assert found[1] == []
+
+
+def test_a_program_that_starts_its_node_itself_needs_its_main() -> None:
+    assert changed("main()", "call left out") == ["pass"]
+    assert changed("rclpy.spin(node)", "call left out") == ["pass"]
 
 
 def test_letters_of_several_bytes_do_not_shift_a_change() -> None:

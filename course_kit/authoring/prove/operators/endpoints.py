@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Mutation
+from course_kit.authoring.prove.program import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+import re
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Edit, Mutation
+from course_kit.authoring.prove.program import Edit, Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,6 +43,7 @@ _REVERSED: dict[type[ast.cmpop], type[ast.cmpop]] = {
 _MIXED_UP = {"min": "max", "max": "min", "all": "any", "any": "all", "isfinite": "isnan", "isnan": "isinf"}
 _SLIGHTLY = 1e-3  # of a number
 _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
+_SENTENCE = re.compile(r"[A-Za-z] [A-Za-z]")
 _OTHER_FIELDS = 2  # of the same thing, that are taken for the right one
 
 
@@ -115,7 +117,8 @@ def texts(program: ParsedProgram) -> Iterator[Mutation]:
         if isinstance(node, ast.JoinedStr):
             yield from _formatted(program, node)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield _swapped(program, "another text", node, ast.Constant(f"{node.value}_x"))
+            if not _SENTENCE.search(node.value):  # its words are free
+                yield _swapped(program, "another text", node, ast.Constant(f"{node.value}_x"))
             if node.value:
                 yield _swapped(program, "empty text", node, ast.Constant(""))
         elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
@@ -125,6 +128,8 @@ def texts(program: ParsedProgram) -> Iterator[Mutation]:
 def elements(program: ParsedProgram) -> Iterator[Mutation]:
     """An element left out of a list; another answer taken from the same place elsewhere."""
     for node in program.nodes():
+        if isinstance(program.parents.get(node), ast.ExceptHandler) and "KeyboardInterrupt" in ast.dump(node):
+            continue  # how a program ends on Ctrl-C is nobody's business
         if isinstance(node, (ast.Tuple, ast.List)) and isinstance(node.ctx, ast.Load):
             for place in range(len(node.elts) if len(node.elts) > 1 else 0):
                 left = [*node.elts[:place], *node.elts[place + 1 :]]
@@ -164,6 +169,8 @@ def _swapped(program: ParsedProgram, operator: str, node: ast.expr, new: ast.exp
 def _formatted(program: ParsedProgram, node: ast.JoinedStr) -> Iterator[Mutation]:
     """A formatted text: its words changed one by one, its values left out."""
     yield _swapped(program, "empty text", node, ast.Constant(""))
+    if any(isinstance(part, ast.Constant) and _SENTENCE.search(str(part.value)) for part in node.values):
+        return  # its words are free
     for place, part in enumerate(node.values):
         rest = [*node.values[:place], *node.values[place + 1 :]]
         if isinstance(part, ast.Constant):

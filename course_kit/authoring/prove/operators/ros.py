@@ -6,7 +6,7 @@ import ast
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Mutation
+from course_kit.authoring.prove.program import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -92,7 +92,7 @@ def spinning(program: ParsedProgram) -> Iterator[Mutation]:
         if name == "MultiThreadedExecutor":
             text = "rclpy.executors.SingleThreadedExecutor()"
             yield Mutation("one thread", call.lineno, (program.replace(call, text), *program.imported("rclpy")))
-        elif name == "spin" and isinstance(call.func, ast.Attribute):
+        elif name == "spin" and isinstance(call.func, ast.Attribute) and not program.is_unseen_call(call):
             text = f"{program.text(call.func)}_once({', '.join(program.text(one) for one in call.args)})"
             yield Mutation("one spin", call.lineno, (program.replace(call, text),))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.changes import Mutation
+from course_kit.authoring.prove.program import Mutation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,10 +36,12 @@ def statements(program: ParsedProgram) -> Iterator[Mutation]:
     """A call or an assignment left out, a return without its value, or none at all."""
     for node in program.nodes():
         if isinstance(node, ast.Expr) and isinstance(node.value, (ast.Call, ast.Await)):
+            if program.is_unseen_call(node.value):
+                continue
             yield Mutation("call left out", node.lineno, (program.replace(node, "pass"),))
         elif isinstance(node, (ast.Assign, ast.AugAssign)):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            if any(isinstance(one, (ast.Attribute, ast.Subscript)) for one in targets):
+            if any(_can_be_seen(one, node.value) for one in targets):
                 yield Mutation("assignment left out", node.lineno, (program.replace(node, "pass"),))
         elif isinstance(node, ast.Return) and node.value is not None:
             yield Mutation("return left out", node.lineno, (program.replace(node, program.text(node.value)),))
@@ -57,12 +59,27 @@ def arguments(program: ParsedProgram) -> Iterator[Mutation]:
     for call in program.calls():
         if call in program.out_of_sight or not _has_place(program, call):
             continue
+        of_a_message = program.name_of(call)[:1].isupper()
         for keyword in call.keywords:
+            if of_a_message and _is_default(keyword.value):
+                continue
             yield Mutation("keyword left out", keyword.value.lineno, (program.without(call, keyword),))
         if len(call.args) > 1:
             yield Mutation("argument left out", call.args[-1].lineno, (program.without(call, call.args[-1]),))
         elif len(call.args) == 1 and not call.keywords and not isinstance(program.parents[call], ast.Expr):
             yield _expression(program, "function left out", call, call.args[0])
+
+
+def _can_be_seen(target: ast.expr, value: ast.expr) -> bool:
+    """Whether somebody can see that an assignment is missing: a message's field has its default without it."""
+    of_self = isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self"
+    return isinstance(target, ast.Subscript) or (
+        isinstance(target, ast.Attribute) and (of_self or not _is_default(value))
+    )
+
+
+def _is_default(value: ast.expr) -> bool:
+    return isinstance(value, ast.Constant) and not value.value
 
 
 def _expression(program: ParsedProgram, operator: str, node: ast.expr, new: ast.expr, line: int = 0) -> Mutation:
