@@ -19,6 +19,7 @@ _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 # end itself wrong loses no points here.
 _NEAR = 0.15
 _UNIT = "m/s"
+_REMEMBERED = 6  # refused changes, of which a wrong node may have kept some
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
@@ -52,14 +53,14 @@ class LimiterSettings:
     def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[LimiterSettings, Mapping[str, Any]]]:
         """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
         kept: dict[str, list[tuple[Any, int]]] = {name: [(self.of(name), -1)] for name in TYPES}
-        for number, values in enumerate(refused):
+        for number, values in enumerate(refused[-_REMEMBERED:]):
             for name, value in values.items():
                 if type(value) is _PYTHON[TYPES[name]]:
                     kept[name].append((value, number))
         for some in itertools.product(*kept.values()):
             last = max(number for _, number in some)
             if last >= 0:
-                yield LimiterSettings(*(value for value, _ in some)), refused[last]
+                yield LimiterSettings(*(value for value, _ in some)), refused[-_REMEMBERED:][last]
 
 
 DEFAULTS = LimiterSettings()

@@ -44,7 +44,7 @@ from course_kit.grading.checks.vocabulary import (
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
@@ -91,7 +91,7 @@ _WITH_NAMES = (
     {"robot_name": "half_2", "wheel_diameter": 0.0},
     {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
 )
-_COMMANDS = (("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
+_COMMANDS = (("m/s", 0.0, [0.0] * 5), ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
 
 
 class Limiter(Model):
@@ -100,6 +100,7 @@ class Limiter(Model):
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
         self.refused: list[dict[str, Any]] = []
+        self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
         self.quiet_until = 0.0
 
     def begin(self, node: GradedNode) -> None:
@@ -148,6 +149,7 @@ class Limiter(Model):
         """On and off act."""
         self.accept(node, {"enabled": value}, "change_enabled")
         self.drive(node, [0.5 * self.settings.max_velocity, 0.1, 0.2, 0.3, 0.4, 0.5])
+        self.drive(node, [0.0] * 6)
 
     @rule("change_status", value=either(*_NAMES))
     def name(self, node: GradedNode, value: str) -> None:
@@ -185,6 +187,16 @@ class Limiter(Model):
             why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
             change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
+        if name == "robot_name":
+            self.require_status(node)
+
+    @rule("refuses", values=either({"max_velocity": 8.0}, {"robot_name": ""}))
+    def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """What is refused neither stops the robot nor lets it drive again."""
+        for enabled in (False, True) if "change_enabled" not in self.lost else ():
+            self.accept(node, {"enabled": enabled}, "change_enabled")
+            self.refuse(node, values)
+            self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
 
     @rule("atomic", sets=either(*(_TOGETHER[place::3] for place in range(3))))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
@@ -217,6 +229,9 @@ class Limiter(Model):
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
         change.refused(expected=f"refused, and nothing changed: {shown(wrong)} is not valid")
         self.refused.append(values)
+        if not any(name in change.result.reason for name in wrong):
+            why = f"Your node was right to refuse, but the reason does not name what is wrong: {shown(wrong)}."
+            change.fail(why, expected="the parameter's name", breaks="reason", diagnosis="validation.no_reason")
 
     @rule(
         "wrong_type",
@@ -260,6 +275,7 @@ class Limiter(Model):
     def took(self, values: dict[str, Any]) -> None:
         """The node has accepted these values."""
         self.settings = replace(self.settings, **values)
+        self.past.append(values)
         if set(values) != {"robot_name"}:
             self.quiet_until = time.monotonic() + _ACTS_S
 
@@ -293,21 +309,24 @@ class Limiter(Model):
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         if not self.lost & {"one_each", "change_enabled"}:
-            off = "one_each" if self.seen.enabled else "one_each_disabled"
-            why = _ONCE if self.seen.enabled else f"{_ONCE} With enabled=False, too."
+            on = self.seen.enabled or self.settings.enabled
+            off = "one_each" if on else "one_each_disabled"
+            why = _ONCE if on else f"{_ONCE} With enabled=False, too."
             node.expect_nothing(LIMITED, WHEEL, seconds=0.0, why=why, breaks=off)
+        before, self.past = list(self.past), [*self.past, fields]
         node.send(COMMAND, _twist(fields))
-        silent = "within_3_s" if self.settings.enabled else "one_each_disabled"
+        silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         right = right_reaction(self.settings, fields)
         if same_reaction(right, got) or ("wheel_speed" in self.lost and same_velocity(right, got)):
-            self.seen, self.refused = self.settings, []
+            self.seen = self.settings
             return
         if "one_each" not in self.lost:
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
         told = "; ".join(filter(None, (sent, f"{COMMAND}: {_told(fields)}")))
         evidence = Evidence(told, right.shown(), got.shown())
-        raise self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
+        failed = self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
+        raise self.blame(node, failed, before, lambda model: model.drive(node, fields))
 
     def wrong(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
@@ -323,9 +342,6 @@ class Limiter(Model):
                 names = [name for name in TYPES if now.of(name) != old.of(name) and name != "robot_name"]
                 code = "parameter.read_once"
                 return Failed(evidence, why, code, breaks=_CHANGES[names[0]] if names else "limited")
-        if self.refused and not changed:  # a node that is wrong by itself is so without them, too: see the shrinking
-            why = "Your node refused the change, yet it acts on it: what comes out is different from before."
-            return Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
         of_wheel, diagnosis, why = cause_of(now, fields, got, floors=floors)
         if not now.enabled:
             breaks = "disabled"
@@ -337,6 +353,37 @@ class Limiter(Model):
             same = now.max_velocity == self.start.max_velocity or diagnosis is None
             breaks = "limited" if same else "change_velocity"
         return Failed(evidence, why, diagnosis, breaks=breaks)
+
+    def blame(
+        self,
+        node: GradedNode,
+        failed: Failed,
+        past: list[dict[str, Any] | list[float]],
+        act: Callable[[Limiter], None],
+    ) -> Failed:
+        """What goes right on a fresh start without the changes that were refused is wrong because of them."""
+        context = node.context
+        if not self.refused or failed.diagnosis == "parameter.not_atomic" or context.job.mode == "attach":
+            return failed
+        with context.record.looking_away():
+            context.spoil()
+            node.meet()
+            model = Limiter()
+            model.lost = self.lost
+            try:
+                model.begin(node)
+                for done in past:
+                    if isinstance(done, dict):
+                        node.set(done, of=NODE).accepted()
+                        model.took(done)
+                    else:
+                        node.send(COMMAND, _twist(done))
+                        node.expect(LIMITED), node.expect(WHEEL)
+                act(model)
+            except Failed:
+                return failed
+        why = "Your node refused the change, yet it acts on it: what it does is different from before."
+        return Failed(failed.evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
 
     def require_status(self, node: GradedNode, sent: str = "") -> None:
         """A line of /status tells the settings, within a second of a change.
@@ -361,7 +408,8 @@ class Limiter(Model):
         if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall()):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."
-            raise Failed(evidence, why, "topic.silent", breaks="status" if not changed else "")
+            failed = Failed(evidence, why, "topic.silent", breaks="status" if not changed else "")
+            raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
         line = str(inbox.messages[-1].data)
         evidence = replace(evidence, got=f"on {STATUS}: {line}")
         read = read_status(line)
@@ -370,11 +418,12 @@ class Limiter(Model):
             if (one.robot_name, one.max_velocity) != now and read == (one.robot_name.strip(), one.max_velocity):
                 why = "Your node refused the change, yet /status shows it."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
-        breaks = "change_status" if changed and read is not None else "status"
+        breaks, code = "change_status" if changed and read is not None else "status", None
+        why = what_is_wrong_with_status(self.settings, line)
         if changed and read == (self.start.robot_name.strip(), self.start.max_velocity):
-            why = "Your node accepted the change, but /status is the same as before."
-            raise Failed(evidence, why, "parameter.read_once", breaks=breaks)
-        raise Failed(evidence, what_is_wrong_with_status(self.settings, line), breaks=breaks)
+            why, code = "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
+        failed = Failed(evidence, why, code, breaks=breaks)
+        raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
 
 
 _CHANGES = {
