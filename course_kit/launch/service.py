@@ -20,9 +20,8 @@ from course_kit.launch.actions import doubts
 from course_kit.launch.description import OnProcessExit, ProcessExited, Shutdown, execute_all, load
 from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import ProgramError
-from course_kit.process.child import NOWHERE, PIPE, Child
+from course_kit.process.child import NOWHERE, PIPE, Child, Ladder
 from course_kit.process.output import LineReader
-from course_kit.process.signals import Ladder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -16,33 +16,24 @@ from course_kit.process.child import Child
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
-    from types import FrameType
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)  # a shutdown, and a terminal that is closed
 _SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
-
-
-class _EndedError(BaseException):
-    """A signal that ends this process, so that it still tidies up."""
-
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
 
 
 def present(root: Path, name: str, arguments: Sequence[str]) -> int:
     """Show a notebook to a class until it is over."""
     opened = demos.find(root, name)
     parent = environment.state_dir() / "present"
-    with _tidily_ended(), _own_domain() as domain_id:
+    for number in _ENDING:
+        signal.signal(number, _end)
+    with _own_domain() as domain_id:
         try:
             with scratch_folder(parent) as folder:
                 preparing.prepare(root, folder, opened)
                 return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
         except KeyboardInterrupt:
             return 0
-        except _EndedError as ended:
-            return 128 + ended.number
         except OSError as problem:
             what = f"{problem.filename or parent}: {problem.strerror or problem}"
             raise PresentationError(f"The copies for the class could not be made ({what}).") from problem
@@ -103,19 +94,7 @@ def _own_domain() -> Iterator[str]:
         yield str(domain_id)
 
 
-@contextmanager
-def _tidily_ended() -> Iterator[None]:
-    """Have the signals that end a process raise an exception."""
-
-    def end(number: int, frame: FrameType | None) -> None:
-        del frame
-        for other in (*_ENDING, signal.SIGINT):
-            signal.signal(other, signal.SIG_IGN)  # a second one would disturb the tidying up
-        raise _EndedError(number)
-
-    before = {number: signal.signal(number, end) for number in _ENDING}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _end(number: int, _frame: object) -> None:
+    for other in (*_ENDING, signal.SIGINT):
+        signal.signal(other, signal.SIG_IGN)  # a second one would disturb the tidying up
+    raise SystemExit(128 + number)

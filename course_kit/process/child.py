@@ -1,12 +1,14 @@
-"""One child process: how it is started, waited for and ended."""
+"""One child process: how it is started, waited for and ended; as with Ctrl-C first, and by SIGKILL at last."""
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import subprocess
+import time
 from contextlib import suppress
-from signal import SIGKILL
+from signal import SIGINT, SIGKILL, SIGTERM, Signals
 from typing import IO, TYPE_CHECKING
 
 from course_kit.process.parent import die_with_parent
@@ -14,13 +16,34 @@ from course_kit.process.parent import die_with_parent
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
-    from signal import Signals
-
-    from course_kit.process.signals import Ladder
 
 PIPE, INTO_STDOUT, NOWHERE = subprocess.PIPE, subprocess.STDOUT, subprocess.DEVNULL
 _LONGEST_MS = 2**31 - 1  # that poll(2) takes, 24 days
 _KILLED_S = 10.0  # the kernel needs some to end a process that is large, or busy with a disk
+
+
+class Ladder:
+    """The signals that one process gets, one after the other, and how long it has to obey each."""
+
+    def __init__(self, interrupt_s: float, terminate_s: float, kill_s: float) -> None:
+        self._left = [(SIGINT, interrupt_s), (SIGTERM, terminate_s), (SIGKILL, kill_s)]
+        self.climbed: list[tuple[Signals, float]] = []
+        self._next_at = math.inf
+
+    @property
+    def at_top(self) -> bool:
+        """Whether no signal is left."""
+        return not self._left
+
+    def climb(self) -> tuple[Signals, float]:
+        """The next signal, for the caller to send now, and the seconds that the process has from now on."""
+        self.climbed.append(self._left.pop(0))
+        self._next_at = time.monotonic() + self.climbed[-1][1] if self._left else math.inf
+        return self.climbed[-1]
+
+    def pause_s(self) -> float:
+        """Seconds until it is time for the next signal; infinite before the first and after the last."""
+        return max(0.0, self._next_at - time.monotonic())
 
 
 class Child:
@@ -40,7 +63,6 @@ class Child:
         descriptors: Sequence[int] = (),
         dies_with_us: bool = False,
     ) -> None:
-        """Start it."""
         us = os.getpid()
         self._popen = subprocess.Popen(
             list(command),

@@ -42,7 +42,6 @@ class LastWords:
     _MOST = 2000  # bytes
 
     def __init__(self) -> None:
-        """Make the file."""
         self.file = open(file_in_memory("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
 
     def last_line(self) -> str:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 
 from course_kit import environment
-from course_kit.process.child import INTO_STDOUT, PIPE, Child
-from course_kit.process.signals import Ladder
+from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder
 
 _GRACE_S = 10.0  # to end in after a Ctrl-C; `ros2 launch` itself needs some to end its children
 _MORE_S = 5.0

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit.process.child import INTO_STDOUT, PIPE, Child
-from course_kit.process.signals import Ladder
+from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

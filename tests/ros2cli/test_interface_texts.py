@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from course_kit import interfaces
-from course_kit.ros2cli.definition import shown_lines
+from course_kit.ros2cli.verbs.interface import shown_lines
 
 # What each line is, as in the texts of ROS 2: "#" a comment, "_" empty, "C" a field with a comment, "c" one without
 SHAPES = {

@@ -30,9 +30,9 @@ from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
-from course_kit.process import freezing, tree
+from course_kit.process import tree
 from course_kit.process.first_uses import first_uses
-from course_kit.process.fork import fork
+from course_kit.process.fork import fork, freeze
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     die_with_parent()
     _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))
     names.close()
-    freezing.freeze()
+    freeze()
     if len(lines) == 1:
         _serve(lines[0])
         return
@@ -151,7 +151,7 @@ def _serve(line: socket.socket) -> None:
                 line.send(_ENDED)
         elif order.startswith(_LOAD):
             _load("", json.loads(order.removeprefix(_LOAD)))
-            freezing.freeze()
+            freeze()
         elif not order:
             tree.end_descendants()
             return

@@ -25,9 +25,9 @@ from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
-from course_kit.process import freezing, tree
+from course_kit.process import tree
 from course_kit.process.first_uses import first_uses
-from course_kit.process.fork import fork
+from course_kit.process.fork import forget_binding, fork, freeze
 from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     names.send(json.dumps([os.environ.get(PATH_VARIABLE, ""), known]).encode())
     names.close()
     common = _Common(found, usual, file_view.of_a_program(), interfaces, frozenset(known))
-    freezing.freeze()
+    freeze()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
@@ -111,7 +111,7 @@ def _fork_launchers(
 ) -> tuple[int, socket.socket]:
     """Start the process from which submissions are forked, before anything is loaded that is not for them."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    freezing.freeze()
+    freeze()
 
     def serve_launchers() -> None:
         ours.close()
@@ -232,7 +232,7 @@ def main() -> None:
     """The process; its arguments are the descriptors of its channels, comma-separated, and modules of checks."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
     needs.raise_soft_limits()
-    freezing.forget_binding()
+    forget_binding()
     descriptors, *graders = sys.argv[1:]
     channels = [Channel(socket.socket(fileno=int(number))) for number in descriptors.split(",")]
     try:

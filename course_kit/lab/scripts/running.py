@@ -19,9 +19,8 @@ from course_kit import environment
 from course_kit.lab.errors import ScriptError
 from course_kit.lab.recording.events import KINDS, Event
 from course_kit.lab.scripts.script import Script, checked_name
-from course_kit.process.child import Child
+from course_kit.process.child import Child, Ladder
 from course_kit.process.output import LineReader
-from course_kit.process.signals import Ladder
 from course_kit.reader.coding import as_utf8
 
 if TYPE_CHECKING:

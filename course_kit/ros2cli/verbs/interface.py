@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
@@ -11,9 +12,13 @@ from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterator
 
     from course_kit.ros2cli.session import Session
 
+_INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+_PRIMITIVES = _INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
+_FIELD = re.compile(r"\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
 
 
@@ -77,8 +82,6 @@ def _package(options: Namespace, session: Session) -> None:
 
 def _show(options: Namespace, session: Session) -> None:
     del session
-    from course_kit.ros2cli.definition import shown_lines
-
     name = sys.stdin.readline().strip() if options.type == "-" else options.type
     for line in shown_lines(name, comments=not options.no_comments, inner_comments=options.all_comments):
         print(line)
@@ -86,7 +89,6 @@ def _show(options: Namespace, session: Session) -> None:
 
 def _proto(options: Namespace, session: Session) -> None:
     del session
-    from course_kit.ros2cli.definition import known
     from course_kit.ros2cli.text import to_yaml
 
     interface = known(options.type)
@@ -94,3 +96,61 @@ def _proto(options: Namespace, session: Session) -> None:
     quote = "" if options.no_quotes else '"'
     text = to_yaml(part()) if part.get_fields_and_field_types() else ""
     print(f"{quote}{text}{quote}")
+
+
+def known(name: str) -> Any:
+    """The class of any interface, msg, srv or action."""
+    from course_kit import interfaces
+
+    try:
+        return interfaces.get_type(name)
+    except LookupError as problem:
+        raise unknown(name) from problem
+    except ValueError as problem:
+        raise CommandError(str(problem)) from problem
+
+
+def unknown(name: str) -> CommandError:
+    """What to say about an interface that does not exist."""
+    from course_kit import interfaces
+
+    package = name.partition("/")[0]
+    names = interfaces.types(package if package in interfaces.packages() else None)
+    return CommandError(f"Unknown interface '{name}'.{did_you_mean(name, names)}")
+
+
+def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[str]:
+    """The lines of an interface's text."""
+    from course_kit import interfaces
+
+    try:
+        text = interfaces.text_of(name)
+    except LookupError as problem:
+        raise unknown(name) from problem
+    except ValueError as problem:
+        raise CommandError(str(problem)) from problem
+    yield from _lines(text.rstrip("\n"), name.partition("/")[0], comments, inner_comments, "")
+
+
+def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent: str) -> Iterator[str]:
+    from course_kit import interfaces
+    from course_kit.interfaces.comments import split_comment
+
+    for written in text.splitlines():
+        code, _ = split_comment(written)
+        line = written.rstrip() if comments else code
+        if line or comments:
+            yield f"{indent}{line}" if line else ""
+        inner = _inner_type(code, package)
+        if inner:
+            inner_text = interfaces.text_of(inner).rstrip("\n")
+            yield from _lines(inner_text, inner.partition("/")[0], inner_comments, inner_comments, f"{indent}\t")
+
+
+def _inner_type(code: str, package: str) -> str | None:
+    """The message a field is of, None for anything else."""
+    field = _FIELD.match(code)
+    if field is None or field["type"] in _PRIMITIVES:
+        return None
+    parts = field["type"].split("/")
+    return f"{parts[0] if len(parts) > 1 else package}/msg/{parts[-1]}"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_values, add_verbs
-from course_kit.ros2cli.text import add_layout
+from course_kit.ros2cli.text import add_layout, dumped, layout_of, to_csv, to_plain
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
     from course_kit.ros.service import ServiceClient
     from course_kit.ros2cli.session import Session
+
+_EVENTS = "/_service_event"
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -67,13 +69,12 @@ def _info(options: Namespace, session: Session) -> None:
 
 def _echo(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import types
-    from course_kit.ros2cli.introspection import echo
 
     name = checked_name(options.service_name)
     kind = options.service_type
     if kind is None:
         kind = existing("service", name, session.observe(options.timeout or types.LOOK_S).services)[0]
-    echo(options, session, name, kind)
+    _echo_events(options, session, name, kind)
 
 
 def _call(options: Namespace, session: Session) -> None:
@@ -115,3 +116,36 @@ def _wait_for_server(client: ServiceClient, timeout: float, session: Session) ->
         raise CommandError(f"No service {name} within {timeout:g} s.{did_you_mean(name, services)}")
     if not client.is_ready():
         raise CommandError(f"{name} is a service of the type {others[0]}, not {wanted}.")
+
+
+def _echo_events(options: Namespace, session: Session, service: str, service_type: str) -> None:
+    """Print what is sent, for as long as something comes: where they tell it (service introspection, REP 2012)."""
+    from course_kit.ros2cli import types
+    from course_kit.ros2cli.listening import Listener
+
+    event = types.find_type(service_type, "srv").Event
+    layout = layout_of(options)
+    listener = Listener(options, session, f"{service}{_EVENTS}")
+    subscription = listener.subscribe_to(event, "services_default")
+    if not session.wait_on_graph(lambda: subscription.get_publisher_count() > 0, types.LOOK_S):
+        print(
+            f"No publishers on topic '{service}{_EVENTS}'; is service introspection on the client or server enabled?",
+            flush=True,
+        )
+    words = {number: name for name, number in _kinds(event).items()}
+    while True:
+        message = listener.next().message
+        if options.csv:
+            print(to_csv(message, layout), flush=True)
+            continue
+        plain = to_plain(message, layout)
+        plain["info"]["event_type"] = words.get(plain["info"]["event_type"], plain["info"]["event_type"])
+        print(f"{dumped(plain, layout)}---", flush=True)
+
+
+def _kinds(event: Any) -> dict[str, int]:
+    """The constants of service_msgs/msg/ServiceEventInfo."""
+    info = type(event().info)
+    return {
+        name: getattr(info, name) for name in ("REQUEST_SENT", "REQUEST_RECEIVED", "RESPONSE_SENT", "RESPONSE_RECEIVED")
+    }
