@@ -38,33 +38,13 @@ _RUNTIME = {"runs-on": "ubuntu-24.04", "python": "3.12"}  # what a Classroom 50 
 
 
 def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
-    """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit.
-
-    Args:
-        exercise_id: what the assignment is.
-        target: a file that is not there yet.
-        seed: what every grading draws from; drawn for each when None.
-
-    Raises:
-        GradingError: there is no such exercise, the file is there already, or this is not the course's folder.
-        OSError: it cannot be written.
-    """
+    """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit."""
     files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
     return _write(target, _zipped(files))
 
 
 def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
-    """Write the folder `autograders/ASSIGNMENT` of a classroom of Classroom 50: `autograder.py` and the kit beside it.
-
-    Args:
-        exercise_id: what the assignment is.
-        target: a folder that is not there yet, or is empty.
-        seed: what every grading draws from; drawn for each when None.
-
-    Raises:
-        GradingError: there is no such exercise, something lies in the folder, or this is not the course's folder.
-        OSError: it cannot be written.
-    """
+    """Write the folder `autograders/ASSIGNMENT` of Classroom 50: `autograder.py` and the kit beside it."""
     scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
     kit = _zipped(list(_kit(exercise_id)))
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
@@ -85,11 +65,7 @@ def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> 
 
 
 def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
-    """Name, content and mode of each file of the kit that grading an exercise needs.
-
-    Raises:
-        GradingError: this is not the course's folder.
-    """
+    """Name, content and mode of each file of the kit that grading an exercise needs."""
     prefix = f"{_KIT}/"
     root = environment.checkout()
     if root is None:

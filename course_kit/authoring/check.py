@@ -31,36 +31,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Run:
-    """Every submission graded once.
+    """Every submission graded once."""
 
-    Attributes:
-        seed: what the random values were drawn from, in exercises without a seed of their own.
-        reports: by submission.
-    """
-
-    seed: int
-    reports: dict[ProofSubmission, Report]
+    seed: int  # what the random values were drawn from, in exercises without a seed of their own
+    reports: dict[ProofSubmission, Report]  # by submission
 
 
 @dataclass(frozen=True)
 class ProofOutcome:
-    """What `check` has found.
+    """What `check` has found."""
 
-    Attributes:
-        sets: the exercises, with their submissions.
-        runs: one for each repeat.
-        faults: all that does not hold; proven when there is none.
-        busy: how many processors were kept busy by us.
-        duration_s: seconds on the wall.
-        partial: not all exercises were looked at.
-    """
-
-    sets: tuple[Corpus, ...]
-    runs: tuple[Run, ...]
-    faults: tuple[Fault, ...]
-    busy: int
-    duration_s: float
-    partial: bool = False
+    sets: tuple[Corpus, ...]  # the exercises, with their submissions
+    runs: tuple[Run, ...]  # one for each repeat
+    faults: tuple[Fault, ...]  # all that does not hold; proven when there is none
+    busy: int  # how many processors were kept busy by us
+    duration_s: float  # seconds on the wall
+    partial: bool = False  # not all exercises were looked at
 
 
 def check(  # noqa: PLR0913 - the options of one verb
@@ -73,20 +59,7 @@ def check(  # noqa: PLR0913 - the options of one verb
     seed: int | None = None,
     progress: Progress | None = None,
 ) -> ProofOutcome:
-    """Grade all submissions of some exercises and judge the outcome.
-
-    Args:
-        root: the checkout.
-        exercises: their ids; all of the course when empty.
-        repeat: how often.
-        busy: so many processors are kept busy meanwhile.
-        workers: how many gradings run at a time; three for each processor when 0.
-        seed: of the first time, each further time has the next one; drawn when None.
-        progress: called after each grading with the number done, the number in all, submission and report.
-
-    Raises:
-        GradingError: there is no such exercise, a file of the sets has a mistake, or grading is not possible here.
-    """
+    """Grade all submissions of some exercises and judge the outcome."""
     began = time.monotonic()
     chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
     first = secrets.randbits(30) if seed is None else seed

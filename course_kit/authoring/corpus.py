@@ -26,38 +26,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProofSubmission:
-    """One program, and what it is there for.
+    """One program, and what it is there for."""
 
-    Attributes:
-        exercise: the exercise's id.
-        kind: starter, solution, variant (right in another style), broken (named after its diagnosis) or slip.
-        name: the file's name without its ending, or the slip's.
-        path: the file; of a slip the right program it is made from.
-        changes: what a slip replaces by what.
-        failed: the checks a slip fails, each with its diagnosis, None where none is established.
-        says: a fact that the messages of a slip's failed checks name.
-        breaks: the ids of the sentences of the task that it does not keep.
-        seed: what the checks draw from for it; as everywhere in this run when None.
-        told_in: the file that declares a slip.
-    """
-
-    exercise: str
-    kind: str
-    name: str
-    path: Path
-    changes: tuple[tuple[str, str], ...] = ()
+    exercise: str  # the exercise's id
+    kind: str  # starter, solution, variant (right in another style), broken (named after its diagnosis) or slip
+    name: str  # the file's name without its ending, or the slip's
+    path: Path  # the file; of a slip the right program it is made from
+    changes: tuple[tuple[str, str], ...] = ()  # what a slip replaces by what
+    # the checks a slip fails, each with its diagnosis, None where none is established
     failed: frozenset[tuple[str, str | None]] = frozenset()
-    says: str = ""
-    breaks: tuple[str, ...] = ()
-    seed: int | None = None
-    told_in: Path | None = None
+    says: str = ""  # a fact that the messages of a slip's failed checks name
+    breaks: tuple[str, ...] = ()  # the ids of the sentences of the task that it does not keep
+    seed: int | None = None  # what the checks draw from for it; as everywhere in this run when None
+    told_in: Path | None = None  # the file that declares a slip
 
     def text(self) -> str:
-        """The program to grade.
-
-        Raises:
-            GradingError: a slip changes something that does not stand in its program exactly once.
-        """
+        """The program to grade."""
         text = self.path.read_text(encoding="utf-8")
         for old, new in self.changes:
             if text.count(old) != 1:
@@ -98,12 +82,7 @@ class ProofFolders:
 
 
 def folders_of(task: Exercise, root: Path) -> ProofFolders:
-    """Where the sets of an exercise lie.
-
-    Args:
-        task: the exercise.
-        root: the checkout.
-    """
+    """Where the sets of an exercise lie."""
     if task.folder == root / "exercises" / task.id:
         tests = root / "tests"
         return ProofFolders(
@@ -114,11 +93,7 @@ def folders_of(task: Exercise, root: Path) -> ProofFolders:
 
 
 def load(exercise_id: str, root: Path) -> Corpus:
-    """The sets of one exercise of the checkout `root`, or of one that was added.
-
-    Raises:
-        GradingError: there is no such exercise, or a file of its sets has a mistake.
-    """
+    """The sets of one exercise of the checkout `root`, or of one that was added."""
     own = root / "exercises" / exercise_id
     task = exercise.read(own) if own.is_dir() else exercise.load(exercise_id)
     found = [ProofSubmission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]

@@ -24,19 +24,12 @@ _GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
 
 @dataclass(frozen=True)
 class CourseFiles:
-    """The files of a course's folder, as paths relative to it.
+    """The files of a course's folder, as paths relative to it."""
 
-    Attributes:
-        known: those that git knows and that are there; without git all that nobody generated.
-        new: those that git has not been told of, and would not ignore.
-        changed: those that differ from the last commit, also those that are gone.
-        git: why git could not be asked; empty where it answered.
-    """
-
-    known: frozenset[str]
-    new: frozenset[str] = frozenset()
-    changed: frozenset[str] = frozenset()
-    git: str = ""
+    known: frozenset[str]  # those that git knows and that are there; without git all that nobody generated
+    new: frozenset[str] = frozenset()  # those that git has not been told of, and would not ignore
+    changed: frozenset[str] = frozenset()  # those that differ from the last commit, also those that are gone
+    git: str = ""  # why git could not be asked; empty where it answered
 
 
 def look(root: Path) -> CourseFiles:
@@ -57,22 +50,13 @@ def look(root: Path) -> CourseFiles:
 
 
 def own_files(root: Path, *, new: bool = False) -> Iterator[str]:
-    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated.
-
-    Args:
-        root: the course's folder.
-        new: also what git has not been told of yet, and would not ignore.
-    """
+    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated."""
     found = look(root)
     yield from sorted(found.known | found.new if new else found.known)
 
 
 def _git(root: Path, *arguments: str) -> list[str]:
-    """The names that git lists.
-
-    Raises:
-        CalledProcessError: it cannot, as for a repository that belongs to somebody else.
-    """
+    """The names that git lists."""
     listed = subprocess.run(["git", *arguments], cwd=root, capture_output=True, check=True)
     return [name for name in os.fsdecode(listed.stdout).split("\0") if name]
 

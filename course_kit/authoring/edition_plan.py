@@ -28,35 +28,21 @@ _EXERCISES = "exercises"
 
 @dataclass
 class EditionPlan:
-    """What goes in and what does not, as paths relative to the course's folder.
+    """What goes in and what does not, as paths relative to the course's folder."""
 
-    Attributes:
-        files: what goes in, and from where.
-        exercises: the exercises that go in.
-        drills: the drills that go in.
-        instructors: left out on purpose.
-        undecided: left out, because they stand on no list.
-        untracked: left out, because git does not know them.
-        unwanted: exercises left out, because somebody has asked for it.
-        changed: what goes in, or would, and differs from the last commit.
-        git: why git could not be asked; empty where it answered.
-        of_exercises: the files of exercises that are left out.
-        added: the exercises of other folders that go in, and where they lie.
-        solutions: by exercise the file of its solution.
-    """
-
-    files: dict[str, Path] = field(default_factory=dict)
-    exercises: list[str] = field(default_factory=list)
-    drills: list[str] = field(default_factory=list)
-    instructors: list[str] = field(default_factory=list)
-    undecided: list[str] = field(default_factory=list)
-    untracked: list[str] = field(default_factory=list)
-    unwanted: list[str] = field(default_factory=list)
-    changed: list[str] = field(default_factory=list)
-    git: str = ""
-    of_exercises: list[str] = field(default_factory=list)
+    files: dict[str, Path] = field(default_factory=dict)  # what goes in, and from where
+    exercises: list[str] = field(default_factory=list)  # the exercises that go in
+    drills: list[str] = field(default_factory=list)  # the drills that go in
+    instructors: list[str] = field(default_factory=list)  # left out on purpose
+    undecided: list[str] = field(default_factory=list)  # left out, because they stand on no list
+    untracked: list[str] = field(default_factory=list)  # left out, because git does not know them
+    unwanted: list[str] = field(default_factory=list)  # exercises left out, because somebody has asked for it
+    changed: list[str] = field(default_factory=list)  # what goes in, or would, and differs from the last commit
+    git: str = ""  # why git could not be asked; empty where it answered
+    of_exercises: list[str] = field(default_factory=list)  # the files of exercises that are left out
+    # the exercises of other folders that go in, and where they lie
     added: dict[str, Path] = field(default_factory=dict)
-    solutions: dict[str, Path] = field(default_factory=dict)
+    solutions: dict[str, Path] = field(default_factory=dict)  # by exercise the file of its solution
 
     @property
     def left_out(self) -> list[str]:
@@ -65,15 +51,7 @@ class EditionPlan:
 
 
 def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
-    """Decide what goes into the student edition.
-
-    Args:
-        root: the course's folder.
-        without: ids of exercises that shall not go in.
-
-    Raises:
-        GradingError: there is no such exercise, git calls one changed, or a list or an exercise.toml has a mistake.
-    """
+    """Decide what goes into the student edition."""
     return _Planner(root, course_files.look(root)).plan(without)
 
 

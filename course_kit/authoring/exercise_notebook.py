@@ -31,11 +31,7 @@ _GRADING = (
 
 
 def new(task: Exercise) -> str:
-    """The notebook of a new exercise; the sentences of its task and its starter are not in it yet.
-
-    Args:
-        task: the exercise, in which a learner writes the class of a node.
-    """
+    """The notebook of a new exercise; the sentences of its task and its starter are not in it yet."""
     cells = [
         _cell(_TITLE, "markdown", ""),
         _cell("task", "markdown", "## The task\n\n- "),
@@ -51,16 +47,7 @@ def new(task: Exercise) -> str:
 
 
 def renewed(text: str, task: Exercise, starter: str) -> str:
-    """A notebook with the title, the points and the starter of its exercise as they are now.
-
-    Args:
-        text: the notebook's file.
-        task: the exercise.
-        starter: the text of its starter.
-
-    Raises:
-        GradingError: it is no notebook, or lacks a cell for one of these.
-    """
+    """A notebook with the title, the points and the starter of its exercise as they are now."""
     try:
         notebook = json.loads(text)
         by_id = {cell.get("id"): cell for cell in notebook["cells"]}

@@ -37,13 +37,7 @@ class Gradings:
     """The workers, and the threads that each wait for one of them. Use it in a `with` statement."""
 
     def __init__(self, exercises: Path, workers: int = 0, others: Mapping[str, Path] | None = None) -> None:
-        """Start the workers.
-
-        Args:
-            exercises: the folder of exercises.
-            workers: how many gradings run at a time; three for each processor when 0.
-            others: of exercises that lie elsewhere the folders they are in.
-        """
+        """Start the workers."""
         self._exercises, self._others = exercises, others or {}
         count = workers or WORKERS_A_PROCESSOR * processors()
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-slips-")

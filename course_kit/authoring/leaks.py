@@ -41,15 +41,7 @@ class Leak:
 
 
 def find(edition: Path, solutions: Mapping[str, Path]) -> list[Leak]:
-    """Look for answers in an edition.
-
-    Args:
-        edition: its folder.
-        solutions: by the ids of its exercises the files of their solutions, which need not be there.
-
-    Raises:
-        GradingError: something cannot be graded here, so that nothing is known.
-    """
+    """Look for answers in an edition."""
     tasks = [exercise.load(name, edition / "exercises") for name in solutions]
     for task in tasks:
         needs.require(task.limits)

@@ -20,19 +20,12 @@ _NEXT_LINE = re.compile(r"\s*\\\n\s*")
 
 @dataclass(frozen=True)
 class LockedPackage:
-    """A package that a set-up installs.
+    """A package that a set-up installs."""
 
-    Attributes:
-        name: as PyPI spells it, in small letters.
-        version: the one version.
-        marker: on which Pythons it is installed; "" for all.
-        hashes: of its files, each as "sha256:...".
-    """
-
-    name: str
-    version: str
-    marker: str
-    hashes: tuple[str, ...]
+    name: str  # as PyPI spells it, in small letters
+    version: str  # the one version
+    marker: str  # on which Pythons it is installed; "" for all
+    hashes: tuple[str, ...]  # of its files, each as "sha256:..."
 
     def is_for(self, python: str, system: str = "Linux") -> bool:
         """Whether it is installed on a Python such as "3.12" and a system, with the processor of the ROS 2 wheels."""
@@ -58,11 +51,7 @@ def _holds(marker: str, python: str, micro: int, system: str) -> bool:
 
 
 def parse(text: str) -> list[LockedPackage]:
-    """The packages of a requirement file with hashes.
-
-    Raises:
-        ValueError: a line is none of a lock.
-    """
+    """The packages of a requirement file with hashes."""
     packages = []
     for line in _NEXT_LINE.sub(" ", text).splitlines():
         if not line or line.startswith("#"):
@@ -76,14 +65,5 @@ def parse(text: str) -> list[LockedPackage]:
 
 
 def read(root: Path, names: Iterable[str]) -> list[LockedPackage]:
-    """The packages of several files of the lock, in their order.
-
-    Args:
-        root: the course's folder.
-        names: of the files, such as "ros".
-
-    Raises:
-        OSError: one cannot be read.
-        ValueError: one is no lock.
-    """
+    """The packages of several files of the lock, in their order."""
     return [package for name in names for package in parse((root / FOLDER / f"{name}.txt").read_text(encoding="utf-8"))]

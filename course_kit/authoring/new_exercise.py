@@ -35,15 +35,6 @@ def create(name: str, kind: str, folder: Path) -> Exercise:
     """Make a new exercise.
 
     It appears under its name only when it is complete.
-
-    Args:
-        name: its id, which becomes the name of its folder, its node and its files.
-        kind: one of `KINDS`.
-        folder: where its folder is made; made itself where it is missing.
-
-    Raises:
-        GradingError: the name cannot be used, or something has it already.
-        OSError: it cannot be written.
     """
     _require_usable(name)
     target = folder.absolute() / name
@@ -65,18 +56,7 @@ def create(name: str, kind: str, folder: Path) -> Exercise:
 
 
 def refresh(task: Exercise) -> list[Path]:
-    """Write the sentences of an exercise anew into its starter and its notebook, and the starter into the notebook.
-
-    Args:
-        task: the exercise, as its exercise.toml is now.
-
-    Returns:
-        the files that have changed.
-
-    Raises:
-        GradingError: it is one of the course's own, there is no place for a sentence, or the notebook is none.
-        OSError: a file cannot be read or written.
-    """
+    """Write the sentences of an exercise anew into its starter and its notebook, and the starter into the notebook."""
     if not exercise_folders.is_added(task.folder):
         raise GradingError(
             f"{task.id} belongs to the course. Write its task anew with: python -m course_kit.authoring.task_text "

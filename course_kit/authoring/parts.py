@@ -27,15 +27,10 @@ class Owner(Enum):
 
 @dataclass(frozen=True)
 class Parts:
-    """Files and folders of the course, as paths relative to its folder.
+    """Files and folders of the course, as paths relative to its folder."""
 
-    Attributes:
-        students: what the student edition is made of.
-        instructors: what is left out on purpose.
-    """
-
-    students: frozenset[str]
-    instructors: frozenset[str]
+    students: frozenset[str]  # what the student edition is made of
+    instructors: frozenset[str]  # what is left out on purpose
 
     def owner(self, name: str) -> Owner:
         """Who a file is for; the longest path on the lists decides."""
@@ -49,11 +44,7 @@ class Parts:
 
 
 def load(path: Path = LIST) -> Parts:
-    """Read the lists.
-
-    Raises:
-        GradingError: they cannot be read or have a mistake.
-    """
+    """Read the lists."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
         parts = Parts(*(frozenset(map(_path, table[owner.value])) for owner in (Owner.STUDENTS, Owner.INSTRUCTORS)))

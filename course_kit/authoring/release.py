@@ -45,16 +45,7 @@ class AnswersFoundError(ReleaseError):
 
 
 def run(target: str, without: Collection[str] = (), left_out_file: str | None = None) -> int:
-    """Make the student edition and say what it is.
-
-    Args:
-        target: see `make`.
-        without: see `make`.
-        left_out_file: where to write the name of every file that stays out; nowhere if None.
-
-    Returns:
-        0 when it was made, 1 when there are answers in it, 2 when it or the list could not be made.
-    """
+    """Make the student edition and say what it is."""
     try:
         path, planned = make(Path(target), without)
     except AnswersFoundError as problem:
@@ -76,21 +67,7 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
 
 
 def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan]:
-    """Write the student edition, which appears under its name only when it is complete and holds no answers.
-
-    Args:
-        target: a folder that does not exist yet or is empty, or a file that ends in .zip.
-        without: ids of exercises that shall not go in.
-
-    Returns:
-        the target, as an absolute path, and what went in.
-
-    Raises:
-        AnswersFoundError: there are answers in it.
-        ReleaseError: there is something in the way, or this is not the course's folder.
-        GradingError: a list or an exercise.toml has a mistake, or the programs in it cannot be graded here.
-        OSError: it cannot be written.
-    """
+    """Write the student edition, which appears under its name only when it is complete and holds no answers."""
     root = environment.checkout()
     if root is None:
         raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
@@ -114,12 +91,7 @@ def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan
 
 
 def build(planned: EditionPlan, folder: Path) -> None:
-    """Write the files of an edition.
-
-    Raises:
-        ReleaseError: a notebook cannot be read.
-        OSError: it cannot be written.
-    """
+    """Write the files of an edition."""
     for name, source in planned.files.items():
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -27,19 +27,12 @@ Verdict = tuple[str, float, tuple[tuple[str, str, "str | None"], ...]]
 
 @dataclass(frozen=True)
 class Fault:
-    """Something that does not hold.
+    """Something that does not hold."""
 
-    Attributes:
-        exercise: where; empty for what concerns all exercises together.
-        rule: the name of the rule that is broken, a key of `RULES`, or `codes` or `stable`.
-        submission: kind and name of the submission, if it is about one.
-        text: what is the matter.
-    """
-
-    exercise: str
-    rule: str
-    submission: str
-    text: str
+    exercise: str  # where; empty for what concerns all exercises together
+    rule: str  # the name of the rule that is broken, a key of `RULES`, or `codes` or `stable`
+    submission: str  # kind and name of the submission, if it is about one
+    text: str  # what is the matter
 
     def __str__(self) -> str:
         where = " ".join(part for part in (self.exercise, self.submission) if part)

@@ -23,19 +23,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProvenSentence:
-    """A sentence of a task and what stands behind it.
+    """A sentence of a task and what stands behind it."""
 
-    Attributes:
-        sentence: the sentence.
-        checks: the ids of the checks that name it.
-        red: the submissions that do not keep it, each with those of its checks that failed.
-        right: the right program that makes use of the freedom it grants, if it got full marks.
-    """
-
-    sentence: Sentence
-    checks: tuple[str, ...]
+    sentence: Sentence  # the sentence
+    checks: tuple[str, ...]  # the ids of the checks that name it
+    # the submissions that do not keep it, each with those of its checks that failed
     red: tuple[tuple[ProofSubmission, tuple[str, ...]], ...]
-    right: ProofSubmission | None
+    right: ProofSubmission | None  # the right program that makes use of the freedom it grants, if it got full marks
 
 
 def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
@@ -45,12 +39,7 @@ def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
 
 
 def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
-    """What does not fit between the sentences of a task and the checks of its grader.
-
-    Args:
-        task: the exercise.
-        checks: of its grader.
-    """
+    """What does not fit between the sentences of a task and the checks of its grader."""
     known = {one.id for one in task.sentences}
     found = [
         f"the check '{one.id}' names the sentence '{name}', which exercise.toml does not have."
@@ -67,12 +56,7 @@ def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
 
 
 def proven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> list[ProvenSentence]:
-    """What a proof run has shown of each sentence.
-
-    Args:
-        sets: the submissions of an exercise.
-        reports: by submission.
-    """
+    """What a proof run has shown of each sentence."""
     seeds = {submission.seed for submission in sets.submissions} | {None}
     checks = {seed: checks_of(sets.task, seed) for seed in seeds}
     found = []

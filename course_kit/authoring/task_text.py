@@ -30,15 +30,7 @@ _QUOTES = '"""'
 
 
 def blocks(sentences: Sequence[Sentence], *, width: int = 0) -> str:
-    """Sentences as a list in Markdown, with tables where there are rows.
-
-    Args:
-        sentences: in order.
-        width: wrap the items of the list at so many columns, and leave out what makes headings bold; 0 for neither.
-
-    Raises:
-        GradingError: a row has another number of cells than its table.
-    """
+    """Sentences as a list in Markdown, with tables where there are rows."""
     parts = [
         _table(group) if rows else "\n".join(_items(group, width))
         for rows, group in _grouped(sentences)  # a list is a group, and so is each table
@@ -57,11 +49,7 @@ def of_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
 
 
 def in_starter(text: str, task: Exercise) -> str:
-    """A starter's program with the sentences of its exercise in its docstring.
-
-    Raises:
-        GradingError: it has no docstring, or no place for the sentences in it.
-    """
+    """A starter's program with the sentences of its exercise in its docstring."""
     before, *rest = text.split(_QUOTES, 2)
     if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
         raise GradingError(f"{task.starter} does not begin with a docstring, into which its task belongs.")
@@ -70,11 +58,7 @@ def in_starter(text: str, task: Exercise) -> str:
 
 
 def in_notebook(text: str, task: Exercise) -> str:
-    """A notebook's file with the sentences of its exercise in its cells.
-
-    Raises:
-        GradingError: it lacks a cell, or a cell has no place for the sentences.
-    """
+    """A notebook's file with the sentences of its exercise in its cells."""
     notebook = json.loads(text)
     for name, told in of_cell(task.sentences).items():
         cell = next((cell for cell in notebook["cells"] if cell.get("id") == name), None)
@@ -86,11 +70,7 @@ def in_notebook(text: str, task: Exercise) -> str:
 
 
 def replaced(text: str, block: str, where: str) -> str:
-    """A text in which `block` stands where lists and tables were.
-
-    Raises:
-        GradingError: there is neither; `where` says in what.
-    """
+    """A text in which `block` stands where lists and tables were."""
     lines = text.splitlines()
     marked = [number for number, line in enumerate(lines) if line.startswith(_PLACES)]
     if not marked:
@@ -103,12 +83,7 @@ def replaced(text: str, block: str, where: str) -> str:
 
 
 def write(task: Exercise) -> list[Path]:
-    """Put the sentences of an exercise where learners read them; returns the files that have changed.
-
-    Raises:
-        GradingError: there is no place for them.
-        OSError: a file cannot be read or written.
-    """
+    """Put the sentences of an exercise where learners read them; returns the files that have changed."""
     changed = []
     for name, put in ((task.starter, in_starter), (task.notebook, in_notebook)):
         path = task.folder / name

@@ -38,16 +38,7 @@ class BundleError(RuntimeError):
 
 
 def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:
-    """What a set-up on a Python such as "3.12" installs where no ROS 2 is sourced.
-
-    Args:
-        root: the course's folder.
-        python: the version.
-        tests: what `./course test` installs, too.
-
-    Raises:
-        BundleError: the lock cannot be read.
-    """
+    """What a set-up on a Python such as "3.12" installs where no ROS 2 is sourced."""
     try:
         found = lock_file.read(root, [*_PARTS, *(_TEST_PARTS if tests else ())])
     except (OSError, ValueError) as problem:
@@ -56,16 +47,7 @@ def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPack
 
 
 def download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
-    """Download the files of packages into a folder; what is there already is not downloaded again.
-
-    Args:
-        wanted: the packages.
-        python: the version of the Python that they are for.
-        folder: an existing one.
-
-    Raises:
-        BundleError: pip could not; it has said why.
-    """
+    """Download the files of packages into a folder; what is there already is not downloaded again."""
     for batch in _batches(wanted):
         _download(batch, python, folder)
 

@@ -70,11 +70,7 @@ def file_of(exercise: Exercise) -> Path:
 
 
 def read(path: Path) -> list[DeclaredEquivalent]:
-    """The entries of a file, one for each line and operator; none when it is not there.
-
-    Raises:
-        GradingError: it cannot be used; the text says why.
-    """
+    """The entries of a file, one for each line and operator; none when it is not there."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:

@@ -42,25 +42,15 @@ OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Mutation]], ...] = (
 
 @dataclass(frozen=True)
 class Mutant:
-    """A solution with one mistake.
+    """A solution with one mistake."""
 
-    Attributes:
-        operator: what kind of mistake.
-        line: where, from 1.
-        before: that line, without blanks around it.
-        after: what stands there instead, without blanks around it; further lines follow after ` / `.
-        ordinal: the how manieth with the same four, from 1.
-        source: the whole program.
-        diff: what differs, line by line, the old ones with `-` and the new ones with `+`.
-    """
-
-    operator: str
-    line: int
-    before: str
-    after: str
-    ordinal: int
-    source: str
-    diff: tuple[str, ...]
+    operator: str  # what kind of mistake
+    line: int  # where, from 1
+    before: str  # that line, without blanks around it
+    after: str  # what stands there instead, without blanks around it; further lines follow after ` / `
+    ordinal: int  # the how manieth with the same four, from 1
+    source: str  # the whole program
+    diff: tuple[str, ...]  # what differs, line by line, the old ones with `-` and the new ones with `+`
 
     @property
     def key(self) -> str:
@@ -70,15 +60,7 @@ class Mutant:
 
 
 def of(source: str, *, starts_itself: bool = True) -> list[Mutant]:
-    """All mutants of a program, in the order of its lines; without those that nobody can see.
-
-    Args:
-        source: the program.
-        starts_itself: whether the program has to start its node; else the grader starts the class.
-
-    Raises:
-        SyntaxError: it is not Python.
-    """
+    """All mutants of a program, in the order of its lines; without those that nobody can see."""
     program = ParsedProgram(source, starts_itself=starts_itself)
     seen = {parsed(source)}
     found: list[Mutant] = []

@@ -38,23 +38,15 @@ class Mutation:
 
 @dataclass
 class ParsedProgram:
-    """A program that can be parsed.
+    """A program that can be parsed."""
 
-    Attributes:
-        source: its text, with plain line ends.
-        starts_itself: whether it has to start its node; else a grader starts the class, and nobody sees its `main`.
-    """
-
-    source: str
+    source: str  # its text, with plain line ends
+    # whether it has to start its node; else a grader starts the class, and nobody sees its `main`
     starts_itself: bool = True
     tree: ast.Module = field(init=False)
 
     def __post_init__(self) -> None:
-        """Parse it.
-
-        Raises:
-            SyntaxError: it is not Python.
-        """
+        """Parse it."""
         self.tree = ast.parse(self.source)
 
     @cached_property

@@ -40,25 +40,16 @@ _TINY = 1e-6  # points
 
 @dataclass(frozen=True)
 class GraderProof:
-    """What was found out about the grader of an exercise.
+    """What was found out about the grader of an exercise."""
 
-    Attributes:
-        exercise: the exercise.
-        made: how many mistakes there are in its solution.
-        graded: how many were graded.
-        survivors: those that get full marks with each seed, and are not declared as equivalent.
-        equivalent: those that get full marks, as declared.
-        problems: what does not hold beside the survivors, a sentence each.
-        duration_s: seconds on the wall.
-    """
-
-    exercise: Exercise
-    made: int = 0
-    graded: int = 0
+    exercise: Exercise  # the exercise
+    made: int = 0  # how many mistakes there are in its solution
+    graded: int = 0  # how many were graded
+    # those that get full marks with each seed, and are not declared as equivalent
     survivors: list[Mutant] = field(default_factory=list)
-    equivalent: list[Mutant] = field(default_factory=list)
-    problems: list[str] = field(default_factory=list)
-    duration_s: float = 0.0
+    equivalent: list[Mutant] = field(default_factory=list)  # those that get full marks, as declared
+    problems: list[str] = field(default_factory=list)  # what does not hold beside the survivors, a sentence each
+    duration_s: float = 0.0  # seconds on the wall
 
     @property
     def holds(self) -> bool:
@@ -67,17 +58,7 @@ class GraderProof:
 
 
 def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int = 0) -> GraderProof:
-    """Find out what a grader lets through.
-
-    Args:
-        exercise: the exercise.
-        quick: grade a sample of the mistakes, with one seed.
-        seed: what the checks draw from.
-        workers: how many gradings run at a time; as many as fit this machine when 0.
-
-    Raises:
-        GradingError: it cannot be done; the text says why.
-    """
+    """Find out what a grader lets through."""
     began = time.monotonic()
     source = _read_solution(exercise.solution)
     made = mutants.of(source, starts_itself=exercise.practice or not exercise.class_name)
@@ -179,11 +160,7 @@ class _Grading(Closing):
         self._folder.cleanup()
 
     def require_full_marks(self, source: str, seed: int) -> None:
-        """Grade the solution.
-
-        Raises:
-            GradingError: it does not get full marks, so that nothing can be found out.
-        """
+        """Grade the solution."""
         report = self._executor.submit(self._task("the solution", source, seed)).result()
         if not _has_full_marks(report):
             raise GradingError(
