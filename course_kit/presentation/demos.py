@@ -35,7 +35,8 @@ def find(root: Path, name: str) -> Path:
     everything = [*shown, *sorted((root / LESSONS).glob("*.ipynb"))]
     wanted = name.replace("\\", "/").rstrip("/").rpartition("/")[2].removesuffix(".ipynb").lower().replace("-", "_")
     wanted = wanted.zfill(2) if wanted.isdecimal() else wanted
-    for group in ([one for one in everything if wanted in _names(one)], [one for one in shown if _begins(one, wanted)]):
+    begun = [one for one in shown if wanted and _names(one)[1].startswith(wanted)]
+    for group in ([one for one in everything if wanted in _names(one)], begun):
         if len(group) == 1 or (group and wanted.isdecimal()):  # lessons have numbers, too: demos come first
             return group[0]
     several = [one for one in everything if wanted and wanted in one.stem]
@@ -43,26 +44,16 @@ def find(root: Path, name: str) -> Path:
         return several[0]
     if several:
         raise PresentationError(f"'{name}' fits {_listed(several)}. Type one of them.")
-    raise PresentationError(
-        f"There is no demo called '{name}'.{_meant(wanted, everything)} The demos: {_listed(shown)}."
-    )
+    by_name = {title: path.stem for path in everything for title in _names(path)[:2]}
+    near = nearest(wanted, by_name)
+    hint = f" Did you mean {by_name[near]}?" if near else ""
+    raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_listed(shown)}.")
 
 
 def _names(path: Path) -> tuple[str, ...]:
     """What a notebook may be called: 01_deadlock, deadlock, 01."""
     number, _, title = path.stem.partition("_")
     return path.stem, title, number
-
-
-def _begins(path: Path, wanted: str) -> bool:
-    return bool(wanted) and _names(path)[1].startswith(wanted)
-
-
-def _meant(wanted: str, everything: list[Path]) -> str:
-    """The nearest name, as a question."""
-    by_name = {name: path.stem for path in everything for name in _names(path)[:2]}
-    near = nearest(wanted, by_name)
-    return f" Did you mean {by_name[near]}?" if near else ""
 
 
 def _listed(paths: list[Path]) -> str:

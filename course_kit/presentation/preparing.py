@@ -39,12 +39,8 @@ _SETTINGS: dict[str, dict[str, Any]] = {
 def prepare(root: Path, folder: Path, opened: Path) -> None:
     """Fill the folder of a presentation."""
     for name in _COPIED:
-        shutil.copytree(
-            root / name,
-            folder / FILES / name,
-            ignore=shutil.ignore_patterns(".ipynb_checkpoints"),
-            copy_function=shutil.copyfile,
-        )
+        kept_out = shutil.ignore_patterns(".ipynb_checkpoints")
+        shutil.copytree(root / name, folder / FILES / name, ignore=kept_out, copy_function=shutil.copyfile)
     make_writable(folder)
     spoken = []
     for path in dict.fromkeys((*demos(root), opened)):

@@ -40,7 +40,6 @@ def present(root: Path, name: str, arguments: Sequence[str]) -> int:
 
 
 def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]) -> int:
-    """Run JupyterLab on the copies until it ends or Ctrl-C ends it."""
     settings = folder / preparing.SETTINGS
     opens = f"/doc/tree/{notebook}"
     command, environ = jupyter.lab_command(

@@ -45,7 +45,6 @@ def _load_jupyter_server_extension(server: ServerApp) -> None:
 
 
 def _say_where(server: ServerApp) -> None:
-    """Called when the server answers."""
     token = server.identity_provider.token
     key = f"?token={token}" if token and not server.password else ""
     tell(f"the class sees   {server.connection_url}{os.environ[OPENS_VARIABLE].lstrip('/')}{key}")
