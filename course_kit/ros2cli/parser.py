@@ -118,8 +118,8 @@ class Parser(argparse.ArgumentParser):
 
 def _unknown(command: str, words: str) -> str:
     """What to say of words that nobody takes."""
-    if "}" in words or "{" in words:
-        return f"the shell has taken the values apart at their blanks (left over: {words}): put '...' around {{...}}"
+    if "}" in words or "{" in words or re.match(r"\w+:[^=]", words):  # {a:1,b:2} becomes a:1 b:2
+        return f"the shell has taken the values apart (left over: {words}): put '...' around {{...}}"
     option = words.split(maxsplit=1)[0].partition("=")[0]
     if option in _OPTIONS_ONLY_IN_ROS.get(command, "").split():
         return f"{option} exists in ROS 2; this course does not have it. It is in a full installation of ROS 2."

@@ -63,6 +63,10 @@ HERE = f"it.launch.py, line {FIRST_LINE}: "
         ),
         ("launch_ros.actions.ComposableNodeContainer", "components and lifecycle nodes are what systems of compiled"),
         ("launch_ros.actions.LifecycleNode", "launch_ros.actions.LifecycleNode is not part of the course kit's"),
+        (
+            "__import__('launch_ros.parameter_descriptions').parameter_descriptions.ParameterFile",
+            "launch_ros.parameter_descriptions.ParameterFile is not part of the course kit's",
+        ),
         ("launch.actions.ResetEnvironment", "launch.actions.ResetEnvironment is not part of the course kit's"),
     ],
 )

@@ -307,8 +307,9 @@ def test_interfaces_of_a_package_by_kind(guide: Ros2) -> None:
         (("topic", "echo", "/x", "--qos-liveliness", "automatic"), "--qos-liveliness exists in ROS 2"),
         (
             ("service", "call", "/x", "std_srvs/srv/SetBool", "{data:", "true}"),
-            "the shell has taken the values apart at their blanks (left over: true}): put '...' around {...}",
+            "the shell has taken the values apart (left over: true}): put '...' around {...}",
         ),
+        (("service", "call", "/x", "x/srv/Y", "a:1", "b:2"), "taken the values apart (left over: b:2): put '...'"),
     ],
 )
 def test_what_only_the_real_one_has_is_told_apart_from_a_typo(guide: Ros2, words: tuple[str, ...], wanted: str) -> None:

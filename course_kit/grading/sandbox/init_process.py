@@ -129,7 +129,8 @@ class _Watch:
         """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
         allowed = self._limits.memory_mb * _MB
         sockets = socket_memory.number_here() if self._own_network else 0
-        if usage.memory + usage.tables + socket_memory.at_most(sockets) <= allowed:
+        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + socket_memory.at_most(sockets)
+        if usage.memory + beside <= allowed:
             return False
         return memory.exact_use(everything, _PATIENCE_S) + socket_memory.in_use(sockets) > allowed
 

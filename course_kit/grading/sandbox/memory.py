@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -10,23 +11,34 @@ from typing import TYPE_CHECKING
 from course_kit.process import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
+AREA = 256  # bytes that the kernel keeps about an area of a process's memory
+AREAS_AT_MOST = 65530 * AREA
 _BESIDE_PAGES = ("VmPTE:", "VmSwap:")  # the tables of pages, and what was swapped out
 
 
-def exact_use(process_ids: Iterable[int], patience_s: float) -> int:
+def exact_use(process_ids: Sequence[int], patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
     Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
+    What makes it slow are areas of memory: those of the others are taken to be as many, and no process is always last.
     """
     deadline = time.monotonic() + patience_s
-    total = 0
-    for process_id in process_ids:
+    total, areas, counted = 0, 0, 0
+    for process_id in random.sample(process_ids, len(process_ids)):
         total += _proportional(process_id) + _beside_pages(process_id)
+        areas += _areas(process_id)
+        counted += 1
         if time.monotonic() > deadline:
             break
-    return total
+    return total + areas * AREA * len(process_ids) // max(counted, 1)
+
+
+def _areas(process_id: int) -> int:
+    with suppress(OSError, LookupError):
+        return Path(f"/proc/{tree.speaker(process_id)}/maps").read_bytes().count(b"\n")
+    return 0
 
 
 def _proportional(process_id: int) -> int:

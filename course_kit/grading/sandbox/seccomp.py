@@ -2,8 +2,8 @@
 
 They would lead out of the sandbox (other processes' memory and descriptors, namespaces, mounts, keyrings, the
 terminal's input), make others wait for a file or watch what they do with it (leases, notices), or take memory that
-nothing counts (shared memory that no file backs, large buffers of sockets). The filter holds for all descendants and
-cannot be taken back. It needs no privilege and works where namespaces do not.
+nothing counts (shared memory that no file backs, pages that lie in a pipe, large buffers of sockets). The filter holds
+for all descendants and cannot be taken back. It needs no privilege and works where namespaces do not.
 """
 
 from __future__ import annotations
@@ -86,6 +86,7 @@ _REFUSED = {
         "request_key": 249,
         "keyctl": 250,
         "memfd_create": 319,
+        "vmsplice": 278,
         "shmget": 29,
         "semget": 64,
         "msgget": 68,
@@ -122,6 +123,7 @@ _REFUSED = {
         "request_key": 218,
         "keyctl": 219,
         "memfd_create": 279,
+        "vmsplice": 75,
         "shmget": 194,
         "semget": 190,
         "msgget": 186,

@@ -348,11 +348,13 @@ for folder in folders:
         ("files", "landlock"),
     ),
     "takes_memory_that_nothing_counts": Attack(
-        "takes 1.5 GB in memory that belongs to no process: files in memory, and shared pages that it gives back",
-        "the calls are refused, and there is no /dev/zero to map",
+        "takes memory that belongs to no process: files in memory, shared pages that it gives back, pages in a pipe",
+        "the calls are refused",
         """
-import mmap, os
+import ctypes, mmap, os
 taken = []
+if ctypes.CDLL(None).vmsplice(os.pipe()[1], (ctypes.c_void_p * 2)(id(taken), 1), 1, 2) == 1:
+    taken.append("a page in a pipe")
 try:
     taken.append(os.memfd_create("x"))
 except OSError:
@@ -362,14 +364,22 @@ for flags in (mmap.MAP_SHARED | mmap.MAP_ANONYMOUS, 3 | mmap.MAP_ANONYMOUS):
         taken.append(mmap.mmap(-1, 2**20, flags=flags))
     except OSError:
         pass
-try:
-    taken.append(mmap.mmap(os.open("/dev/zero", os.O_RDWR), 2**20, flags=mmap.MAP_SHARED))
-except OSError:
-    pass
 if taken:
     print("WON:", taken)
 """,
         ("syscalls",),
+    ),
+    "maps_the_device_zero": Attack(
+        "takes shared pages of /dev/zero, which it could give back while they stay",
+        "there is no /dev/zero",
+        """
+import mmap, os
+try:
+    print("WON:", mmap.mmap(os.open("/dev/zero", os.O_RDWR), 2**20, flags=mmap.MAP_SHARED))
+except OSError:
+    pass
+""",
+        ("files", "landlock"),
     ),
     "fills_page_tables": Attack(
         "reads one byte of each 2 MB of 1 TB: no page is its own, but their tables take 2 GB",
