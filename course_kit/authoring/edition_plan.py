@@ -6,15 +6,21 @@ go in that it is known to need, as they were committed: a file of one that git c
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field
-from pathlib import Path
+from enum import Enum
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import carried_exercises, course_files, parts
-from course_kit.authoring.parts import Owner
+from course_kit.authoring import carried_exercises, course_files
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -23,7 +29,53 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
 
 README = Path(__file__).parent / "student" / "README.md"
+LIST = Path(__file__).with_name("edition.toml")
 _EXERCISES = "exercises"
+
+
+class Owner(Enum):
+    """Who a file is for."""
+
+    STUDENTS = "students"
+    INSTRUCTORS = "instructors"
+    UNDECIDED = "undecided"  # on no list: somebody has to say
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Files and folders of the course, as paths relative to its folder."""
+
+    students: frozenset[str]  # what the student edition is made of
+    instructors: frozenset[str]  # what is left out on purpose
+
+    def owner(self, name: str) -> Owner:
+        """Who a file is for; the longest path on the lists decides."""
+        path = PurePosixPath(name)
+        for part in map(str, (path, *path.parents)):
+            if part in self.instructors:
+                return Owner.INSTRUCTORS
+            if part in self.students:
+                return Owner.STUDENTS
+        return Owner.UNDECIDED
+
+
+def read_parts(path: Path = LIST) -> Parts:
+    """Read the lists in edition.toml."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        parts = Parts(*(frozenset(map(_to_path, table[owner.value])) for owner in (Owner.STUDENTS, Owner.INSTRUCTORS)))
+    except (OSError, ValueError, KeyError, TypeError) as problem:
+        what = f"the list '{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
+        raise GradingError(f"{path} cannot be used: {what}.") from problem
+    if both := sorted(parts.students & parts.instructors):
+        raise GradingError(f"{path} cannot be used: {', '.join(both)} stands on both lists.")
+    return parts
+
+
+def _to_path(name: object) -> str:
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"{name!r} is not a path")
+    return str(PurePosixPath(name))
 
 
 @dataclass
@@ -61,7 +113,7 @@ class _Planner:
     def __init__(self, root: Path, found: CourseFiles) -> None:
         self._root = root
         self._found = found
-        self._parts = parts.load()
+        self._parts = read_parts()
         self._made = EditionPlan(git=found.git)
 
     def plan(self, without: Collection[str]) -> EditionPlan:

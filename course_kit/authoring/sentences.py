@@ -91,25 +91,6 @@ def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterato
             yield f"no submission that breaks the sentence '{name}' fails one of its checks ({', '.join(one.checks)})."
 
 
-def table(task: Exercise, shown: Sequence[ProvenSentence]) -> str:
-    """A table in Markdown: sentence, checks, submissions that turn them red."""
-    lines = [f"## {task.title} (`{task.id}`)", ""]
-    lines += ["| sentence | checks | the submission that turns them red |", "|---|---|---|"]
-    lines += [f"| {_cell(one.sentence)} | {', '.join(one.checks)} | {_shown(one)} |" for one in shown]
-    return "\n".join(lines)
-
-
-def _cell(sentence: Sentence) -> str:
-    text = sentence.text.strip("|").strip() if sentence.is_row else f"{sentence.heading} {sentence.text}".strip()
-    return f"**{sentence.id}**: " + text.replace("|", "\\|")
-
-
-def _shown(one: ProvenSentence) -> str:
-    if one.right is not None:
-        return f"a freedom: the right program `{_name(one.right)}` gets full marks"
-    return "; ".join(f"{each.kind} `{each.name}` ({', '.join(failed)})" for each, failed in one.red)
-
-
 def _is_right(submission: ProofSubmission) -> bool:
     """Whether full marks are expected: of solutions, variants, and right programs with a change that does no harm."""
     return submission.kind in ("solution", "variant") or (submission.kind == "slip" and not submission.failed)

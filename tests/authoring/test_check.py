@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.authoring import check, check_table, corpus, gradings, rules, styles
+from course_kit.authoring import check, check_table, corpus, gradings, rules
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
@@ -225,15 +225,12 @@ def test_a_check_that_nothing_turns_red_is_named() -> None:
     assert said == "temperature_service: no submission makes the check 'fine' fail."
 
 
-def test_missing_variants_and_styles_are_named() -> None:
+def test_missing_variants_are_named() -> None:
     loaded = corpus.load("temperature_service", ROOT)
     (right,) = loaded.of("solution")
     kept = [one for one in loaded.of("variant") if one.name in ("class_only", "main_guarded")]
     said = texts("variants", made_sets(right, *kept), {one: made_report(one) for one in (right, *kept)})
     assert "there are 2 right programs in other styles; at least 8" in said
-    for style in ("async callbacks", "reentrant group", "several executors"):
-        assert f"no right program shows the style '{style}'" in said
-    assert "'class only'" not in said
 
 
 @pytest.mark.parametrize(
@@ -269,21 +266,6 @@ def test_starter_that_passes_or_has_no_hint_of_its_own_is_named() -> None:
     assert "starter temperature_service.py: it should be graded and not passed" in said
     assert "starter temperature_service.ipynb: its first failed check, answers, has no hint from the ladder" in said
     assert "different verdicts" in said
-
-
-@pytest.mark.parametrize(
-    ("text", "style"),
-    [
-        ("def main():\n    pass\nif __name__ == '__main__':\n    main()\n", {"main"}),
-        ('"""Doc."""\nimport rclpy\nX = 1\nclass A:\n    pass\n', {"class only"}),
-        ("class A:\n    async def f(self):\n        pass\nA()\n", {"async callbacks"}),
-        ("a = rclpy.callback_groups.ReentrantCallbackGroup()\nb()\n", {"reentrant group"}),
-        ("f(SingleThreadedExecutor(), rclpy.executors.MultiThreadedExecutor(2))\n", {"several executors"}),
-        ("f(MultiThreadedExecutor(2), ParameterDescriptor())\n", {"descriptors"}),
-    ],
-)
-def test_styles_are_seen(text: str, style: set[str]) -> None:
-    assert styles.of(text) == style
 
 
 def test_verdict_is_what_must_not_change() -> None:

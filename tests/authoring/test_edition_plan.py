@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring import course_files, edition_plan, parts, release
-from course_kit.authoring.parts import Owner
+from course_kit.authoring import course_files, edition_plan, release
+from course_kit.authoring.edition_plan import Owner
 from course_kit.grading.errors import GradingError
 from tests.authoring.conftest import git
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course
@@ -23,7 +23,7 @@ def told(planned: edition_plan.EditionPlan) -> str:
 
 def test_everything_that_git_knows_here_has_an_owner() -> None:
     """Red when somebody adds a folder: it stays out of the student edition until edition.toml says whose it is."""
-    listed = parts.load()
+    listed = edition_plan.read_parts()
     undecided = [name for name in course_files.look(REPOSITORY).known if listed.owner(name) is Owner.UNDECIDED]
     assert undecided == []
 
@@ -41,7 +41,7 @@ def test_everything_that_git_knows_here_has_an_owner() -> None:
     ],
 )
 def test_the_longest_path_on_the_lists_decides(name: str, owner: Owner) -> None:
-    assert parts.load().owner(name) is owner
+    assert edition_plan.read_parts().owner(name) is owner
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_a_list_with_a_mistake_is_a_sentence(tmp_path: Path, text: str) -> None:
     path = tmp_path / "edition.toml"
     path.write_text(text)
     with pytest.raises(GradingError, match=r"edition\.toml cannot be used: "):
-        parts.load(path)
+        edition_plan.read_parts(path)
 
 
 def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:

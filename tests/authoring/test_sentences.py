@@ -75,9 +75,6 @@ def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> Non
     assert (node.checks, node.red) == (("node_name",), ((BREAKS, ("node_name",)),))
     assert free.right == RIGHT
     assert list(sentences.unproven(ALL, reports)) == []
-    table = sentences.table(ALL.task, [node, free])
-    assert "| **node**: Of course the node is called so. | node_name | slip `breaks_it` (node_name) |" in table
-    assert "| **free**: Any message will do. |  | a freedom: the right program `right` gets full marks |" in table
 
 
 def test_red_in_another_check_proves_nothing() -> None:
