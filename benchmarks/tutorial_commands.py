@@ -61,7 +61,7 @@ PAGES = {  # page: what its reader has started before
 # What a command says, where one of the course answers in another way on purpose
 DIFFERENT = (
     r"exists in ROS 2; this course does not have it[^\n]*|[^\n]*(?:XML|YAML)[^\n]*Python[^\n]*|"
-    r"[^\n]*reads launch files in Python[^\n]*"
+    r"[^\n]*reads launch files in Python[^\n]*|[^\n]*is not part of the course kit's launch files[^\n]*"
 )
 # What it says where a program in C++, or one with a window, is meant
 COMPILED = r"Package '\w+' not found(?:: it comes with a full ROS 2 installation)?"
