@@ -49,12 +49,6 @@ def look(root: Path) -> CourseFiles:
     return CourseFiles(there, frozenset(name for name in new if not _is_made(root, name)), changed)
 
 
-def own_files(root: Path, *, new: bool = False) -> Iterator[str]:
-    """What belongs to the course: what git knows, where this is a git repository; else all that nobody generated."""
-    found = look(root)
-    yield from sorted(found.known | found.new if new else found.known)
-
-
 def _git(root: Path, *arguments: str) -> list[str]:
     """The names that git lists."""
     listed = subprocess.run(["git", *arguments], cwd=root, capture_output=True, check=True)

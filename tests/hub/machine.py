@@ -110,7 +110,8 @@ def install(folder: Path) -> Path:
     root = environment.checkout()
     assert root is not None
     course = Path(guide.moved(guide.COURSE, folder))
-    for name in course_files.own_files(root, new=True):  # what `git clone` would bring, and what is not committed yet
+    found = course_files.look(root)
+    for name in sorted(found.known | found.new):  # what `git clone` would bring, and what is not committed yet
         (course / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, course / name)
     commands = guide.moved(guide.block("Install it once", "sh"), folder).splitlines()
