@@ -51,6 +51,10 @@ _ASK_AGAIN_S = 0.2
 PLAIN = ("accepted", "succeeds", *_moves.ASPECTS)
 
 
+class TooFastError(HastyError):
+    """The fast robot shows nothing of it, whatever was before: it needs its own speed."""
+
+
 def fair(step: Callable[..., None]) -> Callable[..., None]:
     """Decorator of a rule that drives, see `RobotModel.do_fairly`."""
 
@@ -188,7 +192,7 @@ class RobotModel(Model):
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
         slow = _moves.is_slow(node.context)
-        for _ in range(4 if slow else 2):  # what is seen is a matter of milliseconds
+        for _ in range(2):  # what is seen is a matter of milliseconds
             begin, target, first = self.set_off(node, way, 0.1)
             self.special, other = "second_goal", inside(begin, 0.7, angle)
             self.reject_second(node, first, other)
@@ -201,7 +205,7 @@ class RobotModel(Model):
             if not second.answered:
                 raise OverError(evidence, "Here it does not matter what keeps the server from answering.")
             if second.accepted and not slow:
-                raise HastyError(evidence, "With the robot at its own speed, this can be seen.")
+                raise TooFastError(evidence, "With the robot at its own speed, this can be seen.")
             move = self.arrive(Move(begin, target, first, first.wait_for_end(_moves.allowed_s(way.length), expected)))
             self.special, self.cancelled = "after_cancel" if move.ended.status == CANCELED else "cancel", True
             if second.accepted:
@@ -353,7 +357,8 @@ class RobotModel(Model):
                     blinded = slow and clock.grader_lost() > 0.3 * clock.wall()  # then who knows when what was sent
                     if not slow or blinded:
                         speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
-                        steps = [*self._recent.values(), act]
+                        before = () if isinstance(failed, TooFastError) else self._recent.values()
+                        steps = [*before, act]
                         self.start_afresh(node)
                         context.record.clear()
                         continue
@@ -433,6 +438,6 @@ CHECKS = [
              points=1.0, proves=["not_a_number"], after=["accepted"]),
         part("outside", "Goals outside the arena are rejected, goals on its edges are not",
              points=1.5, proves=["edges_inside", "outside"], after=["accepted"]),
-        steps=45, after=["offered"], deadline_s=120.0,
+        steps=36, after=["offered"], deadline_s=120.0,
     ),
 ]  # fmt: skip
