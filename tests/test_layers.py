@@ -69,7 +69,7 @@ STILL_ABOVE = {
     "course_kit/panels": 3150,
     "course_kit/ros2cli": 3900,
     "course_kit/grading": 12480,
-    "course_kit/graders": 2525,
+    "course_kit/graders": 2550,
     "course_kit/classroom": 6920,
     "course_kit/learner": 1500,
     "course_kit/authoring": 3544,

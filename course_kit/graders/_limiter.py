@@ -8,10 +8,12 @@ import re
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from geometry_msgs.msg import Twist
+
 if TYPE_CHECKING:
+    import random
     from collections.abc import Iterator, Mapping, Sequence
 
-    from geometry_msgs.msg import Twist
     from std_msgs.msg import Float64
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
@@ -19,6 +21,7 @@ _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 # end itself wrong loses no points here.
 _NEAR = 0.15
 _UNIT = "m/s"
+BEYOND = 9.0  # m/s, above every valid limit
 _REMEMBERED = 6  # refused changes, of which a wrong node may have kept some
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
@@ -234,3 +237,17 @@ def _over(one: float, other: float) -> float:
 
 def _same(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(one) and math.isnan(other))
+
+
+def command_of(rng: random.Random) -> tuple[str, float, list[float]]:
+    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
+    kind = rng.choice(("m/s", "of the limit"))
+    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
+    return kind, size * (1.0 if kind == "of the limit" else BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
+
+
+def twist_of(fields: list[float]) -> Twist:
+    twist = Twist()
+    for (of, axis), value in zip(FIELDS, fields, strict=True):
+        setattr(getattr(twist, of), axis, value)
+    return twist

@@ -10,16 +10,15 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import Twist
-
 from course_kit.graders._limiter import (
+    BEYOND,
     DEFAULTS,
-    FIELDS,
     RANGES,
     TYPES,
     LimiterSettings,
     Reaction,
     cause_of,
+    command_of,
     is_valid,
     missing_in_reason,
     read_status,
@@ -27,6 +26,7 @@ from course_kit.graders._limiter import (
     same_reaction,
     same_velocity,
     status_line,
+    twist_of,
     what_is_wrong_with_status,
 )
 from course_kit.grading.checks.parameters import shown
@@ -43,12 +43,10 @@ from course_kit.grading.checks.vocabulary import (
 )
 
 if TYPE_CHECKING:
-    import random
     from collections.abc import Callable, Mapping
 
 
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
-BEYOND = 9.0  # m/s, above every valid limit
 SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
 _ANSWER_S = 1.0  # of a change
@@ -79,13 +77,6 @@ _TOGETHER = (
 )
 
 
-def _command(rng: random.Random) -> tuple[str, float, list[float]]:
-    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
-    kind = rng.choice(("m/s", "of the limit"))
-    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
-    return kind, size * (1.0 if kind == "of the limit" else BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
-
-
 _WITH_NAMES = (
     {"robot_name": "half", "max_velocity": 0.0},
     {"robot_name": "half_2", "wheel_diameter": 0.0},
@@ -112,13 +103,14 @@ class Limiter(Model):
         if not self.lost & set(_CHANGES.values()):
             self.several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
+            self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.require_status(node)
         if not self.lost & {"one_each", "change_enabled"}:
             node.expect_nothing(LIMITED, WHEEL, seconds=_LATE_S, why=_ONCE, breaks="one_each")
         if node.context.job.mode == "attach":
             node.set(self.start.to_mapping(), of=NODE)
 
-    @rule("reacts", command=either(*_COMMANDS, drawn(_command)))
+    @rule("reacts", command=either(*_COMMANDS, drawn(command_of)))
     def look(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
         """A command, when all changes act; and the parameters have their values."""
         self.require_values(node)
@@ -144,12 +136,12 @@ class Limiter(Model):
         self.accept(node, {"wheel_diameter": diameter}, "change_diameter")
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
-    @rule("change_enabled", value=either(True, False))
-    def enable(self, node: GradedNode, value: bool) -> None:
-        """On and off act."""
-        self.accept(node, {"enabled": value}, "change_enabled")
-        self.drive(node, [0.5 * self.settings.max_velocity, 0.1, 0.2, 0.3, 0.4, 0.5])
-        self.drive(node, [0.0] * 6)
+    @rule("change_enabled", value=either((True, 0.5), (False, 0.5), (False, 0.0)))
+    def enable(self, node: GradedNode, value: tuple[bool, float]) -> None:
+        """On and off act, on a command to stand still, too."""
+        enabled, share = value
+        self.accept(node, {"enabled": enabled}, "change_enabled")
+        self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
 
     @rule("change_status", value=either(*_NAMES))
     def name(self, node: GradedNode, value: str) -> None:
@@ -230,6 +222,8 @@ class Limiter(Model):
         change.refused(expected=f"refused, and nothing changed: {shown(wrong)} is not valid")
         self.refused.append(values)
         if not any(name in change.result.reason for name in wrong):
+            for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
+                self.accept(node, {name: values[name]}, _CHANGES[name])
             why = f"Your node was right to refuse, but the reason does not name what is wrong: {shown(wrong)}."
             change.fail(why, expected="the parameter's name", breaks="reason", diagnosis="validation.no_reason")
 
@@ -262,10 +256,20 @@ class Limiter(Model):
 
     def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
         """Valid values are accepted."""
+        if values.get("enabled") and not self.settings.enabled:
+            self.require_quiet(node, _SOON_S)
         change = node.set(values, of=NODE)
         change.accepted(breaks=breaks)
         self.in_time(change)
         self.took(values)
+
+    def require_quiet(self, node: GradedNode, seconds: float, enabled: bool = False) -> None:
+        """Nothing comes that was not asked for, after a command while the robot was on or off."""
+        if not self.lost & {"one_each", "change_enabled"}:
+            on = enabled or self.seen.enabled
+            off = "one_each" if on else "one_each_disabled"
+            why = _ONCE if on else f"{_ONCE} With enabled=False, too."
+            node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=off)
 
     def in_time(self, change: Change) -> None:
         """The answer to a change came within a second."""
@@ -308,13 +312,9 @@ class Limiter(Model):
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
-        if not self.lost & {"one_each", "change_enabled"}:
-            on = self.seen.enabled or self.settings.enabled
-            off = "one_each" if on else "one_each_disabled"
-            why = _ONCE if on else f"{_ONCE} With enabled=False, too."
-            node.expect_nothing(LIMITED, WHEEL, seconds=0.0, why=why, breaks=off)
+        self.require_quiet(node, 0.0, self.settings.enabled)
         before, self.past = list(self.past), [*self.past, fields]
-        node.send(COMMAND, _twist(fields))
+        node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         right = right_reaction(self.settings, fields)
@@ -340,15 +340,17 @@ class Limiter(Model):
             if old != now and same_reaction(got, right_reaction(old, fields)):
                 why = "Your node accepted the change, but what comes out is the same as before."
                 names = [name for name in TYPES if now.of(name) != old.of(name) and name != "robot_name"]
+                names.sort(key=lambda name: _CHANGES[name] in self.lost)
                 code = "parameter.read_once"
                 return Failed(evidence, why, code, breaks=_CHANGES[names[0]] if names else "limited")
         of_wheel, diagnosis, why = cause_of(now, fields, got, floors=floors)
         if not now.enabled:
             breaks = "disabled"
-        elif "enabled" in changed:
+        elif "enabled" in changed and not (of_wheel and got.wheel):
             breaks, why = "change_enabled", f"After enabled=True: {why}"
         elif of_wheel:
-            breaks = "wheels" if now.wheel_diameter == self.start.wheel_diameter else "change_diameter"
+            same = now.wheel_diameter == self.start.wheel_diameter or diagnosis == "math.integer_division"
+            breaks = "wheels" if same else "change_diameter"
         else:
             same = now.max_velocity == self.start.max_velocity or diagnosis is None
             breaks = "limited" if same else "change_velocity"
@@ -377,7 +379,7 @@ class Limiter(Model):
                         node.set(done, of=NODE).accepted()
                         model.took(done)
                     else:
-                        node.send(COMMAND, _twist(done))
+                        node.send(COMMAND, twist_of(done))
                         node.expect(LIMITED), node.expect(WHEEL)
                 act(model)
             except Failed:
@@ -408,7 +410,7 @@ class Limiter(Model):
         if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall()):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."
-            failed = Failed(evidence, why, "topic.silent", breaks="status" if not changed else "")
+            failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")
             raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
         line = str(inbox.messages[-1].data)
         evidence = replace(evidence, got=f"on {STATUS}: {line}")
@@ -437,13 +439,6 @@ _CHANGES = {
 def _refused_by(values: Mapping[str, Any]) -> str:
     """The check about a refused change."""
     return "atomic" if len(values) > 1 else "refuses"
-
-
-def _twist(fields: list[float]) -> Twist:
-    twist = Twist()
-    for (of, axis), value in zip(FIELDS, fields, strict=True):
-        setattr(getattr(twist, of), axis, value)
-    return twist
 
 
 def _told(fields: list[float]) -> str:

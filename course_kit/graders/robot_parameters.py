@@ -10,12 +10,8 @@ from typing import TYPE_CHECKING, Any
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
-from course_kit.graders._limiter import (
-    DEFAULTS,
-    TYPES,
-    LimiterSettings,
-)
-from course_kit.graders._limiter_model import BEYOND, NODE, SILENT_S, STATUS, Limiter
+from course_kit.graders._limiter import BEYOND, DEFAULTS, TYPES, LimiterSettings
+from course_kit.graders._limiter_model import NODE, SILENT_S, STATUS, Limiter
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import expect_served, shown, start_arguments
 from course_kit.grading.checks.vocabulary import (

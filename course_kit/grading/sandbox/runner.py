@@ -249,9 +249,9 @@ def _spin(node_class: type) -> None:
         def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
             found: tuple[Any, Any, Any] = super().wait_for_ready_callbacks(*args, **kwargs)
             task, entity, _ = found
-            task.add_done_callback(lambda _: self.turned.set())
+            self.turned.set()
             if entity is not None:  # a callback; what follows is a task itself and must not be followed again
-                task.add_done_callback(lambda _: None)  # its own event: wakes the executor, which then looks
+                task.add_done_callback(lambda _: self.turned.set())  # its own event: the executor wakes, and looks
             return found
 
         def spin_once(self, timeout_sec: float | None = None) -> None:

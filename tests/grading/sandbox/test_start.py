@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import subprocess
 from dataclasses import replace
@@ -13,6 +14,7 @@ from course_kit.grading.sandbox import scratch
 from tests.grading.conftest import EXERCISE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     import pytest
@@ -34,6 +36,33 @@ def test_a_source_that_cannot_be_written_is_no_grade(worker: grading.Worker) -> 
     assert outcome["results"] == []
     assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
     assert outcome["stdout"] == ""
+
+
+IDLE = """
+import time
+from rclpy.node import Node
+
+class TemperatureService(Node):
+    def __init__(self):
+        super().__init__("temperature_server")
+        self.began = time.monotonic(), time.process_time()
+        self.ticks = 0
+        self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        self.ticks += 1
+        if self.ticks == 12:
+            wall, computed = time.monotonic() - self.began[0], time.process_time() - self.began[1]
+            print(f"SHARE {computed / wall:.3f}", flush=True)
+"""
+
+
+def test_a_class_that_the_grader_starts_computes_nothing_while_it_waits(
+    grade_source: Callable[..., grading.Report],
+) -> None:
+    """An executor that follows what follows its callbacks turns without end, and takes the program's time."""
+    share = float(re.search(r"SHARE (\S+)", grade_source(IDLE).stdout)[1])  # type: ignore[index]
+    assert share < 0.5
 
 
 def test_a_workers_folder_that_somebody_has_removed_is_made_anew_as_it_was() -> None:
