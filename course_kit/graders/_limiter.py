@@ -56,14 +56,15 @@ class LimiterSettings:
     def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[LimiterSettings, Mapping[str, Any]]]:
         """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
         kept: dict[str, list[tuple[Any, int]]] = {name: [(self.of(name), -1)] for name in TYPES}
-        for number, values in enumerate(refused[-_REMEMBERED:]):
+        recent = refused[-_REMEMBERED:]
+        for number, values in enumerate(recent):
             for name, value in values.items():
                 if type(value) is _PYTHON[TYPES[name]]:
                     kept[name].append((value, number))
         for some in itertools.product(*kept.values()):
             last = max(number for _, number in some)
             if last >= 0:
-                yield LimiterSettings(*(value for value, _ in some)), refused[-_REMEMBERED:][last]
+                yield LimiterSettings(*(value for value, _ in some)), recent[last]
 
 
 DEFAULTS = LimiterSettings()

@@ -75,8 +75,6 @@ _TOGETHER = (
     {"max_velocity": 8.0, "enabled": False},
     {"robot_name": "", "wheel_diameter": 0.4},
 )
-
-
 _WITH_NAMES = (
     {"robot_name": "half", "max_velocity": 0.0},
     {"robot_name": "half_2", "wheel_diameter": 0.0},
@@ -105,8 +103,7 @@ class Limiter(Model):
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.require_status(node)
-        if not self.lost & {"one_each", "change_enabled"}:
-            node.expect_nothing(LIMITED, WHEEL, seconds=_LATE_S, why=_ONCE, breaks="one_each")
+        self.require_quiet(node, _LATE_S, enabled=True)
         if node.context.job.mode == "attach":
             node.set(self.start.to_mapping(), of=NODE)
 
@@ -263,7 +260,7 @@ class Limiter(Model):
         self.in_time(change)
         self.took(values)
 
-    def require_quiet(self, node: GradedNode, seconds: float, enabled: bool = False) -> None:
+    def require_quiet(self, node: GradedNode, seconds: float, *, enabled: bool = False) -> None:
         """Nothing comes that was not asked for, after a command while the robot was on or off."""
         if not self.lost & {"one_each", "change_enabled"}:
             on = enabled or self.seen.enabled
@@ -312,8 +309,8 @@ class Limiter(Model):
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
-        self.require_quiet(node, 0.0, self.settings.enabled)
-        before, self.past = list(self.past), [*self.past, fields]
+        self.require_quiet(node, 0.0, enabled=self.settings.enabled)
+        self.past.append(fields)
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
@@ -326,7 +323,7 @@ class Limiter(Model):
         told = "; ".join(filter(None, (sent, f"{COMMAND}: {_told(fields)}")))
         evidence = Evidence(told, right.shown(), got.shown())
         failed = self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
-        raise self.blame(node, failed, before, lambda model: model.drive(node, fields))
+        raise self.blame(node, failed, self.past[:-1], lambda model: model.drive(node, fields))
 
     def wrong(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
@@ -380,7 +377,8 @@ class Limiter(Model):
                         model.took(done)
                     else:
                         node.send(COMMAND, twist_of(done))
-                        node.expect(LIMITED), node.expect(WHEEL)
+                        node.expect(LIMITED)
+                        node.expect(WHEEL)
                 act(model)
             except Failed:
                 return failed

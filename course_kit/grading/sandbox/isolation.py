@@ -165,8 +165,8 @@ class _Attempt:
 
     def __init__(self, user: int) -> None:
         self._reader, writer = os.pipe()
-        self._folder = str(scratch.make())  # which the next one removes when this process is killed
-        self._child = fork(partial(_try_each, writer, self._folder, user))
+        self._folder = scratch.make()  # which the next one removes when this process is killed
+        self._child = fork(partial(_try_each, writer, str(self._folder), user))
         os.close(writer)
 
     def told(self) -> list[str]:
@@ -174,7 +174,7 @@ class _Attempt:
         with os.fdopen(self._reader) as lines:
             told = [line.rstrip("\n") for line in lines]
         os.waitpid(self._child, 0)
-        scratch.remove(Path(self._folder))
+        scratch.remove(self._folder)
         return told
 
 
