@@ -12,7 +12,6 @@ KIT = environment.PACKAGE
 MADE_OF = (
     "graders",
     "quiz",
-    "starters",
     "robot.py",
     "panels/__init__.py",
     "panels/arena_map.py",

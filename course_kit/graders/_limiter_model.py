@@ -172,12 +172,16 @@ class Limiter(Model):
         change.refused(expected=f"refused: {RANGES[name]}")
         self.refused.append(values)
         self.in_time(change)
-        if lacks := missing_in_reason(name, values[name], change.result.reason):
+        self.require_reason(change, name, values[name])
+        if name == "robot_name":
+            self.require_status(node)
+
+    def require_reason(self, change: Change, name: str, value: Any) -> None:
+        """The reason of a refusal names the parameter and its range."""
+        if lacks := missing_in_reason(name, value, change.result.reason):
             why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
             change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
-        if name == "robot_name":
-            self.require_status(node)
 
     @rule("refuses", values=either({"max_velocity": 8.0}, {"robot_name": ""}))
     def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
@@ -221,8 +225,7 @@ class Limiter(Model):
         if not any(name in change.result.reason for name in wrong):
             for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
                 self.accept(node, {name: values[name]}, _CHANGES[name])
-            why = f"Your node was right to refuse, but the reason does not name what is wrong: {shown(wrong)}."
-            change.fail(why, expected="the parameter's name", breaks="reason", diagnosis="validation.no_reason")
+            self.require_reason(change, *next(iter(wrong.items())))
 
     @rule(
         "wrong_type",

@@ -133,7 +133,7 @@ ERRORS = Feature(
 )
 OWN_TYPES = Feature(
     "Message types of your own may not work",
-    ("interfaces/type_support.py", "interfaces/service_class.py", "interfaces/message_class.py"),
+    ("interfaces/type_support.py", "interfaces/library.py", "interfaces/message_class.py"),
     (
         _TYPE + "_CREATE_ROS_MESSAGE",
         _TYPE + "_CONVERT_FROM_PY",

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 LEAVES = "import rclpy; rclpy.init(); rclpy.create_node('leaves').destroy_node(); rclpy.shutdown()"
 BOUND = re.compile(
-    r"binding file \S+/(\S+) \[0\] to \S+/(\S+) \[0\]: normal symbol `\S+set_listenerEPN\S+ListenerE(N\S+)?'"
+    r"binding file .+/(\S+) \[0\] to .+/(\S+) \[0\]: normal symbol `\S+set_listenerEPN\S+ListenerE(N\S+)?'"
 )
 
 
