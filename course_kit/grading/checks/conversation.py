@@ -27,6 +27,7 @@ _SHRINK_S = 2.5  # for all tries on one failure, after the first
 _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
 _OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
+_ENDLESS = "limit.time"  # names its line; to see it again takes seconds of computing, and tells no more
 _KEPT = 40  # turns of the record; what was before them is of no use
 
 
@@ -234,8 +235,11 @@ class Conversation:
         name_lost_node(self.context, failed)
         lost = self._part_of(last.rule, failed.breaks)
         if self._tallies[lost.id].failed is None:
+            endless = failed.diagnosis == _ENDLESS
+            if endless:
+                self.context.record.forget_all_but(1)
             failed.steps = failed.steps or self.context.record.steps(failed.evidence)
-            if not self.context.job.first_failure and self.context.job.mode != "attach":
+            if not endless and not self.context.job.first_failure and self.context.job.mode != "attach":
                 failed, lost, needed = self._shrink(failed, done, lost)
                 if self.model.history and needed > 1:
                     self._apart = True

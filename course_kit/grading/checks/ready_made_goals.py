@@ -57,10 +57,10 @@ def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
     def talk(node: GradedNode) -> None:
         several = drawn_values(goals, node.context.random)
         for number, fields in enumerate(several):
+            clock = node.context.clock()  # before the goal: the node may begin while we still wait for our turn
             goal = node.goal(action, fields)
             if number == 0:
                 _require_some_accepted(node, action, goal, several[1:])
-            clock = node.context.clock()
             goal.accepted_by().ends(within_s=within_s, **expect(node.goal_message(action, fields)))
             if clock.wall() < not_before_s:
                 evidence = Evidence(
