@@ -11,12 +11,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.executors import Local
-from course_kit.grading import exercise, needs
-from course_kit.grading.engine import Task
+from course_kit.authoring.gradings import Gradings
+from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.reader import fingerprints
 
 if TYPE_CHECKING:
@@ -43,8 +40,6 @@ class Leak:
 def find(edition: Path, solutions: Mapping[str, Path]) -> list[Leak]:
     """Look for answers in an edition."""
     tasks = [exercise.load(name, edition / "exercises") for name in solutions]
-    for task in tasks:
-        needs.require(task.limits)
     texts = {path: _read_code(path) for path in sorted(edition.rglob("*")) if path.suffix in (".py", ".ipynb", ".md")}
     found = [*_find_alike(tasks, solutions, texts), *_find_scoring(tasks, texts)]
     return [Leak(path.relative_to(edition).as_posix(), task.id, why) for path, task, why in found]
@@ -90,21 +85,15 @@ def _find_scoring(tasks: list[Exercise], texts: Mapping[Path, str]) -> Iterator[
 
 def _grade(tasks: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[Path, str], float]:
     """The score of each program that could be for an exercise, by its file and the exercise."""
-    ready = {}
-    with Reader() as reader:
-        for task in tasks:
-            clue = rf"^class {task.class_name}\b" if task.class_name else rf"^{task.variable}\b"
-            for path in (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE)):
-                with suppress(UnreadableError), Copy(path) as copy:
-                    ready[path, task.id] = Task(task, reader.read(copy, task), path.name, _SEED)
-    workers = len(ready) if len(ready) < _FEW else None
-    executor = Local(workers, [task.grader for task in tasks], [task.limits for task in tasks])
-    try:
-        waiting = {key: executor.submit(one) for key, one in ready.items()}
+    ready = []
+    for task in tasks:
+        clue = rf"^class {task.class_name}\b" if task.class_name else rf"^{task.variable}\b"
+        named = (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE))
+        ready += [(path, task.id) for path in named if path.suffix != ".md"]
+    with Gradings(tasks, len(ready) if len(ready) < _FEW else 0) as pool:
+        waiting = {(path, name): pool.begin_file(name, path, _SEED) for path, name in ready}
         reports = {key: future.result() for key, future in waiting.items()}
-    finally:
-        executor.close()
     for (path, name), report in reports.items():
         if report.status == "error":
             raise GradingError(f"{path.name} could not be graded as {name}: {report.problem} Run this again.")
-    return {key: report.score for key, report in reports.items()}
+    return {key: report.score for key, report in reports.items() if report.status != "unreadable"}

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import check, check_table, corpus, new_exercise
+from course_kit.authoring import check, corpus, new_exercise
 from course_kit.cli.main import main
 from course_kit.grading import exercise
 from course_kit.grading.exercise_folders import VARIABLE
@@ -57,7 +57,6 @@ def test_a_fault_of_the_proof_set_is_found(mine: Path) -> None:
     found = check.check(ROOT, [task.id])
     faults = {(one.rule, one.submission) for one in found.faults}
     assert {("broken", "broken proof/broken/unchanged.py"), ("slips", "slip twice (proof/slips.toml)")} <= faults
-    assert "diagnoses have a submission" not in check_table.as_text(found)  # those are the course's own
 
 
 def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(mine: Path) -> None:

@@ -8,8 +8,8 @@ import pytest
 
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
+from course_kit.grading import exercise
 from tests.graders.strange_programs import ANYTHING, PROGRAMS
-from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.answers, pytest.mark.attack("Strange answers")]
 def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Future[Report]]:
     """All of them, side by side."""
     folder: Path = tmp_path_factory.mktemp("strange")
-    with Gradings(ROOT / "exercises") as pool:
+    with Gradings([exercise.load(name) for name in {one.exercise for one in PROGRAMS.values()}]) as pool:
         begun = {}
         for number, (name, program) in enumerate(PROGRAMS.items()):
             path = folder / f"answer_{number}.py"

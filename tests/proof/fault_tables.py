@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import gradings, rules, sentences
+from course_kit.authoring import rules, sentences
 from course_kit.authoring.corpus import ProofSubmission
-from course_kit.grading import GradingError, exercise
+from course_kit.authoring.gradings import Gradings
+from course_kit.grading import exercise
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -22,7 +23,6 @@ else:
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from concurrent.futures import Future
 
     from course_kit.grading import Report
 
@@ -36,18 +36,16 @@ class Verdicts:
 
     Attributes:
         program: kind "fault" or "right".
-        reports: by seed; a text where the grading failed.
+        reports: by seed.
     """
 
     program: ProofSubmission
-    reports: dict[int, Report | str]
+    reports: dict[int, Report]
 
     def unseen(self) -> Iterator[str]:
         """Of a fault what is wrong with its verdicts: full marks, or no points lost for the sentence that it breaks."""
         for seed, report in self.reports.items():
-            if isinstance(report, str):
-                yield f"seed {seed}: {report}"
-            elif report.score >= report.max_score:
+            if report.score >= report.max_score:
                 yield f"seed {seed}: full marks"
             elif not _costs(self.program, seed, report):
                 yield f"seed {seed}: nothing lost for '{', '.join(self.program.breaks)}': {rules.outcome(report)}"
@@ -55,9 +53,7 @@ class Verdicts:
     def unjust(self) -> Iterator[str]:
         """Of a right program each verdict below full marks."""
         for seed, report in self.reports.items():
-            if isinstance(report, str):
-                yield f"seed {seed}: {report}"
-            elif report.score < report.max_score:
+            if report.score < report.max_score:
                 yield f"seed {seed}: {rules.outcome(report)}"
 
     def complaints(self) -> list[str]:
@@ -96,18 +92,9 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
 
 def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int], workers: int = 0) -> list[Verdicts]:
     """Grade each program once for each seed, as a class is graded."""
-    with gradings.Gradings(ROOT / "exercises", workers) as pool:
-        begun = [
-            (one, {seed: pool.begin(replace(one, name=f"{one.name}-{seed}"), seed) for seed in seeds}) for one in chosen
-        ]
-        return [Verdicts(one, {seed: _report(future) for seed, future in each.items()}) for one, each in begun]
-
-
-def _report(future: Future[Report]) -> Report | str:
-    try:
-        return future.result()
-    except GradingError as problem:
-        return f"not graded: {problem}"
+    with Gradings([exercise.load(name) for name in {one.exercise for one in chosen}], workers) as pool:
+        begun = [(one, {seed: pool.begin(one, seed) for seed in seeds}) for one in chosen]
+        return [Verdicts(one, {seed: future.result() for seed, future in each.items()}) for one, each in begun]
 
 
 def main() -> None:
@@ -129,7 +116,7 @@ def main() -> None:
     verdicts = grade_all(chosen, range(1, options.seeds + 1), options.workers)
     bad = [one for one in verdicts if one.complaints()]
     for one in verdicts if options.verbose else bad:
-        said = one.complaints() or [rules.outcome(each) for each in one.reports.values() if not isinstance(each, str)]
+        said = one.complaints() or [rules.outcome(each) for each in one.reports.values()]
         head = f"{'NOT SO' if one in bad else 'ok'} {one.program.name}: {one.program.says}"
         sys.stdout.write("\n    ".join([head, *said]) + "\n")
     sys.stdout.write(f"{len(chosen) - len(bad)} of {len(chosen)} as they should be\n")

@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import random
 import sys
-import tempfile
 import time
 from concurrent.futures import as_completed
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.authoring.gradings import Gradings
 from course_kit.authoring.prove import equivalent, mutants
 from course_kit.authoring.rules import outcome
-from course_kit.classroom.executors import Local
-from course_kit.grading import needs
-from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.process.closing import Closing
 from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from course_kit.authoring.prove.equivalent import DeclaredEquivalent
     from course_kit.authoring.prove.mutants import Mutant
@@ -67,10 +61,14 @@ def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: in
     chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
     left, problems = list(chosen), _name_unused(entries, made)
-    with _Grading(exercise, workers) as grading:
-        grading.require_full_marks(source, seed)
+    with Gradings([exercise], workers) as pool:
+        report = pool.begin_text(exercise.id, source, seed).result()
+        if not _has_full_marks(report):
+            raise GradingError(
+                f"Nothing can be proven, because the solution itself does not get full marks: {outcome(report)}"
+            )
         for each in range(seed, seed + more + 1):
-            reports = grading.grade(left, each)
+            reports = _grade(pool, exercise.id, left, each)
             problems += list(_name_failures(reports, declared))
             left = [one for one in left if _has_full_marks(reports[one])]
             if each == seed and not exercise.variable:
@@ -85,6 +83,16 @@ def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: in
         problems=problems,
         duration_s=time.monotonic() - began,
     )
+
+
+def _grade(pool: Gradings, exercise_id: str, programs: Sequence[Mutant], seed: int) -> dict[Mutant, Report]:
+    """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
+    waiting = {pool.begin_text(exercise_id, one.source, seed, first_failure=True): one for one in programs}
+    for number, _ in enumerate(as_completed(waiting), start=1):
+        if number % _EACH == 0 or number == len(waiting):
+            sys.stderr.write(f"[{number}/{len(waiting)}] mistakes graded with seed {seed}\n")
+            sys.stderr.flush()
+    return {one: future.result() for future, one in waiting.items()}
 
 
 def describe(proof: GraderProof, *, quick: bool) -> Iterator[str]:
@@ -141,49 +149,3 @@ def _read_solution(solution: Path) -> str:
     except (OSError, ValueError) as problem:
         raise GradingError(f"{solution} cannot be read: {problem}.") from None
     return source
-
-
-class _Grading(Closing):
-    """The pool. Use it in a `with` statement."""
-
-    def __init__(self, exercise: Exercise, workers: int) -> None:
-        needs.require(exercise.limits)
-        self._exercise = exercise
-        self._folder = tempfile.TemporaryDirectory(prefix="course-kit-prove-")
-        self._reader = Reader()
-        self._executor = Local(workers or None, [exercise.grader] if exercise.grader else [], [exercise.limits])
-
-    def close(self) -> None:
-        """End it; what is under way is given up."""
-        self._executor.close()
-        self._reader.close()
-        self._folder.cleanup()
-
-    def require_full_marks(self, source: str, seed: int) -> None:
-        """Grade the solution."""
-        report = self._executor.submit(self._task("the solution", source, seed)).result()
-        if not _has_full_marks(report):
-            raise GradingError(
-                f"Nothing can be proven, because the solution itself does not get full marks: {outcome(report)}"
-            )
-
-    def grade(self, programs: Sequence[Mutant], seed: int) -> dict[Mutant, Report]:
-        """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
-        waiting = {
-            self._executor.submit(self._task(one.key, one.source, seed, first_failure=True)): one for one in programs
-        }
-        for number, _ in enumerate(as_completed(waiting), start=1):
-            if number % _EACH == 0 or number == len(waiting):
-                sys.stderr.write(f"[{number}/{len(waiting)}] mistakes graded with seed {seed}\n")
-                sys.stderr.flush()
-        return {one: future.result() for future, one in waiting.items()}
-
-    def _task(self, name: str, source: str, seed: int, *, first_failure: bool = False) -> Task:
-        path = Path(self._folder.name) / f"{self._exercise.id}.py"
-        path.write_text(source, encoding="utf-8")
-        try:
-            with Copy(path) as copy:
-                submission = self._reader.read(copy, self._exercise)
-        except UnreadableError as problem:
-            raise GradingError(f"{name} cannot be graded: {problem}") from None
-        return Task(self._exercise, submission, name, seed, first_failure=first_failure)
