@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
-from course_kit.grading.checks.goals import ABORTED, CANCELED, SUCCEEDED
+from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import Evidence, Failed, drawn
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.goals import CheckedGoal, Ended
-    from course_kit.grading.checks.vocabulary import GradedGoal, GradedNode
+    from course_kit.grading.checks.graded_goal import Ended, GradedGoal
+    from course_kit.grading.checks.vocabulary import GradedNode
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
@@ -83,7 +83,7 @@ class Move:
 
     begin: ArenaPoint
     target: ArenaPoint
-    goal: CheckedGoal
+    goal: GradedGoal
     ended: Ended
 
     @property
@@ -149,7 +149,7 @@ def describe_end(ended: Ended) -> str:
     )
 
 
-def metres_left(goal: CheckedGoal, target: ArenaPoint) -> float:
+def metres_left(goal: GradedGoal, target: ArenaPoint) -> float:
     """How far from its target the robot was at the last feedback so far; without end where there was none."""
     heard = goal.feedback
     return math.dist(place_of(heard[-1].feedback.position), target) if heard else math.inf
@@ -361,7 +361,7 @@ def _require_own_part(move: Move, feedback: Any) -> None:
         raise HastyError(Evidence(move.goal.shown, expected, got), why)
 
 
-def require_limits(goal: CheckedGoal) -> None:
+def require_limits(goal: GradedGoal) -> None:
     """Progress stays in 0 to 1 where there is no way to go and no feedback is needed."""
     if found := find_jump(goal.wait_for_last_feedback(lambda _: True)):
         evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
@@ -372,7 +372,7 @@ def require_limits(goal: CheckedGoal) -> None:
 # --- a move that is cancelled
 
 
-def explain_refusal(failed: Failed, goal: CheckedGoal, target: ArenaPoint, waited_s: float, *, slow: bool) -> Failed:
+def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited_s: float, *, slow: bool) -> Failed:
     """Whether cancelling that was not accepted in time was refused indeed, or may the robot have been there already?"""
     left, code = metres_left(goal, target), failed.diagnosis
     if code == "service.blocks":
@@ -427,7 +427,7 @@ def _is_blank(result: Any) -> bool:
 
 
 def require_one_at_a_time(
-    first: CheckedGoal, second: CheckedGoal, evidence: Evidence, wait_until: Callable[[Callable[[], bool], float], bool]
+    first: GradedGoal, second: GradedGoal, evidence: Evidence, wait_until: Callable[[Callable[[], bool], float], bool]
 ) -> None:
     """Of two goals that were accepted the server's own statuses say whether both ran at the same time."""
     wait_until(lambda: bool(first.began_at and second.began_at), _PROMPT_S)
@@ -443,7 +443,7 @@ def require_one_at_a_time(
     raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")
 
 
-def require_end_before(first: CheckedGoal, second: CheckedGoal, evidence: Evidence) -> None:
+def require_end_before(first: GradedGoal, second: GradedGoal, evidence: Evidence) -> None:
     """A goal that was being cancelled had ended when the second was accepted; both have ended."""
     if (first.over_at or 0.0) > second.began_at + _OVERLAP_S:
         why = "Your server accepted the second goal before the first, which it was to cancel, had ended."

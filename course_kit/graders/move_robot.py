@@ -16,7 +16,7 @@ from course_interfaces.action import MoveRobot
 
 from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, inside
-from course_kit.grading.checks.goals import CANCELED, SUCCEEDED
+from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     Evidence,
     Failed,

@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING, ClassVar
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
 from course_kit.grading.bounds import bounded
-from course_kit.grading.checks.discovery import Server
-from course_kit.grading.checks.retry import wait_for_match
+from course_kit.grading.checks.endpoints import Server
 from course_kit.ros.messages import ActionType
 from course_kit.ros.topic import Inbox
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import GraderNode, Offer
     from course_kit.ros.messages import Message
 
@@ -82,7 +80,7 @@ class ActionChannels:
         self._node = node.node
         self.goals = node.client(parts.SendGoalService, f"{self._below}/send_goal")
         self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
-        self.results = node.client(parts.GetResultService, f"{self._below}/get_result")  # the last: see `meet`
+        self.results = node.client(parts.GetResultService, f"{self._below}/get_result")
         self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
         self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS)
 
@@ -106,9 +104,3 @@ class WantedAction(Server[ActionType]):
     def offers(self, node: GraderNode) -> list[Offer]:
         """See `Server`."""
         return node.actions()
-
-    def meet(self, context: CheckContext, request: Message = None) -> None:
-        """See `Server`; asks for the result of a goal that does not exist, and whether that is answered is the same."""
-        del request
-        request = self.interface.Impl.GetResultService.Request()
-        wait_for_match(context, ActionChannels(context.grader_node, self).results, request)

@@ -6,7 +6,6 @@ A check is a function that talks to the submission over the wire and either retu
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-
-DEFAULT_DEADLINE_S = 6.0
 
 
 @dataclass(frozen=True)
@@ -77,33 +74,6 @@ class Check:
     deadline_s: float
     run: Callable[[CheckContext], Evidence]
     proves: tuple[str, ...] = ()
-
-
-def check(
-    *,
-    points: float,
-    depends_on: Sequence[str] = (),
-    deadline_s: float = DEFAULT_DEADLINE_S,
-    proves: Sequence[str] = (),
-) -> Callable[[Callable[[CheckContext], Evidence]], Check]:
-    """Decorator that makes a function a `Check`.
-
-    Args:
-        points: what it is worth.
-        depends_on: checks without which it cannot pass.
-        deadline_s: seconds for all its waiting together.
-        proves: ids of the sentences of the task that it proves.
-
-    Raises:
-        ValueError: the function has no docstring, or is worth nothing.
-    """
-
-    def declare(function: Callable[[CheckContext], Evidence]) -> Check:
-        title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
-        require_declared(function.__name__, title, points)
-        return Check(function.__name__, title, float(points), tuple(depends_on), deadline_s, function, tuple(proves))
-
-    return declare
 
 
 def require_declared(check_id: str, title: str, points: float) -> None:

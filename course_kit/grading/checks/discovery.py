@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.srv import ListParameters
@@ -11,73 +9,41 @@ from rcl_interfaces.srv import ListParameters
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
-from course_kit.grading.checks.named import Interface, Named
 from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.exceptions import explained, of_start
 from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.endpoints import Interface, Server
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.checks.grader_node import GraderNode, Offer
     from course_kit.grading.plain_data import Record
     from course_kit.ros.messages import Message
+    from course_kit.ros.service import ServiceClient
 
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
 _GREET_S = 1.0
+_ASK_AGAIN_S = 0.5
+RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 
 
-class Server(Named[Interface], ABC):
-    """A service or an action as the exercise names it; of these the exercise's grader makes one."""
-
-    @abstractmethod
-    def ready(self, node: GraderNode) -> bool:
-        """Whether the grader's own clients are connected with it."""
-
-    @abstractmethod
-    def offers(self, node: GraderNode) -> list[Offer]:
-        """Everything of this kind on the graph."""
-
-    @abstractmethod
-    def meet(self, context: CheckContext, request: Message) -> None:
-        """Wait a moment until the server's process knows the grader's clients.
-
-        Args:
-            context: the check's.
-            request: what a service may be asked for that; None when there is nothing.
-
-        Raises:
-            SubmissionEndedError: the submission has ended meanwhile.
-        """
-
-
-def expect_offered(
-    context: CheckContext, server: Server[Interface], greet: Callable[[], None] | None = None, request: Message = None
-) -> Evidence:
+def expect_offered(context: CheckContext, server: Server[Interface]) -> Evidence:
     """A service or an action is on the graph, with its type, and its program is there to be asked.
 
-    Args:
-        context: the context of the check.
-        server: what is expected.
-        greet: has the program answer something, in place of a request to the server.
-        request: any request of a service; whether and how it is answered is for other checks. It tells a server from
-            a program that offers a service and ends at once, however fast each is discovered.
+    That tells a server from a program that offers a service and ends at once, however fast each is discovered.
 
     Raises:
         Failed: it is not; with start.*, name.*, type.interface or limit.*.
     """
-    expected = f"the {server.named}"
+    expected = f"the {server.kind} {server.name} of type {server.type}"
     _await_offer(context, server, expected)
     try:
-        if greet is not None:
-            greet()
-        else:
-            server.meet(context, request)
+        greet(context)
     except SubmissionEndedError as ended:
         if ended.diagnosis == "start.exit":
             raise Failed(Evidence("", expected, ENDED), ended.message, ended.diagnosis) from None
@@ -127,40 +93,6 @@ def has_settled(context: CheckContext, clock: FairClock) -> bool:
         clock: begun when the waiting began.
     """
     return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
-
-
-def ensure_ready(context: CheckContext, server: Server[Interface]) -> None:
-    """Have a running submission that offers the server: one that has died or hangs is started again.
-
-    Raises:
-        Failed: it does not come up a second time.
-    """
-    if context.spoiled:
-        start_again(context, server)
-
-
-def start_again(context: CheckContext, server: Server[Interface], variables: Mapping[str, str] | None = None) -> None:
-    """End the submission and start it anew, with other environment variables if wanted.
-
-    Args:
-        context: the context of the check.
-        server: what it is to offer.
-        variables: environment variables that differ from the exercise's own.
-
-    Raises:
-        Failed: it does not come up a second time.
-    """
-    context.launch(variables=variables)
-    try:
-        came = context.wait_for_start(lambda: server.ready(context.grader_node))
-    except SubmissionEndedError:
-        came = False
-    if not came:
-        context.spoil()
-        evidence = Evidence("", f"the {server.kind} {server.name}, started again", f"no {server.kind}")
-        raise Failed(evidence, "Your program started once, but did not come up when it was started again.")
-    with suppress(SubmissionEndedError):  # whoever needs it will notice
-        server.meet(context, None)
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
@@ -247,7 +179,26 @@ def greet(context: CheckContext) -> None:
     if offers:
         client = node.client(ListParameters, offers[0])
         context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
-        context.wait_until(client.send(ListParameters.Request()).answered, _GREET_S)
+        answers(context, client, ListParameters.Request(), _GREET_S)
     else:
         clock = context.clock()
         context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
+
+
+def answers(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
+    """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile.
+
+    On a loaded machine the middleware drops a response as long as the server's process has not noticed the client
+    (rmw_fastrtps waits 0.1 s for that).
+
+    Raises:
+        SubmissionEndedError: the program has ended.
+    """
+    sent, clock = client.send(request), context.clock()
+
+    def came() -> bool:
+        if sent.sent == 1 and clock.wall() > _ASK_AGAIN_S:
+            sent.send_again()
+        return sent.answered()
+
+    return context.wait_until(came, seconds)

@@ -1,32 +1,111 @@
-"""A goal as a check follows it: accepted or rejected, its feedback, cancelled, its end."""
+"""A goal as a check follows it, by what crosses the wire: accepted or rejected, its feedback, cancelled, its end."""
 
 from __future__ import annotations
 
+import itertools
+import uuid
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from action_msgs.msg import GoalInfo, GoalStatus
+from unique_identifier_msgs.msg import UUID
+
+from course_kit.grading.bounds import bounded
+from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.goals import CANCELED, SUCCEEDED, CheckedGoal, Ended
+from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.discovery import RESEND_AFTER_S
 from course_kit.grading.checks.matching import describe_wanted, differences
-from course_kit.grading.diagnosis import goals, hangs
+from course_kit.grading.diagnosis import exits, goals, hangs
 from course_kit.grading.diagnosis.exceptions import explained
-from course_kit.grading.exchange_log import in_one_line
+from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
+from course_kit.ros.arrows import Arrow
 from course_kit.ros.goal import status_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.actions import WantedAction
+    from collections.abc import Callable
+
+    from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.ros.messages import Message
+    from course_kit.ros.service import SentRequest
 
+SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 END_S = 10.0
-_STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
 PROMPT_S = 1.0
+_STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
+_QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+_REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
 
-class GradedGoal(CheckedGoal):
-    """A goal that was sent."""
+@dataclass(frozen=True)
+class Ended:
+    """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
+
+    status: int
+    result: Message
+
+    @property
+    def name(self) -> str:
+        """The status in words, `SUCCEEDED`."""
+        return status_name(self.status)
+
+
+class GradedGoal:
+    """A goal; made, it is sent.
+
+    Attributes:
+        shown: the goal as the learner is shown it.
+        clock: begun when it was sent.
+    """
 
     def __init__(self, context: CheckContext, action: WantedAction, message: Message) -> None:
-        super().__init__(context, action, message, f"a goal with {in_one_line(message)}")
+        self.shown = shown = f"a goal with {in_one_line(message)}"
+        context.require_time(Evidence(shown, "an answer to the goal"))
+        self._context, self._parts = context, action.interface.Impl
+        self._line = ActionChannels(context.grader_node, action)
+        self._stderr = context.process().stderr
+        self._id = uuid.uuid4().bytes
+        self._result: SentRequest | None = None
+        self._all_heard = False
+        self.clock = context.clock()
+        request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
+        self._turn = context.record.sent(f"goal for {action.name}: {in_one_line(message)}")
+        self._cancelling = Exchange()
+        context.record.follow(self._feedback_steps)
+        self._follow()
+        self._answer = self._line.goals.send(request)
+
+    @property
+    def answered(self) -> bool:
+        """Whether the server has said yes or no."""
+        return self._answer.answered()
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it has said yes."""
+        return self.answered and bool(self._answer.response().accepted)
+
+    @property
+    def feedback(self) -> list[ReceivedFeedback]:
+        """The feedback about this goal so far, oldest first."""
+        return self._line.feedback.of(self._id)
+
+    @property
+    def statuses(self) -> list[tuple[float, int]]:
+        """The statuses received for this goal so far, each with its time on the system's clock."""
+        return self._line.statuses.of(self._id)
+
+    @property
+    def over_at(self) -> float | None:
+        """When the grader learned that it had ended, on the system's clock; None as long as it runs."""
+        return next((when for when, status in self.statuses if status >= SUCCEEDED), None)
+
+    @property
+    def began_at(self) -> float:
+        """When the grader first heard of it, on the system's clock; 0 if it never has."""
+        return next((when for when, _ in self.statuses), 0.0)
 
     def accepted_by(self, *, expected: str = "the goal accepted", breaks: str = "") -> GradedGoal:
         """The server accepts it.
@@ -149,6 +228,144 @@ class GradedGoal(CheckedGoal):
                 raise Failed(evidence, why, "action.cancel_blocked", breaks=breaks)
             raise Failed(evidence, "The goal was over before the request to cancel arrived.", breaks=breaks)
         return self
+
+    def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
+        """Wait until the server has said yes or no.
+
+        Raises:
+            Failed: it has not; with the reason if it can be established.
+        """
+        nudged = False
+
+        def decided() -> bool:
+            nonlocal nudged
+            if not nudged and self.clock.wall() > RESEND_AFTER_S:
+                nudged = True
+                self._line.results.send(self._parts.GetResultService.Request())
+            return self.answered
+
+        evidence = Evidence(self.shown, expected)
+        with explained(self._context, evidence, exits.of_call, "no answer: the program ended"):
+            found = self._context.wait_until(decided, seconds)
+        if not found:
+            raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
+        self._turn.came("accepted" if self.accepted else "rejected")
+
+    def wait_for_end(self, seconds: float, expected: str) -> Ended:
+        """Wait for the result.
+
+        Args:
+            seconds: the patience, fairly counted.
+            expected: what a right end is, in words.
+
+        Raises:
+            Failed: none came; with the reason if it can be established.
+        """
+        result = self._result
+        if result is None:
+            result = self._result = self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
+        else:
+            result.send_again()
+        clock = self._context.clock()
+        try:
+            self._context.wait_until(lambda: self._has_come(result), seconds)
+        except SubmissionEndedError as ended:
+            diagnosis, message = goals.of_program(ended.process, self._context.job)
+            evidence = Evidence(self.shown, expected, "no result: the program ended")
+            self._turn.missed(evidence.got)
+            raise Failed(evidence, message, diagnosis) from None
+        if result.answered():
+            response = bounded(result.response())
+            end = Ended(response.status, response.result)
+            self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
+            return end
+        self._context.spoil()
+        seconds = min(seconds, clock.fair())
+        over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
+        diagnosis, message = goals.of_silence(self._context, over, seconds, self.process())
+        evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
+        self._turn.missed(evidence.got)
+        raise Failed(evidence, message, diagnosis)
+
+    def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
+        """The feedback of a goal that has ended, once no more comes.
+
+        Args:
+            complete: whether it looks complete; if not, it is waited for longer.
+        """
+        if self._all_heard:
+            return self.feedback
+        count, clock = -1, self._context.clock()
+
+        def quiet() -> bool:
+            nonlocal count, clock
+            if count != self._line.feedback.count:
+                count, clock = self._line.feedback.count, self._context.clock()
+            return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
+
+        self._context.wait_until(quiet, hangs.ANSWER_S)
+        self._all_heard = complete(self.feedback)
+        return self.feedback
+
+    def cancel(self) -> SentRequest:
+        """Ask the server to cancel it, by an action_msgs/srv/CancelGoal."""
+        request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
+        self._cancelling = self._context.record.sent("request to cancel the goal")
+        return self._line.cancels.send(request)
+
+    def is_cancelled_by(self, response: Message) -> bool:
+        """Whether a response to `cancel` says that the goal will be cancelled."""
+        agreed = any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
+        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
+        return agreed
+
+    def process(self) -> ProcessStatus:
+        """What is known of the program, with only what it has written to stderr since the goal was sent."""
+        process = self._context.process(fresh=True)
+        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
+        return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
+
+    def require_status(self, ended: Ended, status: int, evidence: Evidence) -> None:
+        """See that it has ended with a status, and without an exception.
+
+        Args:
+            ended: how it has ended.
+            status: that it has to have, see action_msgs/msg/GoalStatus.
+            evidence: what was seen of it.
+
+        Raises:
+            Failed: it has not; with the reason.
+        """
+        process, job = self.process(), self._context.job
+        cause = goals.of_exception(process, job)
+        if ended.status != status:
+            cause = goals.of_status(ended.name, process, job)
+        if cause is not None:
+            raise Failed(evidence, cause[1], cause[0])
+
+    def _has_come(self, result: SentRequest) -> bool:
+        if result.sent == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
+            result.send_again()
+        return result.answered()
+
+    def _feedback_steps(self) -> list[Followed]:
+        """The first and the last feedback."""
+        all_told = self.feedback
+        begin = self._turn.steps[0][0]
+        steps = []
+        for number in sorted({1, len(all_told)} if all_told else ()):
+            told = all_told[number - 1]
+            text = f"feedback {number} after {told.came_s - begin:.2f} s: {in_one_line(told.feedback)}"
+            steps.append((told.came_s, Arrow(NODE, GRADER, "message", text)))
+        return steps
+
+    def _follow(self) -> None:
+        """Have what comes about this goal kept from now on."""
+        self._line.feedback.of(self._id)
+        self._line.statuses.of(self._id)
+
+    def _uuid(self) -> UUID:
+        return UUID(uuid=list(self._id))
 
     def _nothing_raised(self) -> bool:
         return goals.of_exception(self.process(), self._context.job) is None

@@ -13,10 +13,10 @@ from course_kit.grading.checks import discovery, load_test, topics
 from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.answers import Answer, Change
 from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.endpoints import Service
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences, interface_of, message_of, only_field
 from course_kit.grading.checks.parameters import Remote, SetResult, parameter_file, shown, start_arguments
-from course_kit.grading.checks.services import Service
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.exchange_log import Exchange, in_one_line
 
@@ -74,9 +74,10 @@ class GradedNode:
         found = self._service(service)
         message = message_of(found.interface.Request, request, fields)
         told = in_one_line(message)
-        context, turn = self.context, self.context.record.sent(f"request {service}: {told}", about=told)
+        context, evidence = self.context, Evidence(told, "an answer")
+        context.require_time(evidence)
+        turn = context.record.sent(f"request {service}: {told}", about=told)
         clock, client = context.clock(), found.client(context.grader_node)
-        evidence = Evidence(told, "an answer")
         try:
             with exceptions.explained(context, evidence, exits.of_call, "no answer: the program ended"):
                 sent = client.send(message)

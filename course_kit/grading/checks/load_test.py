@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.discovery import ensure_ready
-from course_kit.grading.checks.retry import RESEND_AFTER_S
+from course_kit.grading.checks.discovery import RESEND_AFTER_S
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.diagnosis.hangs import unanswered
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.services import Service
+    from course_kit.grading.checks.endpoints import Service
     from course_kit.ros.messages import Message
     from course_kit.ros.service import SentRequest, ServiceClient
 
@@ -58,7 +57,6 @@ def call_many(
     Raises:
         Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
     """
-    ensure_ready(context, service)
     clients = [service.client(context.grader_node, number) for number in range(load.clients)]
     with explained(context, evidence, exits.of_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), load.seconds, step_s=_STEP_S)

@@ -13,8 +13,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, Set
 from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.discovery import ENDED, has_settled, other_nodes
-from course_kit.grading.checks.retry import wait_for_match
+from course_kit.grading.checks.discovery import ENDED, answers, has_settled, other_nodes
 from course_kit.grading.diagnosis import exceptions, hangs
 from course_kit.ros import parameters
 
@@ -156,7 +155,7 @@ def expect_served(context: CheckContext, node: str) -> Evidence:
             ListParameters, f"{node}/list_parameters"
         )  # the last that `remote` has made
         clock = context.clock()
-        if not wait_for_match(context, client, ListParameters.Request(), hangs.ANSWER_S):
+        if not answers(context, client, ListParameters.Request(), hangs.ANSWER_S):
             raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
     return Evidence("", expected, expected)
 

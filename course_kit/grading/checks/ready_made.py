@@ -9,10 +9,10 @@ from course_kit.grading.checks import discovery
 from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, Failed, require_declared
 from course_kit.grading.checks.drawing import drawn_values
+from course_kit.grading.checks.endpoints import Service, Topic
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.matching import Close, differences, interface_of, only_field
-from course_kit.grading.checks.services import Service
-from course_kit.grading.checks.topics import Topic, expect_endpoints
+from course_kit.grading.checks.topics import expect_endpoints
 from course_kit.grading.diagnosis import hangs
 
 if TYPE_CHECKING:
@@ -115,11 +115,7 @@ def offered(
         for one in ends:
             if one["kind"] in ("service", "action"):
                 kind: Any = Service if one["kind"] == "service" else WantedAction
-                told.append(
-                    discovery.expect_offered(
-                        context, kind(one["name"], interface_of(one["type"])), lambda: discovery.greet(context)
-                    )
-                )
+                told.append(discovery.expect_offered(context, kind(one["name"], interface_of(one["type"]))))
         topics = {
             kind: [Topic(one["name"], interface_of(one["type"])) for one in ends if one["kind"] == kind]
             for kind in _ENDS

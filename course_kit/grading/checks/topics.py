@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rclpy.duration import Infinite
 from rclpy.qos import (
@@ -19,14 +18,13 @@ from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.grader_node import DEPTH
-from course_kit.grading.checks.named import Named
 from course_kit.grading.diagnosis import exceptions, exits, hangs
-from course_kit.ros.messages import MessageType
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.endpoints import Topic
     from course_kit.ros.topic import Endpoint
 
 _GRAPH_S = 2.0  # how long an endpoint is waited for, of a node that is up
@@ -40,13 +38,6 @@ _DEFAULT = QoSProfile(
     lifespan=Infinite,
     liveliness_lease_duration=Infinite,
 )
-
-
-@dataclass(frozen=True)
-class Topic(Named[MessageType]):
-    """A topic as the exercise names it."""
-
-    kind: ClassVar[str] = "topic"
 
 
 def expect_endpoints(context: CheckContext, published: Sequence[Topic], subscribed: Sequence[Topic]) -> Evidence:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.check import Check, Evidence, Failed, check, in_order, run_all
+from course_kit.grading.checks.check import Check, Evidence, Failed, in_order, run_all
+from course_kit.grading.checks.vocabulary import check
 from course_kit.grading.exchange_log import ExchangeLog
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.vocabulary import GradedNode
 
 
 class FakeBench:
@@ -89,21 +93,21 @@ def test_skipped_check_names_the_title_it_waits_for() -> None:
 
 
 def test_declaration_takes_name_and_title_from_the_function() -> None:
-    @check(points=2, depends_on=["x"])
-    def reaches_the_wall(context: Any) -> Evidence:
+    @check(points=2, after=["x"], proves=["answers", "in_time"])
+    def reaches_the_wall(node: GradedNode) -> None:
         """The robot reaches the wall.
 
         More about it.
         """
-        del context
-        return Evidence()
+        del node
 
     assert (reaches_the_wall.id, reaches_the_wall.title) == ("reaches_the_wall", "The robot reaches the wall")
     assert (reaches_the_wall.points, reaches_the_wall.depends_on) == (2.0, ("x",))
+    assert reaches_the_wall.proves == ("answers", "in_time")
 
 
 def test_declaration_needs_a_title_and_points() -> None:
-    def silent(context: Any) -> Evidence:
+    def silent(node: GradedNode) -> None:
         raise NotImplementedError
 
     with pytest.raises(ValueError, match="docstring"):
@@ -111,13 +115,3 @@ def test_declaration_needs_a_title_and_points() -> None:
     silent.__doc__ = "Title."
     with pytest.raises(ValueError, match="points"):
         check(points=0)(silent)
-
-
-def test_declared_check_names_the_sentences_it_proves() -> None:
-    @check(points=1.0, proves=["answers", "in_time"])
-    def answers(context: Any) -> Evidence:
-        """It answers."""
-        del context
-        return Evidence()
-
-    assert answers.proves == ("answers", "in_time")

@@ -18,12 +18,13 @@ from course_kit import environment
 from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.discovery import expect_node, expect_offered, start_again
-from course_kit.grading.checks.goals import CheckedGoal
+from course_kit.grading.checks.discovery import expect_node, expect_offered
+from course_kit.grading.checks.endpoints import Service, Topic
+from course_kit.grading.checks.graded_goal import GradedGoal
+from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.parameters import Remote, expect_served
-from course_kit.grading.checks.services import Service, call
-from course_kit.grading.checks.topics import Topic, expect_endpoints
+from course_kit.grading.checks.topics import expect_endpoints
 from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.job import Job
 from course_kit.grading.limits import Limits
@@ -67,7 +68,8 @@ threading.Event().wait()
 def context(domain: int) -> Iterator[CheckContext]:
     """A context on whose graph is the silent node."""
     environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
-    job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S))
+    ends = [{"kind": "service", "name": SERVICE.name, "type": SERVICE.type}]
+    job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S), endpoints=ends)
     with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
         made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
         made.launch()
@@ -77,8 +79,8 @@ def context(domain: int) -> Iterator[CheckContext]:
         program.kill()
 
 
-def send(context: CheckContext) -> CheckedGoal:
-    return CheckedGoal(context, ACTION, MoveRobot.Goal(), "a goal")
+def send(context: CheckContext) -> GradedGoal:
+    return GradedGoal(context, ACTION, MoveRobot.Goal())
 
 
 def cancel(context: CheckContext) -> None:
@@ -87,7 +89,7 @@ def cancel(context: CheckContext) -> None:
 
 # Each asks the silent node for something, and how long it would wait by itself.
 VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
-    "call": (lambda context: call(context, SERVICE, REQUEST, "a request", "an answer"), ANSWER_S),
+    "call": (lambda context: GradedNode(context).call(SERVICE.name, REQUEST), ANSWER_S),
     "call_many": (lambda context: call_many(context, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
     "goal": (lambda context: send(context).wait_for_answer("an answer"), ANSWER_S),
     "cancel": (cancel, ANSWER_S),
@@ -99,12 +101,11 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "set together": (lambda context: Remote(context, NODE).set_together({"x": 1.0}), ANSWER_S),
     "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
-    "service that is missing": (lambda context: expect_offered(context, MISSING, REQUEST), 2.0),
+    "service that is missing": (lambda context: expect_offered(context, MISSING), 2.0),
     "action that is missing": (lambda context: expect_offered(context, NO_ACTION), 2.0),
     "node that is missing": (lambda context: expect_served(context, "/nobody"), 2.0),
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),
-    "another start": (lambda context: start_again(context, NO_ACTION), START_S),
 }
 
 
@@ -157,7 +158,8 @@ def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
 def test_when_the_time_is_up_nothing_more_is_asked(context: CheckContext) -> None:
     def one(context: CheckContext) -> Evidence:
         assert not context.wait_until(lambda: False, ANSWER_S)
-        return call(context, SERVICE, REQUEST, "a request", "an answer")  # type: ignore[return-value]
+        GradedNode(context).call(SERVICE.name, REQUEST)
+        return EVIDENCE
 
     (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)
     assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to ask")
