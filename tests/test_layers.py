@@ -72,7 +72,7 @@ STILL_ABOVE = {
     "course_kit/graders": 2550,
     "course_kit/classroom": 6920,
     "course_kit/learner": 1500,
-    "course_kit/authoring": 3302,
+    "course_kit/authoring": 2978,
     "course_kit/integrations": 1225,
     "course_kit/dev": 880,
     "course_kit/cli": 1610,

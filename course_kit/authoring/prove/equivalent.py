@@ -9,8 +9,8 @@ of another one's.
     reason = "The depth of a queue is free."
 
 An entry is about all mutants of these operators on lines with these texts; lines may move. With `change` it is about
-those in whose new text these words stand, and with `ordinal`, where several lines have the same text, about the first,
-second ... of them.
+those in whose change, `old -> new`, these words stand, and with `ordinal`, where several have the same, about the
+first, second ... of them.
 """
 
 from __future__ import annotations
@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
 
 FILE = "equivalent.toml"
-_LIST = "a list of texts"
-_FIELDS = {"lines": _LIST, "operators": _LIST, "reason": "a text", "change": "a text", "ordinal": "a whole number"}
+_FIELDS = {"lines": list, "operators": list, "reason": str, "change": str, "ordinal": int}
 _NEEDED = ("lines", "operators", "reason")
 
 
@@ -45,7 +44,6 @@ class DeclaredEquivalent:
 
     line: str
     operator: str
-    reason: str
     change: str = ""
     ordinal: int = 0
 
@@ -54,13 +52,12 @@ class DeclaredEquivalent:
         return (
             mutant.operator == self.operator
             and mutant.before == self.line
-            and self.change in mutant.after
+            and self.change in mutant.change
             and self.ordinal in (0, mutant.ordinal)
         )
 
     def __str__(self) -> str:
-        change = f" -> ... {self.change} ..." if self.change else ""
-        return f"{self.operator}: {self.line}{change}"
+        return f"{self.operator}: {self.line}{f': {self.change}' if self.change else ''}"
 
 
 def file_of(exercise: Exercise) -> Path:
@@ -72,34 +69,25 @@ def file_of(exercise: Exercise) -> Path:
 def read(path: Path) -> list[DeclaredEquivalent]:
     """The entries of a file, one for each line and operator; none when it is not there."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        entries = tomllib.loads(path.read_text(encoding="utf-8"))["equivalent"]
+        return [one for number, entry in enumerate(entries, start=1) for one in _declared(entry, number)]
     except FileNotFoundError:
         return []
-    except (OSError, ValueError) as problem:
+    except KeyError:
+        raise GradingError(f"{path} cannot be used: it has no [[equivalent]].") from None
+    except (OSError, ValueError, TypeError, AttributeError) as problem:
         raise GradingError(f"{path} cannot be used: {problem}.") from problem
-    entries = table.get("equivalent", [])
-    if set(table) - {"equivalent"} or not isinstance(entries, list):
-        raise GradingError(f"{path} cannot be used: it has to hold [[equivalent]] and nothing else.")
-    return [one for number, entry in enumerate(entries, start=1) for one in _declared(entry, path, number)]
 
 
-def _declared(entry: dict[str, object], path: Path, number: int) -> Iterator[DeclaredEquivalent]:
-    where = f"{path} cannot be used: entry {number} of [[equivalent]]"
-    for name in _NEEDED:
-        if not entry.get(name):
-            raise GradingError(f"{where} has no '{name}'.")
+def _declared(entry: dict[str, object], number: int) -> Iterator[DeclaredEquivalent]:
+    where = f"entry {number} of [[equivalent]]"
+    if missing := next((name for name in _NEEDED if not entry.get(name)), None):
+        raise ValueError(f"{where} has no '{missing}'")
     for name, value in entry.items():
         if name not in _FIELDS:
-            raise GradingError(f"{where} has a field '{name}'. There are: {', '.join(_FIELDS)}.")
-        if _kind(value) != _FIELDS[name]:
-            raise GradingError(f"{where}: '{name}' has to be {_FIELDS[name]}.")
-    more = {name: value for name, value in entry.items() if name not in ("lines", "operators")}
-    for line in entry["lines"]:  # type: ignore[attr-defined]  # a list, as `_kind` has seen
+            raise ValueError(f"{where} has a field '{name}'. There are: {', '.join(_FIELDS)}")
+        if type(value) is not _FIELDS[name]:
+            raise ValueError(f"{where}: '{name}' has to be a {_FIELDS[name].__name__}")
+    for line in entry["lines"]:  # type: ignore[attr-defined]  # a list, as we have seen
         for operator in entry["operators"]:  # type: ignore[attr-defined]
-            yield DeclaredEquivalent(line.strip(), operator, **more)  # type: ignore[arg-type]
-
-
-def _kind(value: object) -> str:
-    if isinstance(value, list) and all(isinstance(one, str) for one in value):
-        return _LIST
-    return {str: "a text", int: "a whole number"}.get(type(value), "")
+            yield DeclaredEquivalent(line.strip(), operator, entry.get("change", ""), entry.get("ordinal", 0))  # type: ignore[arg-type]

@@ -2,42 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
+import ast
 from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.operators import endpoints, expressions, ros, statements
-from course_kit.authoring.prove.program import ParsedProgram, parsed
+from course_kit.authoring.prove import mistakes, ros_mistakes
+from course_kit.authoring.prove.program import ParsedProgram, line_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from course_kit.authoring.prove.program import Mutation
-
-OPERATORS: tuple[Callable[[ParsedProgram], Iterator[Mutation]], ...] = (
-    endpoints.endpoint_names,
-    endpoints.endpoint_types,
-    endpoints.quality_of_service,
-    endpoints.destroyed,
-    ros.callbacks,
-    ros.goal_status,
-    ros.messages,
-    ros.failing,
-    ros.spinning,
-    ros.parameters,
-    ros.parameter_types,
-    ros.groups,
-    expressions.operators,
-    expressions.comparisons,
-    expressions.numbers,
-    expressions.texts,
-    expressions.elements,
-    expressions.names,
-    statements.conditions,
-    statements.statements,
-    statements.arguments,
-)
+    from course_kit.authoring.prove.program import New
 
 
 @dataclass(frozen=True)
@@ -47,40 +21,40 @@ class Mutant:
     operator: str  # what kind of mistake
     line: int  # where, from 1
     before: str  # that line, without blanks around it
-    after: str  # what stands there instead, without blanks around it; further lines follow after ` / `
-    ordinal: int  # the how manieth with the same four, from 1
+    change: str  # `old -> new`, as `ast` writes both
+    ordinal: int  # the how manieth with the same three, from 1
     source: str  # the whole program
-    diff: tuple[str, ...]  # what differs, line by line, the old ones with `-` and the new ones with `+`
 
     @property
     def key(self) -> str:
         """Its name, which stays the same when lines are added above it."""
         more = f" (no. {self.ordinal})" if self.ordinal > 1 else ""
-        return f"{self.operator}: {self.before} -> {self.after}{more}"
+        return f"{self.operator}: {self.before}: {self.change}{more}"
 
 
 def of(source: str, *, starts_itself: bool = True) -> list[Mutant]:
     """All mutants of a program, in the order of its lines; without those that nobody can see."""
     program = ParsedProgram(source, starts_itself=starts_itself)
-    seen = {parsed(source)}
+    lines = source.split("\n")
+    seen = {"", ast.unparse(program.tree)}
     found: list[Mutant] = []
     counted: Counter[tuple[str, str, str]] = Counter()
-    changes = [change for operator in OPERATORS for change in operator(program)]
-    for change in sorted(changes, key=lambda one: one.line):
-        text = program.apply(change.edits)
-        meaning = parsed(text)
-        if not meaning or meaning in seen:
+    changes = [one for operator in (*ros_mistakes.MISTAKES, *mistakes.MISTAKES) for one in operator(program)]
+    for one in sorted(changes, key=lambda one: line_of(one.at or one.node)):
+        text = program.text_with(one)
+        if text in seen:
             continue
-        seen.add(meaning)
-        diff = _diff(program.source, text)
-        before = program.lines[change.line - 1].strip()
-        after = " / ".join(line[1:].strip() for line in diff if line.startswith("+"))
-        counted[change.operator, before, after] += 1
-        ordinal = counted[change.operator, before, after]
-        found.append(Mutant(change.operator, change.line, before, after, ordinal, text, tuple(diff)))
+        seen.add(text)
+        line = line_of(one.at or one.node)
+        mistake = one.operator, lines[line - 1].strip(), f"{_written(one.node)} -> {_written(one.new)}"
+        counted[mistake] += 1
+        found.append(Mutant(one.operator, line, *mistake[1:], counted[mistake], text))
     return found
 
 
-def _diff(old: str, new: str) -> list[str]:
-    lines = difflib.unified_diff(old.split("\n"), new.split("\n"), lineterm="", n=0)
-    return [line for line in lines if line[:3] not in ("---", "+++") and line[:2] != "@@"]
+def _written(node: ast.AST | New) -> str:
+    """A node in one line."""
+    if node is None:
+        return "nothing"
+    parts = node if isinstance(node, list) else [node]
+    return " / ".join(line.strip() for part in parts for line in ast.unparse(part).split("\n"))

@@ -7,6 +7,7 @@ import sys
 import time
 from concurrent.futures import as_completed
 from dataclasses import dataclass, field
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
@@ -101,8 +102,7 @@ def describe(proof: GraderProof, *, quick: bool) -> Iterator[str]:
         yield from ("Mistakes that get full marks, with no reason given:", "")
     for one in proof.survivors:
         yield f"{proof.exercise.solution.name}, line {one.line}: {one.operator}"
-        yield from (f"    {line}" for line in one.diff)
-        yield ""
+        yield from (f"    {one.before}", f"    {shorten(one.change, _WIDTH)}", "")
     for problem in proof.problems:
         yield from wrapped(f"✗ {problem}", following="    ", width=_WIDTH)
     seen = proof.graded - len(proof.survivors) - len(proof.equivalent)

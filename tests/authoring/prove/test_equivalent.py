@@ -28,28 +28,21 @@ def covered(tmp_path: Path, *more: str) -> list[str]:
 
 
 def test_an_entry_is_about_an_operator_on_a_line_wherever_it_stands(tmp_path: Path) -> None:
-    two, none = "another number: return b + 1 -> return b + 2", "another number: return b + 1 -> return b + 0"
+    two, none = "another number: return b + 1: 1 -> 2", "another number: return b + 1: 1 -> 0"
     assert covered(tmp_path) == [two, none, f"{two} (no. 2)", f"{none} (no. 2)"]
-    assert covered(tmp_path, 'change = "b + 2"') == [two, f"{two} (no. 2)"]
-    assert covered(tmp_path, 'change = "b + 2"', "ordinal = 2") == [f"{two} (no. 2)"]
-
-
-def test_without_a_file_nothing_is_declared(tmp_path: Path) -> None:
-    assert equivalent.read(tmp_path / "equivalent.toml") == []
+    assert covered(tmp_path, 'change = "-> 2"') == [two, f"{two} (no. 2)"]
+    assert covered(tmp_path, 'change = "-> 2"', "ordinal = 2") == [f"{two} (no. 2)"]
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("[[equivalent]\n", "cannot be used"),
-        ("[other]\n", r"has to hold \[\[equivalent\]\] and nothing else"),
-        ("equivalent = 3\n", r"has to hold \[\[equivalent\]\]"),
+        ("[other]\n", r"it has no \[\[equivalent\]\]"),
+        ("equivalent = 3\n", "cannot be used"),
         (f"[[equivalent]]\n{LINES}{OPERATORS}", r"entry 1 of \[\[equivalent\]\] has no 'reason'"),
-        (f"[[equivalent]]\n{LINES}{REASON}", "has no 'operators'"),
-        (f'[[equivalent]]\n{LINES}{OPERATORS}reason = ""\n', "has no 'reason'"),
         (f"[[equivalent]]\n{LINES}{OPERATORS}{REASON}why = 1\n", "has a field 'why'. There are: lines, operators"),
-        (f'[[equivalent]]\nlines = "a"\n{OPERATORS}{REASON}', "'lines' has to be a list of texts"),
-        (f"[[equivalent]]\n{LINES}{OPERATORS}{REASON}ordinal = true\n", "'ordinal' has to be a whole number"),
+        (f'[[equivalent]]\nlines = "a"\n{OPERATORS}{REASON}', "'lines' has to be a list"),
     ],
 )
 def test_a_wrong_entry_is_named(tmp_path: Path, text: str, said: str) -> None:

@@ -30,10 +30,10 @@ def test_a_grader_that_sees_everything_is_proven(tiny: Tiny) -> None:
 def test_a_mistake_that_gets_full_marks_is_named(tiny: Tiny) -> None:
     tiny.grader(high="got in (5, 6)")
     proof = tiny.prove()
-    assert [one.after for one in proof.survivors] == ['"high": 6,']
+    assert [one.change for one in proof.survivors] == ["5 -> 6"]
     assert not proof.holds
     assert "tiny.py, line 3: another number" in text(proof)
-    assert f"    -    {LINE}\n    +" in text(proof)
+    assert f"    {LINE}\n    5 -> 6\n" in text(proof)
     assert "NOT PROVEN" in text(proof)
 
 
@@ -42,11 +42,11 @@ def test_a_declared_one_needs_no_more_than_its_reason(tiny: Tiny) -> None:
     entry = (
         "[[equivalent]]\nlines = ['{}']\noperators = [\"another number\"]\nchange = '{}'\nreason = \"Six will do.\"\n"
     )
-    tiny.declare(entry.format(LINE, '"high": 6'))
+    tiny.declare(entry.format(LINE, "-> 6"))
     proof = tiny.prove()
     assert proof.holds
-    assert [one.after for one in proof.equivalent] == ['"high": 6,']
-    tiny.declare(entry.format(LINE, '"high": 4'))
+    assert [one.change for one in proof.equivalent] == ["5 -> 6"]
+    tiny.declare(entry.format(LINE, "-> 4"))
     proof = tiny.prove()
     assert not proof.holds
     assert "Declared as equivalent, but high sees it: another number" in text(proof)

@@ -1,1 +1,0 @@
-"""The mistakes that `prove` makes in a solution, each a function from a program to its changes."""
