@@ -1,18 +1,25 @@
-"""What a velocity limiter has to do with a command, given its parameters; and what a wrong one did instead."""
+"""Exercise 3: what a velocity limiter has to do, given its parameters, and the steps by which that is asked of a node.
+
+What a parameter does is judged by what comes out on the topics, 0.2 s after a change was confirmed.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
 import re
-from dataclasses import asdict, dataclass
+import time
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 
+from course_kit.grading.checks.parameters import shown
+from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
+
 if TYPE_CHECKING:
     import random
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from std_msgs.msg import Float64
 
@@ -24,6 +31,13 @@ _UNIT = "m/s"
 BEYOND = 9.0  # m/s, above every valid limit
 _REMEMBERED = 6  # refused changes, of which a wrong node may have kept some
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
+SILENT_S = 2.0  # four periods
+_ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
+_ANSWER_S = 1.0  # of a change
+_LINE_S = 1.0  # in which a change shows on /status
+_ONCE = "Publish once for each command, in the callback that receives it, and never without one."
+_SOON_S, LATE_S = 0.15, 0.5  # how long what was not asked for is waited for: when something is wrong, and at the end
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
@@ -33,6 +47,12 @@ RANGES = {
     "robot_name": "not empty",
     "max_velocity": "0.0 < max_velocity <= 5.0",
     "wheel_diameter": "0.01 <= wheel_diameter <= 1.0",
+}
+CHANGES = {
+    "max_velocity": "change_velocity",
+    "wheel_diameter": "change_diameter",
+    "enabled": "change_enabled",
+    "robot_name": "change_status",
 }
 
 
@@ -45,17 +65,9 @@ class LimiterSettings:
     wheel_diameter: float = 0.1  # m
     enabled: bool = True
 
-    def to_mapping(self) -> dict[str, Any]:
-        """The values by name."""
-        return asdict(self)
-
-    def of(self, name: str) -> Any:
-        """The value of one parameter."""
-        return getattr(self, name)
-
     def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[LimiterSettings, Mapping[str, Any]]]:
         """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
-        kept: dict[str, list[tuple[Any, int]]] = {name: [(self.of(name), -1)] for name in TYPES}
+        kept: dict[str, list[tuple[Any, int]]] = {name: [(getattr(self, name), -1)] for name in TYPES}
         recent = refused[-_REMEMBERED:]
         for number, values in enumerate(recent):
             for name, value in values.items():
@@ -116,22 +128,10 @@ def same_reaction(one: Reaction, two: Reaction) -> bool:
     return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
-def same_velocity(one: Reaction, two: Reaction) -> bool:
-    """Whether two reactions have the same /cmd_vel."""
-    return all(map(_same, one.fields, two.fields))
-
-
 def cause_of(
     settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
 ) -> tuple[bool, str | None, str]:
-    """What is wrong with a reaction: whether /wheel_speed alone is, the diagnosis, and a sentence.
-
-    Args:
-        settings: what the parameters were set to.
-        fields: of the command.
-        got: what came for it.
-        floors: whether the learner's program uses `//`.
-    """
+    """What is wrong with a reaction to a command: whether /wheel_speed alone is, the diagnosis, and a sentence."""
     right = right_reaction(settings, fields)
     if all(map(_same, right.fields, got.fields)):
         return (True, *_cause_of_wheel(settings, fields, got, floors=floors))
@@ -176,18 +176,9 @@ def _cause_of_wheel(
 def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
     line = text.strip()
-    if not line.endswith(_UNIT):
+    name, colon, number = line.removesuffix(_UNIT).rpartition(":")
+    if not line.endswith(_UNIT) or not colon:
         return None
-    body = line.removesuffix(_UNIT).rstrip()
-    number = (body.rsplit(None, 1) or [""])[-1]
-    name = body.removesuffix(number)
-    if name.rstrip().endswith(":"):
-        name = name.rstrip()[:-1]
-    else:  # no blank after the colon, or no colon
-        more, colon, number = number.partition(":")
-        if not colon:
-            return None
-        name += more
     try:
         return name.strip(), float(number)
     except ValueError:
@@ -210,13 +201,7 @@ def what_is_wrong_with_status(settings: LimiterSettings, line: str) -> str:
 
 
 def missing_in_reason(name: str, value: Any, reason: str) -> str:
-    """What a reason for refusing a value lacks, in words; nothing when it is complete.
-
-    Args:
-        name: the parameter's.
-        value: the invalid value.
-        reason: what the node says.
-    """
+    """What a reason for refusing a value lacks, in words; nothing when it is complete."""
     if not reason.strip():
         return "It is empty."
     if name not in reason:
@@ -252,3 +237,211 @@ def twist_of(fields: list[float]) -> Twist:
     for (of, axis), value in zip(FIELDS, fields, strict=True):
         setattr(getattr(twist, of), axis, value)
     return twist
+
+
+class LimiterSteps(Model):
+    """A velocity limiter: its settings, and what a refused change would have made of them; and what is asked of it."""
+
+    def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
+        self.settings = self.start = self.seen = settings
+        self.refused: list[dict[str, Any]] = []
+        self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
+        self.quiet_until = 0.0
+
+    def begin(self, node: GradedNode) -> None:
+        """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
+        self.settings = self.start = self.seen = LimiterSettings(**node.get(*TYPES, of=NODE))
+
+    def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
+        """Valid values are accepted."""
+        if values.get("enabled") and not self.settings.enabled:
+            self.require_quiet(node, _SOON_S)
+        change = node.set(values, of=NODE)
+        change.accepted(breaks=breaks)
+        self.in_time(change)
+        self.took(values)
+
+    def refuse_set(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """Valid and invalid values at once are refused."""
+        wrong = {name: value for name, value in values.items() if not is_valid(name, value)}
+        change = node.set(values, of=NODE)
+        if change.result.successful:
+            alone = node.set(wrong, of=NODE)
+            alone.refused(expected="refused", breaks="refused")
+            why = (
+                f"Your node refuses {shown(wrong)} by itself, and accepts it beside another value: judge each of them."
+            )
+            change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
+        change.refused(expected=f"refused, and nothing changed: {shown(wrong)} is not valid")
+        self.refused.append(values)
+        if not any(name in change.result.reason for name in wrong):
+            for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
+                self.accept(node, {name: values[name]}, CHANGES[name])
+            self.require_reason(change, *next(iter(wrong.items())))
+
+    def require_reason(self, change: Change, name: str, value: Any) -> None:
+        """The reason of a refusal names the parameter and its range."""
+        if lacks := missing_in_reason(name, value, change.result.reason):
+            why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
+            expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
+            change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
+
+    def require_quiet(self, node: GradedNode, seconds: float, *, enabled: bool = False) -> None:
+        """Nothing comes that was not asked for, after a command while the robot was on or off."""
+        if self.lost & {"one_each", "change_enabled"}:  # else one message too many is taken for the next answer
+            node.context.wait_until(lambda: False, _SOON_S)
+            return
+        on = enabled or self.seen.enabled
+        off = "one_each" if on else "one_each_disabled"
+        why = _ONCE if on else f"{_ONCE} With enabled=False, too."
+        node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=off)
+
+    def in_time(self, change: Change) -> None:
+        """The answer to a change came within a second."""
+        if "change_status" not in self.lost:
+            change.within(_ANSWER_S, breaks="change_answered")
+
+    def took(self, values: dict[str, Any]) -> None:
+        """The node has accepted these values."""
+        self.settings = replace(self.settings, **values)
+        self.past.append(values)
+        if set(values) != {"robot_name"}:
+            self.quiet_until = time.monotonic() + _ACTS_S
+
+    def require_values(self, node: GradedNode, sent: str = "") -> None:
+        """The parameters have the values that the model has."""
+        read = node.get(*TYPES, of=NODE)
+        wanted = vars(self.settings)
+        if all(type(read[name]) is type(value) and read[name] == value for name, value in wanted.items()):
+            return
+        changed = {name: value for name, value in read.items() if value != wanted[name]}
+        evidence = Evidence(sent or "get_parameters", shown(wanted), shown(read))
+        for values in reversed(self.refused):
+            if changed.items() <= values.items() or any(name in values for name in changed):
+                why = "The parameter has changed although the change was refused."
+                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        why = "Your node accepted the value, but afterwards the parameter has another one."
+        raise Failed(evidence, why, breaks=CHANGES[next(iter(changed))])
+
+    def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
+        """A command brings exactly one right message on each topic."""
+        context = node.context
+        if "limits" in self.lost:
+            fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
+        context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
+        self.require_quiet(node, 0.0, enabled=self.settings.enabled)
+        self.past.append(fields)
+        node.send(COMMAND, twist_of(fields))
+        silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
+        got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+        right = right_reaction(self.settings, fields)
+        if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_same, right.fields, got.fields))):
+            self.seen = self.settings
+            return
+        if "one_each" not in self.lost:
+            node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
+        told = "; ".join(filter(None, (sent, f"{COMMAND}: {Reaction(tuple(fields), 0.0).shown_fields()}")))
+        evidence = Evidence(told, right.shown(), got.shown())
+        failed = self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
+        raise self.blame(node, failed, self.past[:-1], lambda model: model.drive(node, fields))
+
+    def wrong(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
+        """Why a reaction is wrong, and whose points that costs."""
+        for one, values in self.settings.with_some(self.refused):
+            if same_reaction(got, right_reaction(one, fields)):
+                why = "Your node refused the change, yet it acts on it: it kept a value before it had checked all."
+                return Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        now, before = self.settings, self.seen
+        changed = [name for name in TYPES if getattr(now, name) != getattr(before, name)]
+        for old in (before, self.start):
+            if old != now and same_reaction(got, right_reaction(old, fields)):
+                why = "Your node accepted the change, but what comes out is the same as before."
+                names = [name for name in TYPES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
+                names.sort(key=lambda name: CHANGES[name] in self.lost)
+                code = "parameter.read_once"
+                return Failed(evidence, why, code, breaks=CHANGES[names[0]] if names else "limited")
+        of_wheel, diagnosis, why = cause_of(now, fields, got, floors=floors)
+        if not now.enabled:
+            breaks = "disabled"
+        elif "enabled" in changed and not (of_wheel and got.wheel):
+            breaks, why = "change_enabled", f"After enabled=True: {why}"
+        elif of_wheel:
+            same = now.wheel_diameter == self.start.wheel_diameter or diagnosis == "math.integer_division"
+            breaks = "wheels" if same else "change_diameter"
+        else:
+            same = now.max_velocity == self.start.max_velocity or diagnosis is None
+            breaks = "limited" if same else "change_velocity"
+        return Failed(evidence, why, diagnosis, breaks=breaks)
+
+    def blame(
+        self,
+        node: GradedNode,
+        failed: Failed,
+        past: list[dict[str, Any] | list[float]],
+        act: Callable[[LimiterSteps], None],
+    ) -> Failed:
+        """What goes right on a fresh start without the changes that were refused is wrong because of them."""
+        context = node.context
+        if not self.refused or failed.diagnosis == "parameter.not_atomic" or context.job.mode == "attach":
+            return failed
+        with context.record.looking_away():
+            context.spoil()
+            node.meet()
+            model = type(self)()
+            model.lost = self.lost
+            try:
+                model.begin(node)
+                for done in past:
+                    if isinstance(done, dict):
+                        node.set(done, of=NODE).accepted()
+                        model.took(done)
+                    else:
+                        node.send(COMMAND, twist_of(done))
+                        node.expect(LIMITED)
+                        node.expect(WHEEL)
+                act(model)
+            except Failed:
+                return failed
+        why = "Your node refused the change, yet it acts on it: what it does is different from before."
+        return Failed(failed.evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
+
+    def require_status(self, node: GradedNode, sent: str = "") -> None:
+        """A line of /status tells the settings, within a second of a change."""
+        if self.lost & {"status", "change_status"}:
+            return
+        context, inbox = node.context, node.inbox(STATUS)
+        changed = self.settings != self.start
+        asked, clock = inbox.count, context.clock()
+
+        def fits() -> bool:
+            wanted = (self.settings.robot_name.strip(), self.settings.max_velocity)
+            return any(read_status(str(one.data)) == wanted for one in inbox.since(asked))
+
+        if context.wait_until(fits, _LINE_S + _ACTS_S):
+            context.record.came(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
+            return
+        evidence = Evidence(sent, f"on {STATUS}: {status_line(self.settings)}")
+        if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall()):
+            evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
+            why = "/status has to be published twice a second, by a timer."
+            failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")
+            raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
+        line = str(inbox.messages[-1].data)
+        evidence = replace(evidence, got=f"on {STATUS}: {line}")
+        read = read_status(line)
+        for one, values in self.settings.with_some(self.refused):
+            now = (self.settings.robot_name, self.settings.max_velocity)
+            if (one.robot_name, one.max_velocity) != now and read == (one.robot_name.strip(), one.max_velocity):
+                why = "Your node refused the change, yet /status shows it."
+                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+        breaks, code = "change_status" if changed and read is not None else "status", None
+        why = what_is_wrong_with_status(self.settings, line)
+        if changed and read == (self.start.robot_name.strip(), self.start.max_velocity):
+            why, code = "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
+        failed = Failed(evidence, why, code, breaks=breaks)
+        raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
+
+
+def _refused_by(values: Mapping[str, Any]) -> str:
+    """The check about a refused change."""
+    return "atomic" if len(values) > 1 else "refuses"

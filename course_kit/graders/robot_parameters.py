@@ -5,13 +5,25 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
-from course_kit.graders._limiter import BEYOND, DEFAULTS, TYPES, LimiterSettings
-from course_kit.graders._limiter_model import NODE, SILENT_S, STATUS, Limiter
+from course_kit.graders._limiter import (
+    BEYOND,
+    CHANGES,
+    DEFAULTS,
+    LATE_S,
+    NODE,
+    RANGES,
+    SILENT_S,
+    STATUS,
+    TYPES,
+    LimiterSettings,
+    LimiterSteps,
+    command_of,
+)  # fmt: skip
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import expect_served, shown, start_arguments
 from course_kit.grading.checks.vocabulary import (
@@ -19,16 +31,16 @@ from course_kit.grading.checks.vocabulary import (
     Evidence,
     Failed,
     GradedNode,
+    between,
     check,
     conversation,
+    drawn,
+    either,
     offered,
     part,
-)
+    rule,
+)  # fmt: skip
 from course_kit.ros.parameters import NOT_SET
-
-if TYPE_CHECKING:
-    from course_kit.grading.checks.context import CheckContext
-    from course_kit.ros.topic import Inbox
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
@@ -37,6 +49,171 @@ _LINES = 4
 _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
+_NAN, _INF = math.nan, math.inf
+_VELOCITIES = (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF)
+_DIAMETERS = (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF)
+_NAMES = (" ", "my robot: 2", "Zo\u00eb \u83ef")
+_INVALID = (
+    *({"max_velocity": value} for value in _VELOCITIES),
+    *({"wheel_diameter": value} for value in _DIAMETERS),
+    {"robot_name": ""},
+)
+_TOGETHER = (
+    {"max_velocity": 2.5, "wheel_diameter": 2.0},
+    {"wheel_diameter": 0.5, "max_velocity": 6.0},
+    {"wheel_diameter": 0.5, "max_velocity": 0.0},
+    {"wheel_diameter": _NAN, "max_velocity": 0.7},
+    {"max_velocity": 1.5, "robot_name": ""},
+    {"enabled": False, "max_velocity": -1.0},
+    {"enabled": False, "max_velocity": 0.0},
+    {"enabled": False, "robot_name": ""},
+    {"enabled": False, "wheel_diameter": 0.3, "max_velocity": 8.0},
+    {"max_velocity": 8.0, "enabled": False},
+    {"robot_name": "", "wheel_diameter": 0.4},
+)
+_WITH_NAMES = (
+    {"robot_name": "half", "max_velocity": 0.0},
+    {"robot_name": "half_2", "wheel_diameter": 0.0},
+    {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
+)
+_COMMANDS = (("m/s", 0.0, [0.0] * 5), ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
+
+
+class Limiter(LimiterSteps):
+    """A velocity limiter, and what may be asked of it, in any order."""
+
+    def end(self, node: GradedNode) -> None:
+        """After all of it the node does what it did; and nothing comes late."""
+        if not self.lost & set(CHANGES.values()):
+            self.several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
+            self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
+            self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+            self.require_status(node)
+        self.require_quiet(node, LATE_S, enabled=True)
+        if node.context.job.mode == "attach":
+            node.set(vars(self.start), of=NODE)
+
+    @rule("reacts", command=either(*_COMMANDS, drawn(command_of)))
+    def look(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
+        """A command, when all changes act; and the parameters have their values."""
+        self.require_values(node)
+        kind, size, others = command
+        self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
+
+    @rule("change_velocity", value=either(0.05, 1.23456789, between(0.1, 5.0)))
+    def velocity(self, node: GradedNode, value: float) -> None:
+        """A valid velocity."""
+        self.accept(node, {"max_velocity": value}, "change_velocity")
+
+    @rule("change_diameter", value=either(0.35, between(0.02, 0.9)))
+    def diameter(self, node: GradedNode, value: float) -> None:
+        """A valid diameter."""
+        self.accept(node, {"wheel_diameter": value}, "change_diameter")
+
+    @rule("change_velocity", values=either((5.0, 0.01), (0.001, 1.0), (0.5, 0.2), (between(2, 5), between(0.1, 0.9))))
+    def both(self, node: GradedNode, values: tuple[float, float]) -> None:
+        """Both numbers, one after the other, act."""
+        velocity, diameter = values
+        self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
+        self.accept(node, {"max_velocity": float(velocity)}, "change_velocity")
+        self.accept(node, {"wheel_diameter": diameter}, "change_diameter")
+        self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
+
+    @rule("change_enabled", value=either((True, 0.5), (False, 0.5), (False, 0.0)))
+    def enable(self, node: GradedNode, value: tuple[bool, float]) -> None:
+        """On and off act, on a command to stand still, too."""
+        enabled, share = value
+        self.accept(node, {"enabled": enabled}, "change_enabled")
+        self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
+
+    @rule("change_status", value=either(*_NAMES))
+    def name(self, node: GradedNode, value: str) -> None:
+        """A name, in any language."""
+        self.accept(node, {"robot_name": value}, "change_status")
+        if value != _NAMES[0] and not self.lost & {"status", "change_status"}:
+            self.require_status(node)
+
+    @rule(
+        "atomic",
+        values=either(
+            {"max_velocity": between(0.2, 4.0), "wheel_diameter": between(0.02, 0.9)},
+            {"wheel_diameter": between(0.02, 0.9), "robot_name": "both", "enabled": True},
+            {"enabled": True, "max_velocity": between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
+        ),
+    )
+    def several(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """Several valid values at once."""
+        change = node.set(values, of=NODE)
+        if not change.result.successful:
+            for name, value in values.items():
+                self.accept(node, {name: value}, CHANGES[name])
+        change.accepted(breaks="atomic")
+        self.took(values)
+
+    @rule("refuses", often=2 * len(_INVALID), values=either(*_INVALID))
+    def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """An invalid value."""
+        name = next(iter(values))
+        change = node.set(values, of=NODE)
+        change.refused(expected=f"refused: {RANGES[name]}")
+        self.refused.append(values)
+        self.in_time(change)
+        self.require_reason(change, name, values[name])
+        if name == "robot_name":
+            self.require_status(node)
+
+    @rule("refuses", values=either({"max_velocity": 8.0}, {"robot_name": ""}))
+    def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """What is refused neither stops the robot nor lets it drive again."""
+        for enabled in (False, True) if "change_enabled" not in self.lost else ():
+            self.accept(node, {"enabled": enabled}, "change_enabled")
+            self.refuse(node, values)
+            self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+
+    @rule("atomic", sets=either(*(_TOGETHER[place::3] for place in range(3))))
+    def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
+        """Valid and invalid values at once; what is refused does not act."""
+        if not self.settings.enabled and "change_enabled" not in self.lost:
+            self.accept(node, {"enabled": True}, "change_enabled")
+        self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+        for values in sets:
+            self.refuse_set(node, values)
+        self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+
+    @rule("atomic", sets=either(_WITH_NAMES))
+    def refuse_names(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
+        """Refused names do not show."""
+        self.require_status(node)
+        for values in sets:
+            self.refuse_set(node, values)
+        self.require_status(node)
+
+    @rule(
+        "wrong_type",
+        values=either(
+            {"max_velocity": "fast"},
+            {"max_velocity": 2},
+            {"enabled": 1},
+            {"enabled": "yes"},
+            {"robot_name": 7},
+            {"wheel_diameter": 1},
+        ),
+    )
+    def other_type(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """A value of another type."""
+        name = next(iter(values))
+        node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
+        self.refused.append(values)
+
+    @rule("undeclared", values=either({"wheel_count": 4}, {"max_velocity_": 1.0}))
+    def undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """A parameter that is not declared."""
+        node.set(values, of=NODE).refused(expected="refused: it is not declared", diagnosis="parameter.undeclared")
+
+    @rule("status")
+    def status(self, node: GradedNode) -> None:
+        """The next line shows the name and the velocity."""
+        self.require_status(node)
 
 
 @check(points=0.5, proves=["node", "only_a_class", "a_program", "start"])
@@ -76,8 +253,8 @@ def types(node: GradedNode) -> Evidence:
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
     found = {name: one.value for name, one in node.parameters(NODE).values(list(TYPES)).items()}
-    evidence = Evidence("get_parameters", shown(DEFAULTS.to_mapping()), shown(found))
-    others = {name: value for name, value in found.items() if value != DEFAULTS.of(name)}
+    evidence = Evidence("get_parameters", shown(vars(DEFAULTS)), shown(found))
+    others = {name: value for name, value in found.items() if value != getattr(DEFAULTS, name)}
     if others and node.context.job.mode != "attach":
         raise Failed(evidence, f"Started without settings, your node has {shown(others)}.", "parameter.default")
     return evidence
@@ -87,11 +264,12 @@ def defaults(node: GradedNode) -> Evidence:
 def status_rate(node: GradedNode) -> Evidence:
     """/status is published twice a second."""
     node.meet()
-    inbox, context = node.inbox(STATUS), node.context
+    inbox = node.inbox(STATUS)
     expected = f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average"
     so_far = inbox.count
     for more in (0, _LINES, 2 * _LINES):
-        _await(context, inbox, max(_LINES, so_far + more))
+        enough = max(_LINES, so_far + more)
+        node.context.wait_until(lambda least=enough: inbox.count >= least, SILENT_S * _LINES)  # type: ignore[misc] # of none
         times = list(inbox.times)[-max(_LINES, more + 1) :]
         period = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else math.inf
         evidence = Evidence("", expected, f"one every {period:.3g} s")
@@ -100,16 +278,8 @@ def status_rate(node: GradedNode) -> Evidence:
     raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.")
 
 
-def _await(context: CheckContext, inbox: Inbox, count: int) -> None:
-    context.wait_until(lambda: inbox.count >= count, SILENT_S * _LINES)
-
-
 def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Limiter:
-    """Start with these values; they are in force, and act.
-
-    Raises:
-        Failed: they do not; with parameter.override_ignored, or what a start may fail of.
-    """
+    """Start with these values; they are in force, and act."""
     context = node.context
     try:
         node.start(**start, meets=False)
@@ -187,11 +357,7 @@ def start_invalid(node: GradedNode) -> Evidence:
 
 
 def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
-    """An invalid value stops the node with an error, or is replaced by the default with a warning.
-
-    Raises:
-        Failed: it is taken, or the output does not say so; with validation.missing or validation.no_reason.
-    """
+    """An invalid value stops the node with an error, or is replaced by the default with a warning."""
     context, (name,) = node.context, values
     sent = " ".join(start_arguments(values))
     evidence = Evidence(sent, f"an error that names {name} and the end of the program, or a warning and the default")
@@ -206,9 +372,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
             return _require_said(node, (name,), replace(evidence, got="the program ended"))
         try:
             model = Limiter()
-            model.lost = (
-                frozenset({"wheel_speed", "one_each"}) if "wheel_diameter" not in values else frozenset({"one_each"})
-            )
+            model.lost = frozenset({"one_each"} if name == "wheel_diameter" else {"one_each", "wheel_speed"})
             model.drive(node, [BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
             model.require_values(node, sent)
         except Failed as failed:
