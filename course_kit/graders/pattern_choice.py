@@ -7,19 +7,21 @@ nothing is marked, and what is said is whether the submission is complete.
 
 from __future__ import annotations
 
+import ast
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit import quiz
-from course_kit.graders import _answers
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
+from course_kit.quiz import Unusable
 
 if TYPE_CHECKING:
-    from course_kit.graders._answers import FoundAnswers
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.job import Job
+    from course_kit.grading.plain_data import Record
     from course_kit.quiz import Half, MarkedAnswers, Scenario
 
 INTERFACES = ()
@@ -135,7 +137,7 @@ def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
     variable = context.job.variable
     written_out = context.job.literal
-    found = _answers.found(written_out, variable) if written_out else _run(context)
+    found = find_answers(written_out, variable) if written_out else _run(context)
     if found.too_large:
         raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", "quiz.malformed")
     if not found.is_set:
@@ -151,7 +153,7 @@ def _run(context: CheckContext) -> FoundAnswers:
     job = context.job
     process = context.run_to_end()
     if "set_names" in process.notes:
-        found = _answers.found(process.notes, job.variable)
+        found = find_answers(process.notes, job.variable)
         if found.is_set or not process.notes.get("ended_itself"):
             return found
     code, message = exits.of_start(process, job)
@@ -165,3 +167,62 @@ def _not_set(found: FoundAnswers, variable: str) -> Failed:
     if meant:
         message += f" Did you mean {meant}?"
     return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
+
+
+_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
+_LONGEST = 500  # characters of an answer or its id, as text
+
+
+@dataclass(frozen=True)
+class FoundAnswers:
+    """What a submission has put into its variable.
+
+    Attributes:
+        entries: by id, each a value or `Unusable`; None when it is no dictionary.
+        value: its text, when it is no dictionary.
+        set_names: what else the program has set.
+        is_set: whether there is such a variable at all.
+        too_large: whether it was too much to be handed over.
+    """
+
+    entries: dict[object, object] | None = None
+    value: str = ""
+    set_names: tuple[str, ...] = field(default=())
+    is_set: bool = True
+    too_large: bool = False
+
+
+def find_answers(told: Record, variable: str) -> FoundAnswers:
+    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.values`).
+
+    Either way they come as texts, in the words of `repr`, and are read as literals, never run. What is too long to be
+    the answer of a person is not read at all.
+    """
+    names = tuple(name for name in told.get("set_names", ()) if name != variable)
+    if told.get("too_large"):
+        return FoundAnswers(set_names=names, too_large=True)
+    if "value" in told:
+        return FoundAnswers(value=told["value"], set_names=names)
+    if "entries" not in told:
+        return FoundAnswers(set_names=names, is_set=False)
+    entries: dict[object, object] = {}
+    for key, text, *problem in told["entries"]:
+        _put(entries, key, text, "".join(problem))
+    return FoundAnswers(entries, set_names=names)
+
+
+def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:
+    try:
+        value = Unusable(text, problem) if problem else _literal(text)
+    except _NO_LITERAL:
+        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
+    try:
+        entries[_literal(key)] = value
+    except _NO_LITERAL:
+        entries[key] = value
+
+
+def _literal(text: str) -> object:
+    if len(text) > _LONGEST:
+        raise ValueError("the answer is too long to be read")
+    return ast.literal_eval(text)

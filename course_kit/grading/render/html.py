@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
+from course_kit.grading.exchange_log import GRADER, NODE
 from course_kit.grading.render import program as program_lines
-from course_kit.grading.render.sequence import sequence_svg
-from course_kit.ros.sequence import sequence_css
+from course_kit.ros import sequence
 from course_kit.text.console import in_points
 from course_kit.text.templates import load, render
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
     from course_kit.grading.submission import Submission
+    from course_kit.ros.arrows import Arrow
 
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
@@ -87,7 +88,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "first_failed": next((check for check in report.checks if check.status == "failed"), None),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
-        "sequence_css": sequence_css(),
+        "sequence_css": sequence.sequence_css(),
         "is_page": False,
     }
 
@@ -99,3 +100,16 @@ def _link(found: Diagnosis, base: Path) -> str:
         return ""
     way = Path(os.path.relpath(lesson, base)).as_posix()
     return f"{quote(way)}#{quote(found.section.replace(' ', '-'))}"
+
+
+def sequence_svg(steps: Sequence[Arrow]) -> str:
+    """The diagram as an `svg` element, which templates take as it is; empty without steps."""
+    return sequence.sequence_svg([(step, step.text) for step in steps], {GRADER: GRADER, NODE: NODE}, summary(steps))
+
+
+def summary(steps: Sequence[Arrow]) -> str:
+    """What the diagram shows, in one sentence."""
+    count = sum(step.kind != "note" for step in steps)
+    failed = " The last one failed." if any(step.kind == "failure" for step in steps) else ""
+    words = f"{count} step{'' if count == 1 else 's'}"
+    return f"Sequence diagram of {words} between the {GRADER} and {NODE}.{failed} The list below says the same."

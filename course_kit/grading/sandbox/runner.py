@@ -25,7 +25,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import limits
-from course_kit.grading.sandbox import locking, notes, values
+from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp, values
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.parent import set_name
 
@@ -105,9 +105,29 @@ def _lock_in(cell: Conditions, inside: Streams) -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
     os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
-    locking.lock_in(cell)
+    _give_up_rights(cell)
     cell.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
     return _arrange_streams(inside)
+
+
+def _give_up_rights(cell: Conditions) -> None:
+    """For good: after this the process, and all it starts, can do no more than the submission may."""
+    if not cell.isolation.files and cell.isolation.landlock:
+        landlock.restrict(file_view.readable(cell.view), (cell.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
+    if cell.user:
+        isolation.become(cell.user)
+    namespaces.drop_privileges()
+    namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
+    if cell.isolation.syscalls:
+        seccomp.install(processes=cell.isolation.processes, files=cell.isolation.files)
+    _forget_the_grader()
+
+
+def _forget_the_grader() -> None:
+    """Make the modules of the kit that are not for programs as unknown as their files are."""
+    for name in list(sys.modules):
+        if name.startswith("course_kit.") and name.split(".")[1] not in file_view.MODULES_OF_KIT:
+            del sys.modules[name]
 
 
 def _prepare(program: Program, cell: Conditions) -> Program:

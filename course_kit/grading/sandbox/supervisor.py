@@ -15,7 +15,7 @@ from course_kit import environment
 from course_kit.grading import limits
 from course_kit.grading.checks.context import PHASES
 from course_kit.grading.output import BoundedOutput
-from course_kit.grading.sandbox import conditions, file_view, init_process, memory, stacks
+from course_kit.grading.sandbox import conditions, file_view, init_process, memory
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import OutputCollector
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
+_DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
 _NO_DOMAIN = (
     "no ROS domain became free within {:g} s: courses and graders on this machine use all. Close some, then grade again"
@@ -217,9 +218,27 @@ class Supervisor:
         return self._collector.facts()
 
     def _stacks(self) -> str:
+        """What each thread of the program executes, by faulthandler; empty when none is told."""
         if self._collector is None or self._sandbox is None or self._collector.over:
             return ""
-        return stacks.dump(self._sandbox, self._collector, self._pump_until)
+        self._collector.forget_stacks()
+        began = time.monotonic()
+        self._sandbox.ask(init_process.STACKS)
+        self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
+        # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
+        self._sandbox.ask(init_process.STACKS)
+        whole_s = began + _DUMP_S - time.monotonic()
+        self._pump_until(lambda collector: collector.has_whole_dump() or collector.over, whole_s)
+        size = -1
+
+        def is_quiet(collector: OutputCollector) -> bool:
+            nonlocal size
+            before, size = size, collector.evidence_bytes
+            return size == before
+
+        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
+        self._pump_until(is_quiet, began + _DUMP_S - time.monotonic())
+        return self._collector.stacks()
 
     def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
         deadline = time.monotonic() + patience_s

@@ -43,7 +43,7 @@ text = "The high limit is 5."
 _GRADER = '''
 from pathlib import Path
 
-from course_kit.graders._answers import found
+from course_kit.graders.pattern_choice import find_answers
 from course_kit.grading.checks.vocabulary import Evidence, Failed, check
 
 INTERFACES = ()
@@ -54,8 +54,8 @@ def limits(node):
     """What the submission has set, by name."""
     context = node.context
     if context.job.literal is not None:
-        return found(context.job.literal, "limits").entries
-    return found(context.run_to_end().notes, "limits").entries
+        return find_answers(context.job.literal, "limits").entries
+    return find_answers(context.run_to_end().notes, "limits").entries
 
 
 @check(points=1.0, proves=["low_is_two"])
