@@ -76,7 +76,7 @@ def _run(supervisor: Channel, job: Job) -> Record:
         context.launch()
     try:
         for result in run_all(checks, context):
-            supervisor.send({"do": "result", "result": bounds.results([asdict(result)])[0]})
+            supervisor.send({"do": "result", "result": asdict(result)})
             times[result.id] = time.monotonic() - began
             if job.first_failure and result.status == "failed" and result.max_points:
                 break
