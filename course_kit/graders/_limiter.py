@@ -246,6 +246,7 @@ class LimiterSteps(Model):
         self.settings = self.start = self.seen = settings
         self.refused: list[dict[str, Any]] = []
         self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
+        self.heard_at: list[float] = []  # when lines of /status have come, told at the end
         self.quiet_until = 0.0
 
     def begin(self, node: GradedNode) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from dataclasses import replace
@@ -46,6 +47,7 @@ INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
 _LINES = 4
+_LONGEST_GAP_S = 0.9  # a line that comes with each change makes up for no slow timer
 _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
@@ -89,6 +91,7 @@ class Limiter(LimiterSteps):
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.require_status(node)
+        self.heard_at = list(node.inbox(STATUS).times)
         self.require_quiet(node, LATE_S, enabled=True)
         if node.context.job.mode == "attach":
             node.set(vars(self.start), of=NODE)
@@ -263,9 +266,14 @@ def defaults(node: GradedNode) -> Evidence:
 @check(points=0.5, after=["status"], proves=["status_rate"])
 def status_rate(node: GradedNode) -> Evidence:
     """/status is published twice a second."""
-    node.meet()
-    inbox = node.inbox(STATUS)
     expected = f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average"
+    held = node.context.conversations[Limiter]
+    heard = held.last.heard_at if held.last is not None else []
+    gaps = [after - before for before, after in itertools.pairwise(heard)]
+    if len(gaps) >= _LINES and max(gaps) <= _LONGEST_GAP_S and _RATE[0] <= sum(gaps) / len(gaps) <= _RATE[1]:
+        return Evidence("", expected, f"one every {sum(gaps) / len(gaps):.3g} s")
+    node.meet()  # afresh: nothing else is asked of it meanwhile
+    inbox = node.inbox(STATUS)
     so_far = inbox.count
     for more in (0, _LINES, 2 * _LINES):
         enough = max(_LINES, so_far + more)
@@ -400,13 +408,9 @@ def _require_said(node: GradedNode, words: tuple[str, ...], evidence: Evidence) 
 
 CHECKS: list[Check] = [
     node_up,
-    offered(
-        points=0.5,
-        check_id="topics",
-        title="The four topics are there, and a default endpoint connects to each",
-        proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
-        after=["node_up"],
-    ),
+    offered(check_id="topics", title="The four topics are there, and a default endpoint connects to each",
+            points=0.5, proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
+            after=["node_up"]),
     declared,
     types,
     defaults,
@@ -436,8 +440,7 @@ CHECKS: list[Check] = [
         part("wrong_type", "A value of another type is refused", points=0.5, proves=["other_type"]),
         part("undeclared", "Setting a parameter that is not declared is refused", points=0.5, proves=["undeclared"]),
         part("atomic", "A valid and an invalid value set atomically change nothing", points=1.5, proves=["atomic"]),
-        steps=1,
-        after=["types", "topics"],
+        steps=1, after=["types", "topics"],
     ),
     status_rate,
     replace(start_arguments_count, id="start_arguments"),

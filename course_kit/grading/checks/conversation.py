@@ -138,6 +138,7 @@ class Conversation:
     model: type[Model]
     parts: tuple[Part, ...]
     steps: int
+    last: Model | None = None  # the model of a conversation that has come to its end
     _tallies: dict[str, _Tally] = field(default_factory=dict)
     _strikes: dict[str, int] = field(default_factory=dict)
     _at_end: bool = False
@@ -178,6 +179,7 @@ class Conversation:
                 self._tallies[self._part_of(step.rule, "").id].done += 1
             self.context.record.forget_all_but(_KEPT)
         self._at_end = True
+        self.last = model
         try:
             model.end(node)
         except Failed as failed:
