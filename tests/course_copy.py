@@ -47,7 +47,7 @@ class Course:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             encoding="utf-8",
-            timeout=100,
+            timeout=300,
             check=False,
         )
 

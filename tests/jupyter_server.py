@@ -106,7 +106,7 @@ def started(
         finally:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGTERM)
-            process.wait(30)
+            process.wait(200)
 
 
 def allow_root() -> list[str]:
@@ -127,7 +127,7 @@ def wait_until_up(url: str, process: subprocess.Popen[bytes], log: Path) -> None
 def is_up(url: str) -> bool:
     """Whether something answers there."""
     try:
-        with urllib.request.urlopen(url, timeout=5):  # noqa: S310 - an http address of this machine
+        with urllib.request.urlopen(url, timeout=200):  # noqa: S310 - an http address of this machine
             return True
     except OSError:
         return False

@@ -131,7 +131,7 @@ def test_a_wheel_made_in_a_clone_holds_nothing_that_merely_lies_there(tmp_path: 
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).touch()
     for words in (["init", "-q"], ["add", *own]):
-        subprocess.run(["git", *words], cwd=root, check=True, timeout=60)
+        subprocess.run(["git", *words], cwd=root, check=True, timeout=200)
     packed = hatch_build.lessons_and_exercises(root).values()
     assert {str(Path(one).relative_to(hatch_build.COURSE)) for one in packed} == own
     (root / "exercises/task/task.py").write_text("an answer\n")

@@ -41,7 +41,7 @@ class Installed:
         self.home = folder / "home"
         self.home.mkdir()
         environment = folder / "an environment"
-        subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(environment)], check=True, timeout=60)
+        subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(environment)], check=True, timeout=200)
         self.python = environment / "bin" / "python"
         self.packages = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
         with zipfile.ZipFile(wheel) as packed:
@@ -58,7 +58,7 @@ class Installed:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             encoding="utf-8",
-            timeout=100,
+            timeout=300,
             check=False,
         )
         assert done.returncode == code, done.stdout + done.stderr
@@ -109,7 +109,7 @@ def test_a_learner_works_in_a_folder_of_their_own(installed: Installed) -> None:
     assert "10      1  passed" in installed.run("list", cwd=folder)
     assert "not tried yet" in installed.run("list").splitlines()[1]  # another folder's progress
     command = [str(folder / "course"), "list"]
-    said = subprocess.run(command, cwd=folder, env=installed.environ(), capture_output=True, timeout=60, check=True)
+    said = subprocess.run(command, cwd=folder, env=installed.environ(), capture_output=True, timeout=200, check=True)
     assert b"1 of 4 passed." in said.stdout
 
 

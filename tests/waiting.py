@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-PATIENCE_S = 100.0  # against hanging only
+PATIENCE_S = 300.0  # against hanging only
 
 
 def wait_until(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 _KIT = "ros2-course-kit"
-_AT_ONCE = 2  # notebooks wait for nodes more than they compute
+_AT_ONCE = 3  # notebooks wait for nodes more than they compute
 _TABLE = Path("artifacts/nbval_times.md")
 CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
 NBVAL = [
@@ -76,7 +76,7 @@ def with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
 
 
 def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
-    """Run nbval, strict, over notebooks of the course: two at a time, each on a graph of its own.
+    """Run nbval, strict, over notebooks of the course: three at a time, each on a graph of its own.
 
     Prints what each has printed when it is done, and how long each took; the table is kept in artifacts/.
 
@@ -87,7 +87,7 @@ def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
     Returns:
         0 when every output was as it is stored.
     """
-    paths = paths or with_outputs(Path())
+    paths = sorted(paths or with_outputs(Path()), key=lambda path: path.stat().st_size, reverse=True)  # long ones first
     with ThreadPoolExecutor(_AT_ONCE) as threads:
         ran = list(threads.map(lambda path: _run_one(path, environ), paths))
     rows = [

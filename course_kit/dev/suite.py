@@ -16,8 +16,12 @@ from pathlib import Path
 from course_kit import environment
 from course_kit.dev import browser, notebooks
 
-# Tests wait for nodes more than they compute. Files stay together: their fixtures are dear.
-SIDE_BY_SIDE = ["-n", str(min(len(os.sched_getaffinity(0)) + 1, 4)), "--dist", "loadfile"]
+# Tests wait for nodes more than they compute. Files stay together, for their fixtures are dear, and begin in the order
+# of `tests/sizes.py`, the long ones first: xdist by itself begins those with few tests last, and the longest are these.
+SIDE_BY_SIDE = [
+    *("-n", str(min(len(os.sched_getaffinity(0)) + 1, 4))),
+    *("--dist", "loadfile", "--no-loadscope-reorder"),
+]
 QUICK, ALL = "--quick", "--all"
 MARKS = {QUICK: ["-m", "not weekly and not slow and not browser"], ALL: ["-m", ""]}
 FIRST_LESSONS = "0[1-3]_*.ipynb"

@@ -147,37 +147,49 @@ def whole(path: Path) -> dict[str, Any] | None:
     return found
 
 
-class OpenServer:
-    """A JupyterLab on a copy of the course, and a Chromium, for one learner after the other.
+class CourseServer:
+    """A JupyterLab on a copy of the course, which can be had again as on the first day.
 
     Attributes:
         root: the learner's folder in the copy.
-        chromium: the browser; playwright allows one at a time in a thread.
+        api: the server itself.
     """
 
-    def __init__(self, root: Path, server: jupyter_server.Server, chromium: Browser) -> None:
-        self.root, self.chromium, self._server = root / environment.LEARNER_FOLDER, chromium, server
+    def __init__(self, root: Path, api: jupyter_server.Server) -> None:
+        self.root, self.api = root / environment.LEARNER_FOLDER, api
         self._settings, self._first_day = root.parent / "settings", root.parent / "first day"
         shutil.copytree(self.root, self._first_day, symlinks=True)
 
-    @contextmanager
-    def learner(self) -> Iterator[JupyterLab]:
-        """Somebody new: the folder, JupyterLab's settings and the browser are as on the first day."""
+    def begin_anew(self) -> None:
+        """Have the folder and JupyterLab's settings as on the first day."""
         for left in self.root.iterdir():
             shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
         shutil.copytree(self._first_day, self.root, symlinks=True, dirs_exist_ok=True)
         write_settings(self._settings)
         shutil.rmtree(self._settings.parent / "workspaces", ignore_errors=True)
-        try:
-            with page(self.chromium) as opened:
-                yield JupyterLab(opened, self.root, self._server.address, self._server.token)
-        finally:
-            self.end_kernels()
 
     def end_kernels(self) -> None:
         """End all kernels, as closing JupyterLab does."""
-        for session in self._server.get("sessions"):
-            self._server.delete(f"sessions/{session['id']}")
+        for session in self.api.get("sessions"):
+            self.api.delete(f"sessions/{session['id']}")
+
+
+class OpenServer:
+    """A JupyterLab and a Chromium, for one learner after the other."""
+
+    def __init__(self, server: CourseServer, chromium: Browser) -> None:
+        self.server, self.chromium = server, chromium
+
+    @contextmanager
+    def learner(self) -> Iterator[JupyterLab]:
+        """Somebody new: the folder, JupyterLab's settings and the browser are as on the first day."""
+        self.server.begin_anew()
+        api = self.server.api
+        try:
+            with page(self.chromium) as opened:
+                yield JupyterLab(opened, self.server.root, api.address, api.token)
+        finally:
+            self.server.end_kernels()
 
 
 @contextmanager
@@ -189,12 +201,11 @@ def learner(folder: Path, within: Browser | None = None, **changes: str | None) 
 
 
 @contextmanager
-def open_server(folder: Path) -> Iterator[OpenServer]:
-    """A copy of the course in JupyterLab, so that tests side by side never see each other's files."""
+def started_server(folder: Path) -> Iterator[CourseServer]:
+    """JupyterLab on a copy of the course."""
     root = copy_with_notebooks(folder).root
-    variables = {"COURSE_KIT_PROGRESS": ""}  # kept in the learner's folder
-    with served(root, folder, "lab", **variables) as server, chromium() as started:
-        yield OpenServer(root, server, started)
+    with served(root, folder, "lab", COURSE_KIT_PROGRESS="") as server:  # progress is kept in the learner's folder
+        yield CourseServer(root, server)
 
 
 @contextmanager

@@ -1,8 +1,7 @@
-"""Lesson 4's quiz, answered by a learner with mouse and keyboard, and lesson 5 from top to bottom."""
+"""Lesson 4's quiz, answered by a learner with mouse and keyboard."""
 
 from __future__ import annotations
 
-import re
 import subprocess
 from typing import TYPE_CHECKING
 
@@ -31,8 +30,8 @@ def half(panel: Locator, question: str) -> Locator:
 
 def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
     lab.open("notebooks/04_choosing_a_pattern.ipynb")
-    lab.run_all()
-    lab.require_no_error("notebooks/04_choosing_a_pattern.ipynb")
+    lab.run_cell_that_begins("%load_ext course_kit")
+    lab.run_cell_that_begins("panels.quiz()")
     panel = lab.page.locator(".course-kit-quiz-panel")
     panel.scroll_into_view_if_needed()
     panel.get_by_role("button", name="Start again").click()  # whatever was kept from before
@@ -81,70 +80,7 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
     assert "10 of 10" in graded.stdout, graded.stdout + graded.stderr
 
     # Running the cell again shows the same answers.
-    lab.run_all()
+    lab.run_cell_that_begins("panels.quiz()")
     expect(panel).to_contain_text("10 of 10 answered. 10 of 10 points: passed.")
     panel.get_by_role("button", name="Start again").click()
     expect(panel).to_contain_text("0 of 10 answered.")
-
-
-def test_marking_waits_until_the_end_if_one_wants_it(lab: JupyterLab) -> None:
-    lab.open("notebooks/04_choosing_a_pattern.ipynb")
-    lab.run_all()
-    measured = lab.page.get_by_role("figure").filter(has_text="From question to number")
-    expect(measured).to_contain_text(re.compile(r"by_service\s*[\d.]+ ms"))
-    measured.scroll_into_view_if_needed()
-    lab.picture("lesson_four_measured")
-    arrows = lab.page.locator(".ck-exchange svg").first
-    arrows.scroll_into_view_if_needed()
-    expect(arrows).to_be_in_viewport()
-    lab.picture("lesson_four_arrows")
-    panel = lab.page.locator(".course-kit-quiz-panel")
-    panel.get_by_role("button", name="Start again").click()
-    half(panel, "When should your answers be marked?").get_by_label("at the end").check()
-    scenario = quiz.draw()[0]
-    pattern, reason = right(scenario)
-    half(panel, "Which pattern fits best?").get_by_label(pattern, exact=True).check()
-    half(panel, "Which reason decides?").get_by_label(scenario.reasons[reason]).check()
-    expect(panel).to_contain_text("1 of 10 answered. To pass")
-    assert panel.locator(".mark").count() == 0
-    panel.get_by_role("button", name="Mark my answers").click()
-    expect(panel.locator(".mark.right")).to_be_visible()
-    expect(panel).to_contain_text("1 of 10 points: not passed yet")
-    panel.get_by_role("button", name="Start again").click()
-    expect(panel).to_contain_text("0 of 10 answered.")
-    panel.get_by_role("button", name="Bring my choices back").click()
-    expect(panel).to_contain_text("1 of 10 answered.")
-    panel.get_by_role("button", name="Start again").click()
-    expect(panel).to_contain_text("0 of 10 answered.")
-
-
-def test_lesson_five_runs_and_its_riddle_can_be_solved(lab: JupyterLab) -> None:
-    lab.open("notebooks/05_command_line.ipynb")
-    lab.run_all()
-    lab.require_no_error("notebooks/05_command_line.ipynb")
-    shown = lab.page.locator(".jp-Notebook")
-    expect(shown).to_contain_text("example_interfaces.srv.AddTwoInts_Response(sum=3)")
-    expect(shown).to_contain_text(re.compile(r"\[parameter_node-1\].*Robot: turtlebot4"))
-    service = lab.page.locator(".jp-CodeCell", has_text='"{a: 1.5, b: 2}"')
-    service.scroll_into_view_if_needed()
-    lab.picture("lesson_five_service")
-    launch = lab.page.locator(".jp-CodeCell", has_text='watch("ros2 launch')
-    launch.scroll_into_view_if_needed()
-    lab.picture("lesson_five_launch")
-    run_cell(lab, "import base64")  # the visitor comes back
-    lab.replace_cell_that_begins("# Your commands", "%ros2 service call /riddle std_srvs/srv/SetBool '{data: true}'")
-    run_cell(lab, "%ros2 service call /riddle")
-    expect(shown).to_contain_text("message='discovery'")
-    check = lab.page.locator(".jp-CodeCell", has_text="import hashlib").locator(".cm-content").inner_text()
-    lab.replace_cell_that_begins("import hashlib", check.replace('word = ""', 'word = "discovery"'))
-    run_cell(lab, "import hashlib")
-    expect(shown).to_contain_text("Yes, that is the word.")
-
-
-def run_cell(lab: JupyterLab, start: str) -> None:
-    """Run the cell with this text, as Shift+Enter does."""
-    cell = lab.page.locator(".jp-CodeCell", has_text=start).first
-    cell.scroll_into_view_if_needed()
-    cell.locator(".cm-content").click()
-    lab.page.keyboard.press("Shift+Enter")
-    lab.wait_until_run()

@@ -136,7 +136,7 @@ def test_without_javascript_everything_is_there(tmp_path: Path) -> None:
 
 
 HIGHEST = 15_000  # pixels of a page of 300 students
-SIZES = [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")]
+SIZES = [(1400, "light"), (400, "dark")]
 # Every text in a picture and every coloured cell, which axe passes over: its colour, and the one that is behind it.
 COLOURS = """() => [...document.querySelectorAll('svg text, td.heat, .count, .meter + .share')].map(one => {
     const style = getComputedStyle(one);

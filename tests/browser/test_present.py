@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.browser, pytest.mark.answers, pytest.mark.timeout(900)]
 
-DEMOS = sorted(path.stem for path in (REPOSITORY / "notebooks/demos").glob("*.ipynb"))
-SIZES = [(1280, 900), (1024, 768), (900, 700)]
+DEMOS = ["01_deadlock", "03_silent_parameter"]  # tests/notebooks repairs each
 # What JupyterLab has around a notebook.
 AROUND = (
     "#jp-top-panel, #jp-menu-panel, #jp-main-statusbar, .jp-SideBar, .lm-DockPanel-tabBar, .jp-NotebookPanel-toolbar"
@@ -85,9 +84,6 @@ def take(shown: Page, name: str) -> None:
 
 
 def without_findings(shown: Page, within: str) -> None:
-    """Axe is slow: it looks at the width of a projector, in both colours."""
-    if shown.viewport_size is not None and shown.viewport_size["width"] != SIZES[1][0]:
-        return
     found = Axe().run(shown, context=within).response["violations"]
     assert found == [], [(one["id"], one["nodes"][0]["html"][:200]) for one in found]
 
@@ -171,8 +167,7 @@ def test_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
     assert "It fails:" in stage.outputs()
 
 
-@pytest.mark.parametrize(("width", "height"), SIZES)
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height", "scheme"), [(1280, 900, "light"), (900, 700, "dark")])
 def test_both_windows_can_be_read_at_any_size(stage: Stage, width: int, height: int, scheme: str) -> None:
     stage.page.set_viewport_size({"width": width, "height": height})
     stage.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
@@ -185,8 +180,6 @@ def test_both_windows_can_be_read_at_any_size(stage: Stage, width: int, height: 
     stage.run_all()
     stage.picture(f"stage_failure_{width}_{scheme}")
     expect(notes.get_by_role("button", name="Repair")).to_be_enabled()
-    without_findings(notes, "body")
-    without_findings(stage.page, "#ck-stage-bar")
     stage.repair.click()
     expect(notes.get_by_role("button", name="Undo the repair")).to_be_enabled()
     without_findings(notes, "body")

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.learner import ARTIFACTS
+from tests.browser.test_mistakes_and_neighbours import require_landed
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -46,8 +47,7 @@ def test_a_failed_check_shows_its_exchange_its_hint_and_the_way_to_the_lesson(la
 
     tab_to(lab, card, "7.2 No return")
     lab.page.keyboard.press("Enter")
-    lesson = lab.page.locator(".jp-NotebookPanel:not(.lm-mod-hidden)")
-    expect(lesson.locator("h3", has_text="7.2")).to_be_visible()
+    require_landed(lab.page)
 
 
 def tab_to(lab: JupyterLab, card: Locator, text: str) -> None:

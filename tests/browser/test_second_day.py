@@ -52,7 +52,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(graph.locator("[inert]")).to_have_count(1)
 
     expect(page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
-    jupyter.end_kernels()
+    jupyter.server.end_kernels()
     open_again(lab)  # another day, another kernel
     guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
     expect(guess).to_contain_text("(your guess)")

@@ -32,7 +32,7 @@ def test_lesson_one_begins_and_exercise_one_is_graded(tmp_path: Path) -> None:
         someone.page.goto(
             f"{someone.address}/lab?token={someone.token}"
         )  # as it is before anybody has arranged anything
-        expect(someone.page.locator(".jp-TableOfContents")).to_be_visible(timeout=60_000)
+        expect(someone.page.locator(".jp-TableOfContents")).to_be_visible()
         expect(someone.page.get_by_text("official Jupyter news")).to_have_count(0)
         someone.open("notebooks/01_services.ipynb")
         for start in ("%load_ext course_kit", "from rclpy.node import Node", "class Display(Node)", "lab.publish("):

@@ -46,14 +46,6 @@ def test_asking_for_help_sets_nothing_up(clone: Clone) -> None:
     assert clone.course("--help").stdout == f"cli {clone.environment} --help\n"
 
 
-def test_an_edited_pyproject_makes_a_new_environment(clone: Clone) -> None:
-    clone.course("doctor")
-    with (clone.root / "pyproject.toml").open("a") as file:
-        file.write("# edited\n")
-    clone.course("doctor")
-    assert clone.calls() == ["venv", "pip", "venv", "pip"]
-
-
 def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path: Path) -> None:
     clone.course("doctor")
     link = tmp_path / "link"
@@ -76,16 +68,9 @@ def test_a_file_in_the_folder_one_is_in_takes_the_place_of_no_module(clone: Clon
 def test_ctrl_c_half_way_says_so_and_the_next_run_goes_on(clone: Clone, tmp_path: Path) -> None:
     started = clone.half_way(tmp_path)
     os.killpg(started.pid, signal.SIGINT)
-    _, errors = started.communicate(timeout=30)
+    _, errors = started.communicate(timeout=120)
     assert started.returncode == 130
     assert "stopped half-way. Run the same command again" in errors
-    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
-
-
-def test_a_set_up_that_was_killed_leaves_nothing_that_stops_the_next(clone: Clone, tmp_path: Path) -> None:
-    started = clone.half_way(tmp_path)
-    os.killpg(started.pid, signal.SIGKILL)
-    started.communicate(timeout=30)
     assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
 
 
@@ -94,15 +79,6 @@ def test_a_failed_installation_says_what_to_do_and_is_not_taken_for_done(clone: 
     assert failed.returncode == 2
     assert "the installation did not finish" in failed.stderr
     assert clone.course("doctor").returncode == 0
-
-
-def test_test_tools_that_cannot_be_installed_leave_the_course_as_it_was(clone: Clone) -> None:
-    clone.course("doctor")
-    failed = clone.course("test", STAND_IN_RESULT="1")
-    assert failed.returncode == 2
-    assert "the installation did not finish" in failed.stderr
-    assert clone.course("doctor").stdout == f"cli {clone.environment} doctor\n"
-    assert clone.calls() == ["venv", "pip", "venv", "pip"]
 
 
 @pytest.mark.parametrize(
@@ -128,15 +104,6 @@ def test_another_ros_distribution_is_named(clone: Clone) -> None:
     done = clone.course("lab", ROS_DISTRO="humble")
     assert done.returncode == 2
     assert "ROS 2 'humble' is sourced" in done.stderr
-
-
-def test_a_sourced_jazzy_is_used_instead_of_the_wheels(clone: Clone) -> None:
-    done = clone.course("doctor", **clone.sourced())
-    assert done.returncode == 0, done.stderr
-    log = clone.log.read_text()
-    assert "--system-site-packages" in log
-    assert "-r course_setup/locked/numpy-1.txt" in log
-    assert "[ros" not in log
 
 
 @pytest.mark.parametrize(

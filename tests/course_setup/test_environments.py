@@ -73,7 +73,7 @@ def test_while_one_terminal_sets_up_the_others_go_on(clone: Clone, tmp_path: Pat
         assert used(clone.course("doctor")) == before
     finally:
         os.killpg(started.pid, signal.SIGKILL)
-        started.communicate(timeout=30)
+        started.communicate(timeout=120)
     assert used(clone.course("doctor")) == before
 
 
@@ -96,7 +96,7 @@ def test_an_update_that_is_stopped_leaves_the_course_as_it_was(
     before = used(clone.course("doctor"))
     started = clone.half_way(tmp_path, "test")
     os.killpg(started.pid, number)
-    started.communicate(timeout=30)
+    started.communicate(timeout=120)
     assert len(clone.environments()) == left
     assert used(clone.course("doctor")) == before
     assert clone.calls() == ["venv", "pip", "venv", "pip"]
@@ -121,13 +121,6 @@ def test_who_deletes_the_link_gets_a_new_environment(clone: Clone) -> None:
     assert used(clone.course("doctor")) != old
     assert clone.calls() == ["venv", "pip", "venv", "pip"]
     assert clone.environments() == {clone.environment, Path(old)}
-
-
-def test_a_new_environment_that_cannot_be_made_leaves_the_old_one(clone: Clone) -> None:
-    old = used(clone.course("doctor"))
-    (clone.root / ".venv").unlink()
-    assert clone.course("doctor", STAND_IN_RESULT="1").returncode == 2
-    assert [str(path) for path in clone.environments()] == [old]
 
 
 def test_one_whose_python_was_removed_is_made_anew(clone: Clone) -> None:

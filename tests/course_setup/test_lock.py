@@ -48,8 +48,8 @@ def test_the_second_waits_for_the_first_and_has_nothing_left_to_do(clone: Clone,
         assert second.stderr is not None
         assert "waiting for another set-up of this folder." in second.stderr.readline()
         (tmp_path / "pipe").write_text("go on\n")
-        output, errors = second.communicate(timeout=60)
-    first.communicate(timeout=60)
+        output, errors = second.communicate(timeout=120)
+    first.communicate(timeout=120)
     assert (first.returncode, second.returncode) == (0, 0)
     assert output == f"cli {clone.environment} doctor\n"
     assert errors == ""
@@ -62,11 +62,11 @@ def test_ctrl_c_ends_the_waiting_and_not_the_set_up(clone: Clone, tmp_path: Path
         assert second.stderr is not None
         second.stderr.readline()
         os.killpg(second.pid, signal.SIGINT)
-        _, errors = second.communicate(timeout=30)
+        _, errors = second.communicate(timeout=120)
     assert second.returncode == 130
     assert "Traceback" not in errors
     (tmp_path / "pipe").write_text("go on\n")
-    first.communicate(timeout=60)
+    first.communicate(timeout=120)
     assert first.returncode == 0
 
 
@@ -81,7 +81,7 @@ def test_the_lock_dies_with_its_owner(tmp_path: Path) -> None:
         with pytest.raises(SetUpError), held(lock, patience_s=0.0):
             pytest.fail("two hold the lock")
         owner.kill()
-        owner.wait(30)
+        owner.wait(120)
         with held(lock, patience_s=0.0) as waited:
             assert not waited
 

@@ -23,7 +23,7 @@ def ask(clone: Clone, shell_command: str) -> str:
         env=clone.environ(),
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -32,16 +32,6 @@ def ask(clone: Clone, shell_command: str) -> str:
 
 def in_shell(path: Path) -> str:
     return "'" + str(path).replace("'", "'\\''") + "'"
-
-
-def test_it_works_at_its_new_place(clone: Clone, tmp_path: Path) -> None:
-    clone.course("doctor")
-    clone.root = clone.root.rename(clone.root.with_name("moved here"))
-    done = clone.course("doctor", cwd=tmp_path)
-    assert done.stdout == f"cli {clone.environment} doctor\n"
-    assert clone.environment.is_relative_to(clone.root)
-    again = clone.course("doctor", cwd=tmp_path)
-    assert (again.stdout, again.stderr) == (done.stdout, "")
 
 
 @pytest.mark.parametrize("name", ODD_NAMES)
@@ -73,7 +63,6 @@ def test_a_copy_has_nothing_to_do_with_the_original(clone: Clone, tmp_path: Path
     [
         {"LC_ALL": "de_DE.ISO-8859-1"},
         {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-        {"LC_ALL": "", "LANG": ""},
     ],
 )
 def test_letters_beyond_ascii_need_no_utf_8_locale(tmp_path: Path, locale: dict[str, str]) -> None:
@@ -85,7 +74,7 @@ def test_letters_beyond_ascii_need_no_utf_8_locale(tmp_path: Path, locale: dict[
         cwd=tmp_path,
         env=clone.environ(**locale),
         capture_output=True,
-        timeout=60,
+        timeout=120,
         check=False,
     )
     assert done.stdout.decode() == f"{clone.root}/course_kit/__init__.py ✓ ['grade', 'lösung.py']\n", done.stderr

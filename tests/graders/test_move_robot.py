@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -24,11 +23,6 @@ def failures(report: grading.Report) -> list[tuple[str, str, str]]:
     return [(check.id, check.status, check.message) for check in report.checks if check.status != "passed"]
 
 
-def test_exec_grades_a_command() -> None:
-    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(SOLUTION)]))
-    assert failures(report) == []
-
-
 def test_attach_grades_a_robot_that_has_driven_before(domain: int) -> None:
     """At a quarter of its speed: what is attached to keeps its own time scale."""
     with subprocess.Popen(
@@ -42,7 +36,7 @@ def test_attach_grades_a_robot_that_has_driven_before(domain: int) -> None:
                 assert failures(report) == []
         finally:
             program.send_signal(signal.SIGINT)
-            program.wait(20)
+            program.wait(200)
 
 
 WAKES_THE_EXECUTOR = (7, 1, 9)  # from this rclpy on a future that is awaited belongs to the executor of who awaits it

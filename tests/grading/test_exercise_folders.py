@@ -26,7 +26,7 @@ def _nothing_added(monkeypatch: pytest.MonkeyPatch) -> None:
 def course_kit(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "course_kit", *words]
     return subprocess.run(
-        command, env={**os.environ, **variables}, capture_output=True, text=True, timeout=110, check=False
+        command, env={**os.environ, **variables}, capture_output=True, text=True, timeout=200, check=False
     )
 
 
@@ -73,7 +73,7 @@ def test_listing_does_not_load_the_library_that_reads_entry_points() -> None:
         "import sys; from course_kit.grading import exercise; exercise.ids(); "
         "print('importlib.metadata' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=200, check=False)
     assert done.stdout == "False\n", done.stderr
 
 

@@ -12,22 +12,23 @@ from tests.grading.conftest import EXERCISE, ROOT
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from course_kit.grading import Worker
     from course_kit.grading.report import Report
 
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 
-def graded(path: Path, *, first_failure: bool) -> Report:
+def graded(path: Path, worker: Worker, *, first_failure: bool) -> Report:
     task = exercise.load(EXERCISE)
     with Reader() as reader, Copy(path) as copy:
         text = reader.read(copy, task)
-    return engine.grade_task(engine.Task(task, text, path.name, 1, first_failure=first_failure))
+    return engine.grade_task(engine.Task(task, text, path.name, 1, first_failure=first_failure), worker)
 
 
-def test_nothing_is_checked_after_the_first_failure(tmp_path: Path) -> None:
+def test_nothing_is_checked_after_the_first_failure(tmp_path: Path, worker: Worker) -> None:
     wrong = tmp_path / "wrong.py"
     wrong.write_text(SOLUTION.read_text().replace("- 32.0", "- 31.0"))
-    whole, short = graded(wrong, first_failure=False), graded(wrong, first_failure=True)
+    whole, short = (graded(wrong, worker, first_failure=first) for first in (False, True))
     assert [check.id for check in short.checks] == [check.id for check in whole.checks][: len(short.checks)]
     assert {check.status for check in short.checks[:-1]} <= {"passed", "skipped"}  # skipped: its talk was cut short
     assert short.checks[-1].id == "fahrenheit_to_celsius"
@@ -36,8 +37,8 @@ def test_nothing_is_checked_after_the_first_failure(tmp_path: Path) -> None:
     assert (short.status, short.problem) == ("graded", "")
 
 
-def test_a_right_program_is_checked_to_the_end() -> None:
-    report = graded(SOLUTION, first_failure=True)
+def test_a_right_program_is_checked_to_the_end(worker: Worker) -> None:
+    report = graded(SOLUTION, worker, first_failure=True)
     assert report.score == report.max_score
     assert {check.status for check in report.checks} == {"passed"}
     assert all(isinstance(check.proves, tuple) for check in report.checks)

@@ -180,7 +180,7 @@ def test_it_ends_with_whoever_has_started_it_at_rest_and_at_work(text: str, tmp_
             wait_until(reader.children, "the reader being at work")
         below = [reader, *reader.children()]
         user.kill()
-    psutil.wait_procs(below, timeout=60)
+    psutil.wait_procs(below, timeout=200)
     assert not any(one.is_running() for one in below)
 
 
@@ -222,7 +222,7 @@ def test_a_machine_that_has_no_more_files_is_no_fault_of_the_submission(left: st
         "-c",
         f"import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))\n{NO_FILES}",
     ]
-    done = subprocess.run([*command, program, left], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([*command, program, left], capture_output=True, text=True, timeout=200, check=True)
     assert "Too many open files" in done.stdout
 
 

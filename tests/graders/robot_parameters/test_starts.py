@@ -27,7 +27,7 @@ def node_running(domain: int) -> Iterator[int]:
     )
     yield domain
     program.send_signal(signal.SIGINT)
-    program.wait(20)
+    program.wait(200)
 
 
 def test_a_command_is_given_arguments_and_files() -> None:
@@ -56,8 +56,8 @@ def test_attached_to_a_node_it_grades_all_but_the_starts_and_leaves_the_node_as_
     assert "with --attach your program is already running" in told["start_arguments"]
 
 
-def test_what_a_provoked_error_prints_is_marked_as_such() -> None:
-    report = grading.grade(EXERCISE, SOLUTION)
+def test_what_a_provoked_error_prints_is_marked_as_such(worker: grading.Worker) -> None:
+    report = grading.grade(EXERCISE, SOLUTION, worker=worker)
     lines = report.stderr.splitlines()
     assert "velocity_limiter cannot start" in lines[-2]
     assert lines[-1].startswith("[The lines above are from a start with: --ros-args -p wheel_diameter:=")

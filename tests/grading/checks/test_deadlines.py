@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 DEADLINE_S = 0.4
-START_S = PATIENCE_S = 60.0  # against hanging only
+START_S = PATIENCE_S = 200.0  # against hanging only
 SERVICE = Service("/convert_temperature", ConvertTemperature)
 MISSING = Service("/not_there", ConvertTemperature)
 ACTION = WantedAction("/move_robot", MoveRobot)
@@ -64,19 +64,27 @@ threading.Event().wait()
 """
 
 
+@pytest.fixture(scope="module")
+def silent_domain() -> Iterator[int]:
+    """A graph with nothing but the silent node."""
+    with environment.exclusive_domain() as domain_id:
+        environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
+        with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
+            yield domain_id
+            program.kill()
+
+
 @pytest.fixture
-def context(domain: int) -> Iterator[CheckContext]:
-    """A context on whose graph is the silent node."""
-    environ = environment.child_environment(ROS_DOMAIN_ID=str(domain))
+def context(silent_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[CheckContext]:
+    """A context on that graph."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(silent_domain))
     ends = [{"kind": "service", "name": SERVICE.name, "type": SERVICE.type}]
     job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S), endpoints=ends)
-    with subprocess.Popen([sys.executable, "-c", SILENT], env=environ) as program:
-        made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
-        made.launch()
-        assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)
-        yield made
-        made.close()
-        program.kill()
+    made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
+    made.launch()
+    assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)
+    yield made
+    made.close()
 
 
 def send(context: CheckContext) -> GradedGoal:
@@ -91,19 +99,14 @@ def cancel(context: CheckContext) -> None:
 VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "call": (lambda context: GradedNode(context).call(SERVICE.name, REQUEST), ANSWER_S),
     "call_many": (lambda context: call_many(context, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
-    "goal": (lambda context: send(context).wait_for_answer("an answer"), ANSWER_S),
     "cancel": (cancel, ANSWER_S),
     "result": (lambda context: send(context).wait_for_end(ANSWER_S, "an end"), ANSWER_S),
     "last feedback": (lambda context: send(context).wait_for_last_feedback(lambda _: False), 3.5),
-    "parameter names": (lambda context: Remote(context, NODE).names(), ANSWER_S),
     "parameter values": (lambda context: Remote(context, NODE).values(["x"]), ANSWER_S),
     "set": (lambda context: Remote(context, NODE).set("x", 1.0), ANSWER_S),
-    "set together": (lambda context: Remote(context, NODE).set_together({"x": 1.0}), ANSWER_S),
     "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
     "service that is missing": (lambda context: expect_offered(context, MISSING), 2.0),
-    "action that is missing": (lambda context: expect_offered(context, NO_ACTION), 2.0),
-    "node that is missing": (lambda context: expect_served(context, "/nobody"), 2.0),
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),
 }

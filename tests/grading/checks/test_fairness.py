@@ -135,7 +135,6 @@ ANSWERS = '        """Answer one request; a refusal carries its reason."""\n'
 IMPORTS = "import hashlib\nimport os\nimport signal\nimport threading\nimport time\n"
 UNNOTICED = "with children too short to be noticed"
 STARVERS = {
-    "alone": "def starve():\n    pass\n",
     "with twelve busy children": """
 def starve():
     for _ in range(12):

@@ -56,7 +56,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
 
     command = [sys.executable, "-c", _START, str(ROOT), mode, EXERCISE]
     asked = json.dumps({**programs, "seed": SEED})
-    done = subprocess.run(command, input=asked, capture_output=True, text=True, cwd="/", timeout=110, check=False)
+    done = subprocess.run(command, input=asked, capture_output=True, text=True, cwd="/", timeout=350, check=False)
     assert done.returncode == 0, done.stderr
     first, *rows = (json.loads(line) for line in done.stdout.splitlines())
     by_name = {row["name"]: row for row in rows}

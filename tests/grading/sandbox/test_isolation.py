@@ -35,7 +35,7 @@ with submission.Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Poo
     report = pool.grade(Task(asked, reader.read(copy, asked), "jane.py", 7, require_isolation=sys.argv[2] == "require"))
 print(report.status, report.problem)
 """
-PATIENCE_S = 100.0  # against hanging only
+PATIENCE_S = 300.0  # against hanging only
 DAEMON = """
 import os, signal, sys, time
 if os.fork() == 0:
@@ -50,7 +50,7 @@ time.sleep(0.5)
 
 def python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=100, check=False
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=200, check=False
     )
 
 
@@ -180,7 +180,7 @@ def test_graders_that_share_nothing_but_the_network_do_not_meet(tmp_path: Path) 
     assert scores == [(20.0, said, 0), (20.0, said, 0), (10.0, said, 0)]
 
 
-@pytest.mark.parametrize("code", ["service.exception", "limit.processes", "start.crash"])
+@pytest.mark.parametrize("code", ["service.exception", "limit.processes"])
 def test_broken_submission_gets_its_code_without_namespaces(code: str) -> None:
     report, _ = grade_without_namespaces(ROOT / "tests" / "broken" / EXERCISE / f"{code}.py")
     assert {check["diagnosis"] for check in report["checks"] if check["status"] == "failed"} == {code}

@@ -85,7 +85,7 @@ class _PausingPoll:
 
     def poll(self, milliseconds: float) -> list[tuple[int, int]]:
         self.reached.set()
-        assert self.go_on.wait(60)
+        assert self.go_on.wait(200)
         os.fstat(self._number)  # still open
         return self._poll.poll(milliseconds)
 
@@ -107,12 +107,12 @@ def test_what_a_thread_polls_stays_open_when_another_one_hangs_up(monkeypatch: p
     monkeypatch.setattr(select, "poll", lambda: pausing)
     waiting = threading.Thread(target=wait)
     waiting.start()
-    assert pausing.reached.wait(60)
+    assert pausing.reached.wait(200)
     ours.hang_up()
     ours.hang_up()
     assert ours.fileno() == number
     pausing.go_on.set()
-    waiting.join(60)
+    waiting.join(200)
     monkeypatch.undo()
     assert len(ended) == 1
     assert ours.fileno() == -1  # the one who waited has closed it
