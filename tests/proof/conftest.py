@@ -23,8 +23,7 @@ DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
 
 
 SAMPLE = "sample"
-ONE_IN = 4  # of the submissions that no test names
-OF_ALL = ("checks", "sentences")  # the rules that only the whole corpus can keep
+ONE_IN = 4  # of the others
 
 
 @dataclass
@@ -41,10 +40,13 @@ class Proofs:
         return next(self.reports[one] for one in found if one.kind in (kinds or ("broken", "slip")))
 
 
-def is_sampled(one: corpus.ProofSubmission) -> bool:
-    """Starters, solutions, what is named after a diagnosis, and some of the others."""
-    named = one.kind in ("starter", "solution") or one.name in catalogue()
-    return named or zlib.crc32(f"{one.exercise} {one.name}".encode()) % ONE_IN == 0
+def sample(one: corpus.Corpus) -> corpus.Corpus:
+    """Starters, the solution, what is named after a diagnosis, and some of the others of each kind."""
+    chosen = {each for each in one.submissions if each.kind in ("starter", "solution") or each.name in catalogue()}
+    for kind in ("variant", "slip"):
+        others = sorted(set(one.of(kind)) - chosen, key=lambda each: zlib.crc32(each.name.encode()))
+        chosen.update(others[::ONE_IN])
+    return corpus.Corpus(one.task, tuple(each for each in one.submissions if each in chosen))
 
 
 @pytest.fixture(
@@ -54,8 +56,7 @@ def is_sampled(one: corpus.ProofSubmission) -> bool:
 def proofs(request: pytest.FixtureRequest) -> Proofs:
     whole = [corpus.load(name, ROOT) for name in (*EXERCISES, *DRILLS)]
     if request.param == SAMPLE:
-        chosen = [corpus.Corpus(one.task, tuple(filter(is_sampled, one.submissions))) for one in whole]
-        run = check.Run(1, {})
+        chosen, run = [sample(one) for one in whole], check.Run(1, {})
     else:
         chosen, run = whole, check.Run(request.param, {})
     with Gradings([one.task for one in chosen]) as pool:
@@ -64,6 +65,6 @@ def proofs(request: pytest.FixtureRequest) -> Proofs:
         fault
         for one in chosen
         for fault in rules.faults(one, run.reports)
-        if request.param != SAMPLE or fault.rule not in OF_ALL
+        if request.param != SAMPLE or fault.submission  # what holds of all together needs all
     ]
     return Proofs(whole, run.reports, found)

@@ -70,7 +70,7 @@ FACTS = [
     ("pattern_choice", "start.import", "The nearest name is course_kit"),
     ("pattern_choice", "start.crash", "in line 3"),
     ("pattern_choice", "start.exit", "exit code 0"),
-    ("pattern_choice", "limit.time", "used the processor for 3 s"),
+    ("pattern_choice", "limit.time", "3 s of processor time"),
     ("pattern_choice", "quiz.malformed", "Without quotes, Python takes"),
     ("pattern_choice", "quiz.unknown", "did you mean"),
 ]
