@@ -193,14 +193,6 @@ class OpenServer:
 
 
 @contextmanager
-def learner(folder: Path, within: Browser | None = None, **changes: str | None) -> Iterator[JupyterLab]:
-    """A learner before a JupyterLab of their own, started with other variables."""
-    root = copy_with_notebooks(folder).root
-    with served(root, folder, "lab", **changes) as server, page(within) as opened:
-        yield JupyterLab(opened, root / environment.LEARNER_FOLDER, server.address, server.token)
-
-
-@contextmanager
 def started_server(folder: Path) -> Iterator[CourseServer]:
     """JupyterLab on a copy of the course."""
     root = copy_with_notebooks(folder).root

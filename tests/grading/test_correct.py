@@ -22,11 +22,6 @@ def test_solution_gets_full_marks_in_a_worker_of_its_own() -> None:
     assert grading.exit_code(report) == 0
 
 
-def test_windows_line_ends_and_byte_order_mark(grade_source: Callable[..., grading.Report], solution: str) -> None:
-    data = b"\xef\xbb\xbf" + solution.replace("\n", "\r\n").encode()
-    assert grade_source(data).score == 10.0
-
-
 def test_notebook(grade_source: Callable[..., grading.Report], solution: str) -> None:
     imports, _, rest = solution.partition("CELSIUS =")
     cells = [

@@ -35,7 +35,6 @@ with submission.Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Poo
     report = pool.grade(Task(asked, reader.read(copy, asked), "jane.py", 7, require_isolation=sys.argv[2] == "require"))
 print(report.status, report.problem)
 """
-PATIENCE_S = 300.0  # against hanging only
 DAEMON = """
 import os, signal, sys, time
 if os.fork() == 0:
@@ -154,30 +153,6 @@ def test_solution_is_graded_without_namespaces() -> None:
     assert report["score"] == 10.0
     assert report["stderr"] == ""  # the middleware may set its threads' scheduling, and says nothing
     assert "Missing: own network, own processes, own file system" in told
-
-
-def test_graders_that_share_nothing_but_the_network_do_not_meet(tmp_path: Path) -> None:
-    """As of two containers on their host's network: each has temporary files of its own, and no namespaces."""
-    began = []
-    for exercise in ("move_robot", "move_robot", "temperature_service"):
-        folder = tmp_path / f"container {len(began)}"
-        folder.mkdir()
-        words = ("grade", exercise, str(ROOT / "solutions" / exercise / f"{exercise}.py"), "--format", "json")
-        own = {"TMPDIR": str(folder), "HOME": str(folder), "XDG_STATE_HOME": str(folder), "COURSE_KIT_PROGRESS": "off"}
-        began.append(
-            subprocess.Popen(
-                [sys.executable, "-c", COMMAND_WITHOUT_NAMESPACES, *words],
-                env={**os.environ, **own},
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-            )
-        )
-    ended = [(*process.communicate(timeout=PATIENCE_S), process.returncode) for process in began]
-    scores = [(json.loads(report)["score"], problem, code) for report, problem, code in ended]
-    advice = grading.advice_for_root()
-    said = f"course-kit: {advice}\n" if advice else ""
-    assert scores == [(20.0, said, 0), (20.0, said, 0), (10.0, said, 0)]
 
 
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes"])

@@ -126,7 +126,7 @@ print("INTERFACE", Three.Request().get_fields_and_field_types())
 """
 
 
-@pytest.mark.parametrize("solution", ["../answers/add_three.py", "../add_three_solution.py"])
+@pytest.mark.parametrize("solution", ["../answers/add_three.py"])
 def test_a_solution_outside_of_the_exercise_s_folder_is_hidden_too(
     solution: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
