@@ -10,7 +10,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING
 
 from course_kit import environment, grading
-from tests.grading.conftest import ROOT
+from tests.grading.conftest import ROOT, wait_for_node
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,6 +31,7 @@ def test_attach_grades_a_robot_that_has_driven_before(domain: int) -> None:
         stderr=subprocess.DEVNULL,
     ) as program:
         try:
+            wait_for_node("move_robot_server", domain)
             for _ in range(2):  # the second time the robot stands where the first has left it
                 report = grading.grade(EXERCISE, attach=True)
                 assert failures(report) == []

@@ -6,14 +6,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import rclpy
 
 from course_kit import environment, grading
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 EXERCISE = "temperature_service"
 ROOT = environment.checkout() or Path()
+
+
+def wait_for_node(name: str, domain_id: int) -> None:
+    """Return when a node is on a graph; on a busy machine its program takes longer to start than a grader waits."""
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    looking = rclpy.create_node("looking", context=context)
+    wait_until(lambda: name in looking.get_node_names(), name)
+    looking.destroy_node()
+    rclpy.shutdown(context=context)
 
 
 @pytest.fixture(scope="session")

@@ -18,7 +18,7 @@ from course_kit import environment, grading
 from course_kit.grading import engine, exercise, exercise_job
 from course_kit.grading.checks.check import Result
 from course_kit.process import tree
-from tests.grading.conftest import EXERCISE, ROOT
+from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -35,6 +35,7 @@ def node_running(domain: int) -> Iterator[int]:
         env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
         stderr=subprocess.DEVNULL,
     )
+    wait_for_node("temperature_service", domain)
     yield domain
     program.send_signal(signal.SIGINT)
     program.wait(200)

@@ -12,6 +12,7 @@ import pytest
 
 from course_kit import environment, grading
 from tests.graders.robot_parameters.conftest import EXERCISE, SOLUTION, not_passed
+from tests.grading.conftest import wait_for_node
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,6 +26,7 @@ def node_running(domain: int) -> Iterator[int]:
     program = subprocess.Popen(
         [sys.executable, str(SOLUTION)], env=environment.child_environment(ROS_DOMAIN_ID=str(domain))
     )
+    wait_for_node("velocity_limiter", domain)
     yield domain
     program.send_signal(signal.SIGINT)
     program.wait(200)
