@@ -38,6 +38,7 @@ def test_the_sliders_of_lesson_three_set_what_the_plot_shows(lab: JupyterLab) ->
         "%load_ext course_kit",
         "class Oven(Node)",
         "class WarmOven",
+        "class Heater(Node)",  # brings an import
         "class FusedOven",
         "panels.parameter_sliders",
         "panels.plot",
