@@ -1,0 +1,137 @@
+"""A conversation with a program that is stood in for: what a failure costs, and how it is shrunk."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.vocabulary import Model, conversation, either, part, rule
+from course_kit.grading.exchange_log import ExchangeLog
+
+if TYPE_CHECKING:
+    from course_kit.grading.checks.vocabulary import Check, GradedNode
+
+
+@dataclass
+class StandIn:
+    """A context whose program is a list of what it was asked since it was started."""
+
+    asked: list[str] = field(default_factory=list)
+    starts: int = 1
+    memory: dict[str, Any] = field(default_factory=lambda: {"met": True, "heard": {}})
+    conversations: dict[type, Any] = field(default_factory=dict)
+    record: ExchangeLog = field(default_factory=ExchangeLog)
+    spoiled: bool = False
+    job: Any = field(
+        default_factory=lambda: SimpleNamespace(
+            seed=1, first_failure=False, mode="run", limits=SimpleNamespace(wall_s=60.0)
+        )
+    )
+
+    def spoil(self) -> None:
+        self.asked, self.starts = [], self.starts + 1
+
+    def ask(self, what: str) -> list[str]:
+        self.record.sent(what)
+        self.asked.append(what)
+        return self.asked
+
+    def clock(self) -> Any:
+        return SimpleNamespace(wall=lambda: 0.0, past=lambda _: False)
+
+    def time_is_up(self) -> bool:
+        return False
+
+    def lost_in(self) -> int:
+        return 0
+
+
+def fail(sent: str, code: str | None = None, breaks: str = "") -> None:
+    raise Failed(Evidence(sent, "right", "wrong"), f"{sent} is wrong.", code, breaks=breaks)
+
+
+def judge(checks: list[Check], context: StandIn) -> dict[str, str]:
+    """What came of each check: passed, not run, or the message of its failure."""
+    found = {}
+    for one in checks:
+        try:
+            one.run(context)  # type: ignore[arg-type]
+        except Failed as failed:
+            found[one.id] = failed.message
+        except NotRun as reason:
+            found[one.id] = str(reason)
+        else:
+            found[one.id] = "passed"
+    return found
+
+
+class Letters(Model):
+    """Three kinds of steps; a program is right when it was never asked for c after a."""
+
+    @rule("a", times=either(1, 2))
+    def ask_a(self, node: GradedNode, times: int) -> None:
+        for _ in range(times):
+            node.context.ask("a")  # type: ignore[attr-defined]
+
+    @rule("b", often=8)
+    def ask_b(self, node: GradedNode) -> None:
+        node.context.ask("b")  # type: ignore[attr-defined]
+
+    @rule("c", often=3)
+    def ask_c(self, node: GradedNode) -> None:
+        if "a" in node.context.ask("c"):  # type: ignore[attr-defined]
+            fail("c")
+
+
+def checks_of(model: type[Model]) -> list[Check]:
+    return conversation(model, *(part(name, name, points=1.0, proves=[f"on_{name}"]) for name in "abc"), steps=40)
+
+
+def test_a_failure_costs_its_own_check_and_is_shrunk_to_the_steps_that_it_takes() -> None:
+    context = StandIn()
+    assert judge(checks_of(Letters), context) == {"a": "passed", "b": "passed", "c": "c is wrong."}
+    lost = context.conversations[Letters].verdict_of
+    with pytest.raises(Failed) as failure:
+        lost(next(one for one in context.conversations[Letters].parts if one.id == "c"))
+    assert failure.value.evidence.sent in {"a; c", "a; a; c"}
+    assert [step.text for step in failure.value.steps][-2:] == ["wrong", "expected: right"]
+
+
+def test_a_failure_that_names_a_sentence_costs_the_check_that_proves_it() -> None:
+    class Elsewhere(Letters):
+        @rule("c")
+        def ask_c(self, node: GradedNode) -> None:
+            if len(node.context.ask("c")) > 1:  # type: ignore[attr-defined]
+                fail("c", breaks="on_b")
+
+    found = judge(checks_of(Elsewhere), StandIn())
+    assert found == {"a": "passed", "b": "c is wrong.", "c": "passed"}  # which is right by itself
+
+
+def test_an_endless_loop_is_met_once() -> None:
+    class Endless(Letters):
+        @rule("c", often=3)
+        def ask_c(self, node: GradedNode) -> None:
+            node.context.ask("c")  # type: ignore[attr-defined]
+            fail("c", "limit.time")
+
+    context = StandIn()
+    assert judge(checks_of(Endless), context)["c"] == "c is wrong."
+    assert context.starts == 1 + 1 + 1  # at first, after the failure, and for the checks after the conversation
+
+
+def test_a_program_that_does_not_come_up_again_has_proven_nothing_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    context = StandIn()
+
+    def gone(self: Model, node: GradedNode) -> None:
+        if node.context.starts > 1:  # type: ignore[attr-defined]
+            fail("start", "start.crash")
+
+    monkeypatch.setattr(Letters, "begin", gone)
+    found = judge(checks_of(Letters), context)
+    assert (found["a"], found["b"]) == ("start is wrong.", "start is wrong.")
+    assert found["c"].startswith("c is wrong. It happened after ")  # it cannot be shrunk
