@@ -55,18 +55,18 @@ def fail(sent: str, code: str | None = None, breaks: str = "") -> None:
 
 
 def judge(checks: list[Check], context: StandIn) -> dict[str, str]:
-    """What came of each check: passed, not run, or the message of its failure."""
-    found = {}
-    for one in checks:
-        try:
-            one.run(context)  # type: ignore[arg-type]
-        except Failed as failed:
-            found[one.id] = failed.message
-        except NotRun as reason:
-            found[one.id] = str(reason)
-        else:
-            found[one.id] = "passed"
-    return found
+    """What came of each check: passed, why it was not run, or what failed."""
+    return {one.id: outcome_of(one, context) for one in checks}
+
+
+def outcome_of(check: Check, context: StandIn) -> str:
+    try:
+        check.run(context)  # type: ignore[arg-type]
+    except Failed as failed:
+        return failed.message
+    except NotRun as reason:
+        return str(reason)
+    return "passed"
 
 
 class Letters(Model):
@@ -127,7 +127,7 @@ def test_an_endless_loop_is_met_once() -> None:
 def test_a_program_that_does_not_come_up_again_has_proven_nothing_more(monkeypatch: pytest.MonkeyPatch) -> None:
     context = StandIn()
 
-    def gone(self: Model, node: GradedNode) -> None:
+    def gone(_: Model, node: GradedNode) -> None:
         if node.context.starts > 1:  # type: ignore[attr-defined]
             fail("start", "start.crash")
 
