@@ -36,7 +36,14 @@ if TYPE_CHECKING:
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
 LINKS = {"a": "href", "link": "href", "img": "src", "script": "src"}
-GUIDES = ("guides/machines", "guides/instructors", "guides/platforms", "authoring/AUTHORING", "grading/LIMITS")
+GUIDES = (
+    "guides/machines",
+    "guides/monday",
+    "guides/instructors",
+    "guides/platforms",
+    "authoring/AUTHORING",
+    "grading/LIMITS",
+)
 LESSON = "notebooks/01_services.html"
 
 
