@@ -1,0 +1,37 @@
+"""Guides have short sentences and plain words; the words in the list are those that readers stumbled over."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
+FOLDERS = (".", *(f"course_kit/{name}" for name in ("guides", "authoring", "classroom", "grading", "launch")))
+OLD = {"CHANGELOG.md", "CODE_OF_CONDUCT.md"}  # of before, and somebody else's words
+GUIDES = [path for folder in FOLDERS for path in sorted((REPOSITORY / folder).glob("*.md")) if path.name not in OLD]
+MOST_WORDS = 28
+EXCEPTIONS: tuple[str, ...] = ()  # beginnings of longer sentences that stay
+STUMBLES = re.compile(
+    r"\b(mend(s|ed)|told|in force|there is none|how manieth|nothing else than|of (its|their) own|to be had|"
+    r"counts? for nothing|(is|are) to be|(is|are) another one|there already|came? to an end|something is odd|any more|"
+    r"as it stands|when what|says who|no matter|shall|so long|only so|the other way round)\b",
+    re.IGNORECASE,
+)
+
+
+def sentences(text: str) -> list[str]:
+    """Without code; a cell of a table, an item of a list and a heading end a sentence, too."""
+    text = re.sub(r"^ *(`{3,}).*?^ *\1", "\n\n", text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"\]\([^)]*\)|<[^>]*>", "]", re.sub(r"`[^`]*`", "`code`", text))
+    parts = re.split(r"(?<=[.!?])[*)\"]*\s+|\n\s*\n|\n(?=\s*(?:[-#|>]|\d+\.) ?)|\|", text)
+    return [" ".join(part.split()) for part in parts]
+
+
+@pytest.mark.parametrize("path", GUIDES, ids=lambda path: str(path.relative_to(REPOSITORY)))
+def test_its_sentences_are_short_and_plain(path: Path) -> None:
+    found = sentences(path.read_text(encoding="utf-8"))
+    assert found
+    assert [one for one in found if len(one.split()) > MOST_WORDS and not one.startswith(EXCEPTIONS)] == []
+    assert [(word[0], one) for one in found if (word := STUMBLES.search(one))] == []
