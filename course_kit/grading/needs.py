@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
-from course_kit.process import parent, tree
+from course_kit.process import libc, tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,7 +73,7 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
             f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
             "submission's processes. Grade in a container or a virtual machine."
         )
-    if why := parent.lacking():
+    if why := libc.lacking():
         return (
             f"This system does not allow prctl ({why}), by which the grader keeps hold of a submission's processes. "
             f"Allow it, as Docker's own seccomp profile does{_AGAIN}"

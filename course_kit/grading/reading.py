@@ -20,8 +20,8 @@ from course_kit.environment.files import file_in_memory
 from course_kit.grading import reading_answers as answers
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import UnreadableError
+from course_kit.process import Closing
 from course_kit.process.child import INTO_STDOUT, Child
-from course_kit.process.closing import Closing
 from course_kit.process.output import LastWords
 from course_kit.reader import limits, packets
 from course_kit.reader.text import NOTEBOOK, kind

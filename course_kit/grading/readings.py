@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.reading import Reader
 from course_kit.grading.reading_answers import Fingerprints
-from course_kit.process.closing import Closing
+from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.environment.files import file_in_memory
 from course_kit.grading.errors import GradingError
-from course_kit.process.closing import Closing
+from course_kit.process import Closing
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
 
 if TYPE_CHECKING:

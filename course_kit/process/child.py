@@ -11,7 +11,7 @@ from contextlib import suppress
 from signal import SIGINT, SIGKILL, SIGTERM, Signals
 from typing import IO, TYPE_CHECKING
 
-from course_kit.process.parent import die_with_parent
+from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,19 +26,14 @@ class Ladder:
     """The signals that one process gets, one after the other, and how long it has to obey each."""
 
     def __init__(self, interrupt_s: float, terminate_s: float, kill_s: float) -> None:
-        self._left = [(SIGINT, interrupt_s), (SIGTERM, terminate_s), (SIGKILL, kill_s)]
+        self.left = [(SIGINT, interrupt_s), (SIGTERM, terminate_s), (SIGKILL, kill_s)]
         self.climbed: list[tuple[Signals, float]] = []
         self._next_at = math.inf
 
-    @property
-    def at_top(self) -> bool:
-        """Whether no signal is left."""
-        return not self._left
-
     def climb(self) -> tuple[Signals, float]:
         """The next signal, for the caller to send now, and the seconds that the process has from now on."""
-        self.climbed.append(self._left.pop(0))
-        self._next_at = time.monotonic() + self.climbed[-1][1] if self._left else math.inf
+        self.climbed.append(self.left.pop(0))
+        self._next_at = time.monotonic() + self.climbed[-1][1] if self.left else math.inf
         return self.climbed[-1]
 
     def pause_s(self) -> float:
@@ -83,25 +78,23 @@ class Child:
 
     def wait(self, seconds: float | None = None) -> int | None:
         """Wait until it has ended; its exit code, None if it has not within so many seconds."""
-        if seconds is None or not self._await_end(seconds):
-            with suppress(subprocess.TimeoutExpired):
-                return self._popen.wait(seconds)
-        return self.exit_code()
+        if seconds is not None and self.exit_code() is None:
+            with suppress(OSError):  # there is no room for a descriptor
+                self._await_end(seconds)
+                return self.exit_code()
+        with suppress(subprocess.TimeoutExpired):
+            return self._popen.wait(seconds)
+        return None
 
-    def _await_end(self, seconds: float) -> bool:
-        """Whether the kernel could be asked to tell (pidfd_open(2)): Python looks every 50 ms in the end."""
+    def _await_end(self, seconds: float) -> None:
+        """Wait by the kernel's word (pidfd_open(2)): Python looks every 50 ms in the end."""
+        descriptor = os.pidfd_open(self.pid)
         try:
-            told = os.pidfd_open(self.pid) if self.exit_code() is None else -1
-        except (OSError, AttributeError):  # an older kernel, no room for a descriptor, another system
-            return False
-        if told >= 0:
-            try:
-                poll = select.poll()
-                poll.register(told, select.POLLIN)
-                poll.poll(min(seconds * 1000, _LONGEST_MS))
-            finally:
-                os.close(told)
-        return True
+            poll = select.poll()
+            poll.register(descriptor, select.POLLIN)
+            poll.poll(min(seconds * 1000, _LONGEST_MS))
+        finally:
+            os.close(descriptor)
 
     def send(self, number: Signals) -> None:
         """Signal it and what it has started."""
@@ -111,7 +104,7 @@ class Child:
     def end(self, ladder: Ladder) -> bytes:
         """Have it end, by SIGKILL at the latest, and kill what it has started and left behind."""
         said = b""
-        while not ladder.at_top:
+        while ladder.left:
             number, seconds = ladder.climb()
             self.send(number)
             with suppress(subprocess.TimeoutExpired):

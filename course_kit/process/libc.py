@@ -1,11 +1,16 @@
-"""Functions of the C library for what Python has no function for; one that fails raises OSError, as Python's own do."""
+"""What Python has no function for, by the C library; what fails raises OSError, as Python's own functions do.
+
+Most is what a process settles with its parent, and with the children that others leave to it (prctl(2)).
+"""
 
 from __future__ import annotations
 
 import ctypes
 import errno
 import os
+import signal
 
+_PR_SET_PDEATHSIG, _PR_GET_PDEATHSIG, _PR_SET_NAME, _PR_SET_CHILD_SUBREAPER = 1, 2, 15, 36
 _libc = ctypes.CDLL(None, use_errno=True)
 
 
@@ -30,3 +35,29 @@ def system_call(number: int, *arguments: object, what: str) -> int:
 def prctl(option: int, *arguments: object, what: str) -> int:
     """Change how the kernel treats this process (prctl(2)); arguments that are not given are 0, otherwise as `call`."""
     return call("prctl", option, *arguments, *(0,) * (4 - len(arguments)), what=f"prctl {what}")
+
+
+def die_with_parent(parent: int = 0, number: signal.Signals = signal.SIGKILL) -> None:
+    """Have the kernel end this process when its parent ends; lost with a new user, or namespace of users."""
+    prctl(_PR_SET_PDEATHSIG, number, what="PDEATHSIG")
+    if parent and os.getppid() != parent:
+        os.kill(os.getpid(), number)
+
+
+def adopt_orphans() -> None:
+    """Become the parent of every descendant whose own parent ends (PR_SET_CHILD_SUBREAPER)."""
+    prctl(_PR_SET_CHILD_SUBREAPER, 1, what="CHILD_SUBREAPER")
+
+
+def lacking() -> str:
+    """Why this process cannot settle anything with others, as the system says it; empty where it can."""
+    try:
+        prctl(_PR_GET_PDEATHSIG, ctypes.byref(ctypes.c_int()), what="PDEATHSIG")
+    except OSError as problem:
+        return problem.strerror or str(problem)
+    return ""
+
+
+def set_name(name: str) -> None:
+    """Have `ps` and `top` show this process under a name of at most 15 characters."""
+    prctl(_PR_SET_NAME, name.encode(), what="NAME")

@@ -69,13 +69,6 @@ def speaker(process_id: int) -> int:
     return next((thread for thread in threads if thread != process_id and _lives(thread)), process_id)
 
 
-def has_memory(process_id: int) -> bool:
-    """Whether a process, or a thread, has memory still; the first thing that one gives back which ends."""
-    with suppress(OSError, ValueError, IndexError):
-        return int(_stat(process_id)[20]) > 0
-    return False
-
-
 def _lives(thread: int) -> bool:
     with suppress(OSError, IndexError):
         return _stat(thread)[0] != _ENDED

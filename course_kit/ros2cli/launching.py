@@ -17,7 +17,7 @@ from course_kit import environment
 from course_kit.launch.actions import not_an_argument
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
-from course_kit.process.parent import die_with_parent
+from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
     from course_kit.launch.node import ProcessDescription

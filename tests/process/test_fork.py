@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
+import socket
 
 import pytest
 
-from course_kit.process.closing import Closing
-from course_kit.process.fork import fork
+from course_kit.process import Closing
+from course_kit.process.fork import first_uses, fork
 
 
 def status_of(child: int) -> int:
@@ -34,8 +34,20 @@ def test_what_the_function_raises_ends_the_child_and_is_told(capfd: pytest.Captu
     assert "LookupError: told on stderr" in capfd.readouterr().err
 
 
-def test_a_function_that_wants_to_end_the_program_ends_the_child() -> None:
-    assert status_of(fork(sys.exit, failed=70)) == 70
+def test_each_line_comes_when_it_is_first_used_or_closed() -> None:
+    pairs = [socket.socketpair() for _ in range(3)]
+    lines = [ours for ours, _ in pairs]
+    pairs[1][1].send(b"x")
+    uses = first_uses(lines)
+    assert next(uses) == (lines[1], (lines[0], lines[2]))
+    pairs[1][1].send(b"more")  # on a line that was used already
+    pairs[2][1].close()
+    assert next(uses) == (lines[2], (lines[0],))
+    pairs[0][1].send(b"x")
+    assert list(uses) == [(lines[0], ())]
+    assert lines[1].recv(10) == b"xmore", "nothing is taken off a line"
+    for end in [end for pair in pairs for end in pair]:
+        end.close()
 
 
 class Counted(Closing):

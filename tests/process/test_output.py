@@ -34,15 +34,6 @@ def test_whole_lines_are_handed_on_and_nothing_is_waited_for(ends: list[int]) ->
     assert not lines.ended
 
 
-def test_a_letter_that_is_written_in_two_pieces_stays_one(ends: list[int]) -> None:
-    lines = LineReader(ends[0])
-    first, second = "\N{LATIN SMALL LETTER U WITH DIAERESIS}".encode()
-    os.write(ends[1], bytes([first]))
-    assert lines.read() == []
-    os.write(ends[1], bytes([second]) + b"\n")
-    assert lines.read() == ["\N{LATIN SMALL LETTER U WITH DIAERESIS}"]
-
-
 def test_a_last_line_without_an_end_comes_with_the_end_of_the_stream(ends: list[int]) -> None:
     lines = LineReader(ends[0])
     os.write(ends[1], b"whole\nnot whole")

@@ -7,7 +7,7 @@ import threading
 import time
 
 from course_kit.process import tree
-from course_kit.process.parent import adopt_orphans
+from course_kit.process.libc import adopt_orphans
 
 
 def test_everything_below_is_ended_and_what_is_kept_lives() -> None:

@@ -9,7 +9,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.reading_answers import Fingerprints
 from course_kit.grading.readings import Readings
 from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.process.closing import Closing
+from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -17,7 +17,7 @@ from course_kit.grading.sandbox import memory, namespaces, runner, socket_memory
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import Waiting, last_task
 from course_kit.process import tree
-from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.plain_data import Record

@@ -31,9 +31,8 @@ from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.first_uses import first_uses
-from course_kit.process.fork import fork, freeze
-from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+from course_kit.process.fork import first_uses, fork, freeze
+from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading import limits
 from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp, values
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.process.parent import set_name
+from course_kit.process.libc import set_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

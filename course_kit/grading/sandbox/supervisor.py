@@ -23,7 +23,7 @@ from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import tree
 from course_kit.process.fork import fork
-from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,7 +13,7 @@ from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
 from course_kit.grading.workers import grader_module
 from course_kit.grading.workers.ipc import ChannelClosedError
-from course_kit.process.parent import set_name
+from course_kit.process.libc import set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.job import Job

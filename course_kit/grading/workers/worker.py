@@ -16,7 +16,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
-from course_kit.process.closing import Closing
+from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

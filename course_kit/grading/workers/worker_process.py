@@ -26,9 +26,8 @@ from course_kit.grading.workers import grader_module, grader_process
 from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.first_uses import first_uses
-from course_kit.process.fork import forget_binding, fork, freeze
-from course_kit.process.parent import adopt_orphans, die_with_parent, set_name
+from course_kit.process.fork import first_uses, forget_binding, fork, freeze
+from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Sequence

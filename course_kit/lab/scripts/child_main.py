@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.recording.events import EventStream
 from course_kit.lab.runtime.advice import of_newer_ros
-from course_kit.process.parent import die_with_parent
+from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
     from types import FrameType

@@ -24,7 +24,7 @@ from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, n
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
 from course_kit.process import libc, tree
-from course_kit.process.parent import adopt_orphans
+from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
