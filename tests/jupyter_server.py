@@ -111,7 +111,7 @@ def started(
 
 def allow_root() -> list[str]:
     """What root has to add to `./course lab`, which adds it itself in a container."""
-    return ["--allow-root"] if os.geteuid() == 0 and not environment.sign_of_container() else []
+    return ["--allow-root"] if os.geteuid() == 0 and not environment.paths.sign_of_container() else []
 
 
 def wait_until_up(url: str, process: subprocess.Popen[bytes], log: Path) -> None:

@@ -59,15 +59,11 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/environment": 1110,
-    "course_kit/reader": 870,
-    "course_kit/interfaces": 3730,
-    "course_kit/process": 540,
-    "course_kit/ros": 1930,
+    "course_kit/interfaces": 3729,
+    "course_kit/ros": 1774,
     "course_kit/lab": 7350,
-    "course_kit/quiz": 750,
-    "course_kit/panels": 3150,
-    "course_kit/ros2cli": 3900,
+    "course_kit/panels": 3145,
+    "course_kit/ros2cli": 3893,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,
     "course_kit/classroom": 6920,

@@ -12,7 +12,7 @@ from course_kit.grading import needs
 from course_kit.grading.engine import Task, unreadable
 from course_kit.grading.reading import Reader
 from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.process.closing import Closing
+from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

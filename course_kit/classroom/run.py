@@ -22,7 +22,7 @@ from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart,
 from course_kit.classroom.records import Records
 from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
-from course_kit.environment import remove_half_written
+from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import ReadingStoppedError
 from course_kit.grading.readings import Readings

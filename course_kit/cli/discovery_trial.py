@@ -45,7 +45,7 @@ def _ask(domain_id: int) -> float | None:
     from rclpy.executors import SingleThreadedExecutor
     from std_srvs.srv import Trigger
 
-    from course_kit.ros.node import quiet_node
+    from course_kit.ros.graph import quiet_node
     from course_kit.ros.service import ServiceClient
 
     started = time.monotonic()

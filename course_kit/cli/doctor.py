@@ -104,13 +104,12 @@ def packages() -> Finding:
     """Whether packages have lost files to others."""
     from course_kit.environment import packages as installed
 
-    damaged = installed.damaged()
-    if not damaged:
+    requirement = installed.damaged()
+    if not requirement:
         return Finding("packages", "no package has overwritten the files of another")
-    requirement, other = next(iter(damaged.items()))
     return Finding(
         "packages",
-        f"{other} has overwritten files of {requirement}, which JupyterLab uses",
+        f"{installed.OLD_NAME} has overwritten files of {requirement}, which JupyterLab uses",
         "note" if environment.checkout() is None else "bad",  # only ./course has the say in what is installed
         f"Install {requirement} again: {installed.remedy(requirement)}",
     )
@@ -118,14 +117,14 @@ def packages() -> Finding:
 
 def course_folder() -> Finding:
     """The lessons and exercises, and whether this user can work on them where they are."""
-    root, mine = environment.course_files(), environment.learner_folder() or environment.usual_learner_folder()
+    root, mine = environment.course_files(), environment.learner_folder() or environment.paths.usual_learner_folder()
     if root is None or not (root / "exercises").is_dir():
         missing = "lessons and exercises" if root is None else "exercises"
         return Finding("course folder", f"the {missing} are missing in {environment.PACKAGE}", "bad", _NO_COURSE)
     if environment.checkout() is None:
         made = "" if mine.is_dir() else f", which {environment.command()} lab makes"
         return Finding("course folder", f"installed as a package; you work in {mine}{made}")
-    if environment.is_shared(root):
+    if environment.paths.is_shared(root):
         advice = f"{environment.command()} lab opens your own copy: {mine}"
         return Finding("course folder", f"{root}, read-only for you", "note", advice)
     return Finding("course folder", f"{root}; you work in {mine.relative_to(root) if root in mine.parents else mine}")
@@ -134,7 +133,7 @@ def course_folder() -> Finding:
 def own_files() -> Finding:
     """Where logs and the like are kept."""
     folder = environment.state_dir()
-    if folder == environment.usual_state_dir():
+    if folder == environment.paths.usual_state_dir():
         return Finding("your files", f"logs and the like are kept in {folder}")
     found = f"logs and the like are kept in {folder}, because your home directory cannot be written"
     advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
@@ -190,7 +189,7 @@ def middleware() -> Finding:
         return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
     version = checkup.version_of_package(name) if os.environ.get("ROS_DISTRO") else ""  # wheels have their own numbers
     name = f"{name} {version}" if version else name
-    if not (replaced := environment.middleware.replaced()):
+    if not (replaced := os.environ.get(environment.middleware.REPLACED, "")):
         return Finding("RMW", name)
     advice = f"You need not do anything. Unset {replaced.partition('=')[0]} to remove this note."
     return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)

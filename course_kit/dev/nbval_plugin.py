@@ -16,14 +16,14 @@ import nbval.kernel
 import nbval.plugin
 import pytest
 
-from course_kit.ros import compat, compat_names
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
 _PICTURE = "text/html"
-_found = compat.check([compat_names.NOTEBOOK_TESTS])
-if _found.has(compat_names.NOTEBOOK_TESTS):
+_found = compat.check([compat.NOTEBOOK_TESTS])
+if _found.has(compat.NOTEBOOK_TESTS):
     from course_kit.dev.nbval_kernel import CourseKernel
 
     nbval.kernel.RunningKernel = CourseKernel

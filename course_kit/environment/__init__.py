@@ -13,48 +13,27 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment import middleware
-from course_kit.environment.domains import Lease, NoDomainError, exclusive_domain, share
-from course_kit.environment.errors import DomainError, SettingsError
-from course_kit.environment.files import remove_half_written, write_atomically, write_new
+from course_kit.environment import files, middleware, paths
+from course_kit.environment.domains import DomainError, Lease, Leases, NoDomainError, SettingsError, exclusive_domain
+from course_kit.environment.files import write_atomically
 from course_kit.environment.paths import (
-    COPIED,
-    FOLDER_VARIABLE,
     LEARNER_FOLDER,
-    MANIFEST,
     PACKAGE,
-    PROGRESS_VARIABLE,
     checkout,
     command,
     course_files,
-    guess_folder,
-    has_chosen_logs,
-    home,
-    is_shared,
-    is_writable,
     learner_folder,
-    lesson,
-    make_log_folder,
-    own_run_dir,
-    progress_file,
     run_dir,
-    sign_of_container,
     state_dir,
-    usual_learner_folder,
-    usual_state_dir,
+    with_scripts_first,
 )
-from course_kit.environment.search_path import put_scripts_first, scripts_folder, with_scripts_first
 
 __all__ = [
-    "COPIED",
     "FAST_DISCOVERY_PROFILE",
-    "FOLDER_VARIABLE",
     "LEARNER_FOLDER",
     "LOOPBACK_PROFILE",
-    "MANIFEST",
     "PACKAGE",
     "PRIVATE_NETWORK_PROFILE",
-    "PROGRESS_VARIABLE",
     "DomainError",
     "NoDomainError",
     "Settings",
@@ -68,27 +47,15 @@ __all__ = [
     "defaults",
     "domain_of_user",
     "exclusive_domain",
-    "guess_folder",
+    "files",
     "heed_interrupts",
-    "home",
-    "is_shared",
-    "is_writable",
     "learner_folder",
-    "lesson",
     "middleware",
-    "own_run_dir",
-    "progress_file",
-    "put_scripts_first",
-    "remove_half_written",
+    "paths",
     "run_dir",
-    "scripts_folder",
-    "sign_of_container",
     "state_dir",
     "trusted_python",
-    "usual_learner_folder",
-    "usual_state_dir",
     "write_atomically",
-    "write_new",
 ]
 
 LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")
@@ -130,16 +97,15 @@ def defaults() -> dict[str, str]:
     """The variables of the course with the values used where the user has set none.
 
     Discovery is left to Fast DDS's profile (SYSTEM_DEFAULT), which keeps it on the loopback interface. Where the
-    user has chosen a range, a profile or another middleware, that is respected, and the rest is made as close to
-    it as can be. Sources: "Improved Dynamic Discovery" in the ROS 2 documentation for the range, Fast DDS's
-    documentation for the profile and the built-in transports, rosidl_generator_py for field checks.
+    user has chosen a range, a profile or another middleware, that is respected.
     """
     checks = {"ROS_PYTHON_CHECK_FIELDS": "1"}
     profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
     fast_dds = os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
     if not fast_dds or profile not in _PROFILES:
         return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **checks}
-    if _range_set_by_user():
+    chosen = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") not in ("", "SYSTEM_DEFAULT")
+    if chosen or os.environ.get("ROS_LOCALHOST_ONLY", "0") != "0":
         return {
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "FASTRTPS_DEFAULT_PROFILES_FILE": str(FAST_DISCOVERY_PROFILE),
@@ -153,19 +119,11 @@ def defaults() -> dict[str, str]:
     }
 
 
-def _range_set_by_user() -> bool:
-    kits = ("", "SYSTEM_DEFAULT")
-    return (
-        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") not in kits
-        or os.environ.get("ROS_LOCALHOST_ONLY", "0") != "0"
-    )
-
-
 def apply() -> Settings:
     """Put the course's settings into this process's environment; calling it again changes nothing."""
     os.umask(os.umask(0o077) & 0o077)  # what we make we can read, write and enter, whatever a shell has set
     made = _apply_defaults()
-    by_user = _domain_set_by_user(os.environ)
+    by_user = domain_of_user()
     if by_user is None:
         _hold_domain()
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
@@ -178,11 +136,6 @@ def choose_graph(notebook: str) -> None:
     path = Path(notebook)
     if path.parent.name == _WITH_OWN_GRAPH:
         os.environ[_GRAPH] = f"{_WITH_OWN_GRAPH}/{path.stem}"
-
-
-def domain_of_user() -> int | None:
-    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses."""
-    return _domain_set_by_user(os.environ)
 
 
 def child_environment(**changes: str | None) -> dict[str, str]:
@@ -213,9 +166,8 @@ def child_environment(**changes: str | None) -> dict[str, str]:
 def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
     """The command that calls a function in a fresh Python, to be run with `cwd="/"` if that need not be elsewhere.
 
-    Neither `-m` nor `-c` as they are would do: both put the working directory, where submissions may lie, before
-    Python's own modules. `-P` does not exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS;
-    relative and empty entries of that mean the working directory, too, which is why it should be "/".
+    Both `-m` and `-c` put the working directory, where submissions may lie, before Python's own modules. `-P` does not
+    exist in Python 3.10, and `-I` would lose the PYTHONPATH of a sourced ROS.
     """
     program = (
         f"import sys; sys.path[:] = [entry for entry in sys.path if entry not in ('', '/')]; "
@@ -225,11 +177,7 @@ def trusted_python(module: str, function: str, *arguments: str) -> list[str]:
 
 
 def heed_interrupts() -> None:
-    """Have SIGINT raise KeyboardInterrupt in this process, and end its children, as in one started at a terminal.
-
-    What a script starts in the background has to ignore SIGINT, and so has everything that is started from there.
-    Python leaves it at that and raises no KeyboardInterrupt, so that nothing would end what waits for one.
-    """
+    """Have SIGINT raise KeyboardInterrupt also in what a script has started in the background, which ignores it."""
     if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -244,14 +192,15 @@ def _apply_defaults() -> dict[str, str]:
         os.environ.setdefault(name, value)
     if not os.environ.get("AMENT_PREFIX_PATH"):  # else nothing finds the share folder of a package that pip installed
         os.environ["AMENT_PREFIX_PATH"] = sys.prefix
-    if not has_chosen_logs():
-        os.environ["ROS_LOG_DIR"] = str(make_log_folder())
+    if not paths.has_chosen_logs():
+        os.environ["ROS_LOG_DIR"] = str(paths.make_log_folder())
     return made
 
 
-def _domain_set_by_user(environ: os._Environ[str]) -> int | None:
-    value = environ.get("ROS_DOMAIN_ID", "")
-    if not value or value == environ.get(_CHOSEN_BY_KIT):
+def domain_of_user() -> int | None:
+    """The domain that the user has chosen by ROS_DOMAIN_ID; None where the course chooses."""
+    value = os.environ.get("ROS_DOMAIN_ID", "")
+    if not value or value == os.environ.get(_CHOSEN_BY_KIT):
         return None
     if value not in map(str, range(_HIGHEST_DOMAIN + 1)):  # more is read by ROS as something: 010 as the octal 8
         raise SettingsError(
@@ -268,6 +217,6 @@ def _hold_domain() -> None:
         # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
         folder = os.fsencode(checkout() or state_dir()).decode("ascii", errors="backslashreplace")
         graph = os.environ.get(_GRAPH, "")
-        _Held.lease = share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
+        _Held.lease = Leases().share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
         _Held.process_id = os.getpid()
     os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)

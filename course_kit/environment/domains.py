@@ -6,15 +6,10 @@ domain's own block: it is held where the graph is, needs no file, and the kernel
 however it ends. The numbers 1 to 101 are leased (safe beside the kernel's ephemeral ports, see "The ROS_DOMAIN_ID"
 among the ROS 2 concepts; 0 is left to the user's own robots).
 
-*Exclusive*: the lease port of the domain, bound by one socket. A domain in which somebody has ROS nodes without a
-lease, such as a robot's, is passed over.
-
+*Exclusive*: one socket binds the domain's lease port. A domain with nodes of somebody without a lease is passed over.
 *Shared*: every process of an owner binds the lease port with SO_REUSEPORT, which the kernel grants to processes of one
-user only. So that they find each other, and no other owner, each also binds a mark: a port of the domain on a loopback
-address that is made of the owner's name.
-
-A forked child has its parent's leases, as it has its sockets, and keeps them as long as it lives; a program that is
-started (exec) has not.
+user only. To find each other, and no other owner, each also binds a mark: a port of the domain on a loopback address
+that is made of the owner's name.
 """
 
 from __future__ import annotations
@@ -29,18 +24,68 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.environment import ports
-from course_kit.environment.errors import DomainError
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator
 
 FIRST, LAST = 1, 101
+# A domain is a block of 250 ports from 7400 + 250 * domain on (DDSI-RTPS, 9.6.2). Participants use places 0 and 1 of it
+# for multicast, and from place 10 on two each for themselves. The eight places between are nobody's.
+_BASE, _GAIN = 7400, 250
+_MULTICAST, _FIRST_UNICAST = 2, 10
+_TABLES = ("/proc/net/udp", "/proc/net/udp6")
+_LOCAL_ADDRESS, _INODE = 1, 9
 _LEASE, _MARK, _CHOICE = 2, 3, 4  # places in a domain's block of ports that RTPS does not use
 _LOOPBACK, _DISCARD = "127.0.0.1", 9  # the port of the discard service (RFC 863), which no machine runs
 _QUEUE_S = 0.05  # how often one who queues for a domain looks
 _CHOICE_LOOK_S = 0.002
 _CHOICE_S = 10.0
+
+
+def port(domain_id: int, place: int) -> int:
+    """The port at a place, 0 to 249, of a domain's block."""
+    return _BASE + _GAIN * domain_id + place
+
+
+def discovery_ports(domain_id: int) -> range:
+    """The ports of which every participant in the domain binds one, to be found through."""
+    return range(port(domain_id, _FIRST_UNICAST), port(domain_id + 1, 0), 2)
+
+
+def are_told() -> bool:
+    """Whether this machine lets us read which ports are bound."""
+    return os.access(_TABLES[0], os.R_OK)
+
+
+def bound() -> list[tuple[int, int]]:
+    """The bound UDP ports of this network namespace, each with its socket's inode; none where /proc does not tell."""
+    return [row for table in _TABLES for row in _rows(table)]
+
+
+def domains_in_use() -> frozenset[int]:
+    """The domains with a participant of whatever program, as far as /proc tells."""
+    places = (divmod(number - _BASE, _GAIN) for number, _ in bound())
+    return frozenset(domain_id for domain_id, place in places if place < _MULTICAST or place >= _FIRST_UNICAST)
+
+
+def _rows(table: str) -> list[tuple[int, int]]:
+    try:
+        with open(table, encoding="ascii") as lines:  # noqa: PTH123 - pathlib is an import a fast command does without
+            rows = [line.split() for line in lines][1:]
+    except OSError:
+        return []
+    return [(int(row[_LOCAL_ADDRESS].rpartition(":")[2], 16), int(row[_INODE])) for row in rows]
+
+
+class DomainError(RuntimeError):
+    """This process gets no ROS domain to work in; the message says why and what to do."""
+
+    def _render_traceback_(self) -> list[str]:
+        """IPython's hook for exceptions that print themselves: in a notebook the message alone matters."""
+        return [f"{type(self).__name__}: {self}"]
+
+
+class SettingsError(DomainError, ValueError):
+    """A value the user has set cannot be used."""
 
 
 class NoDomainError(DomainError):
@@ -80,7 +125,7 @@ class Lease:
 class Leases:
     """The leases in the network namespace of this process."""
 
-    def __init__(self, scope: str = "", occupied: Callable[[], Container[int]] = ports.domains_in_use) -> None:
+    def __init__(self, scope: str = "", occupied: Callable[[], Container[int]] = domains_in_use) -> None:
         self._scope = scope
         self._address = _address(scope) if scope else _LOOPBACK
         self._occupied = occupied
@@ -93,13 +138,11 @@ class Leases:
         candidates = _candidates(owner)
         mark = _address(f"{self._scope} {_realm()} {owner}")
         with self._choice():
-            if not _has(mark):
-                return Lease(candidates[0], ())
             for domain_id in candidates:
-                if _is_bound(mark, ports.port(domain_id, _MARK)) and (lease := self._join(domain_id, mark)):
+                if _is_bound(mark, port(domain_id, _MARK)) and (lease := self._join(domain_id, mark)):
                     return lease
             for domain_id in candidates:
-                free = not _is_bound(self._address, ports.port(domain_id, _LEASE))
+                free = not _is_bound(self._address, port(domain_id, _LEASE))
                 if free and (lease := self._join(domain_id, mark)):
                     return lease
         raise NoDomainError
@@ -113,27 +156,18 @@ class Leases:
             for domain_id in range(LAST, FIRST - 1, -1):
                 if domain_id in occupied:
                     continue
-                descriptor = _bind(self._address, ports.port(domain_id, _LEASE))
+                descriptor = _bind(self._address, port(domain_id, _LEASE))
                 if descriptor is not None:
                     return Lease(domain_id, (descriptor,))
             if time.monotonic() >= deadline:
                 raise NoDomainError
             pause.wait(_QUEUE_S)
 
-    @contextmanager
-    def exclusive_domain(self, patience_s: float = 0.0) -> Iterator[int]:
-        """`exclusive` as a context manager that yields the domain's number."""
-        lease = self.exclusive(patience_s)
-        try:
-            yield lease.domain_id
-        finally:
-            lease.release()
-
     def _join(self, domain_id: int, mark: str) -> Lease | None:
         """Hold a domain beside others of the owner; None when it is somebody else's."""
         held: list[int] = []
         for address, place in ((mark, _MARK), (self._address, _LEASE)):
-            descriptor = _bind(address, ports.port(domain_id, place), shared=True)
+            descriptor = _bind(address, port(domain_id, place), shared=True)
             if descriptor is None:
                 Lease(domain_id, tuple(held)).release()
                 return None
@@ -144,13 +178,11 @@ class Leases:
     def _choice(self) -> Iterator[None]:
         """One process at a time, of all in this network namespace, chooses which domain it shares.
 
-        It takes a millisecond. Whoever keeps others from it for longer was stopped in the middle, or does so on
-        purpose: then the choice is made all the same, and what may go wrong is that two programs of an owner that are
-        started in the same moment do not meet.
+        It takes a millisecond. Where somebody keeps others from it for longer, the choice is made all the same.
         """
         deadline = time.monotonic() + _CHOICE_S
         pause = threading.Event()
-        while (held := _bind(self._address, ports.port(0, _CHOICE))) is None and time.monotonic() < deadline:
+        while (held := _bind(self._address, port(0, _CHOICE))) is None and time.monotonic() < deadline:
             pause.wait(_CHOICE_LOOK_S)
         try:
             yield
@@ -159,16 +191,14 @@ class Leases:
                 os.close(held)
 
 
-def share(owner: str) -> Lease:
-    """See `Leases.share`."""
-    return Leases().share(owner)
-
-
 @contextmanager
 def exclusive_domain(patience_s: float = 0.0) -> Iterator[int]:
-    """See `Leases.exclusive_domain`."""
-    with Leases().exclusive_domain(patience_s) as domain_id:
-        yield domain_id
+    """`Leases.exclusive` as a context manager that yields the domain's number."""
+    lease = Leases().exclusive(patience_s)
+    try:
+        yield lease.domain_id
+    finally:
+        lease.release()
 
 
 def _candidates(owner: str) -> list[int]:
@@ -189,15 +219,6 @@ def _address(name: str) -> str:
     return f"127.{first}.{second}.{1 + last % 254}"
 
 
-def _has(address: str) -> bool:
-    """Whether the loopback interface has this address; it has all that begin with 127, unless somebody changed that."""
-    try:
-        _is_bound(address, ports.port(0, _MARK))
-    except NoLoopbackError:
-        return False
-    return True
-
-
 def _is_bound(address: str, port: int) -> bool:
     descriptor = _bind(address, port)
     if descriptor is not None:
@@ -212,8 +233,7 @@ def _bind(address: str, port: int, *, shared: bool = False) -> int | None:
             holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         try:
             holder.bind((address, port))
-            # Sends nothing. But the kernel drops from now on what others send to the port, which nobody would read, and
-            # it fails where the loopback interface is switched off.
+            # Sends nothing. The kernel drops from now on what others send; it fails where loopback is switched off.
             holder.connect((_LOOPBACK, _DISCARD))
         except OSError as problem:
             if problem.errno in (errno.EADDRNOTAVAIL, errno.ENETUNREACH):

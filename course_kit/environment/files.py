@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import re
 import secrets
-import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
 _LONGEST = 40  # characters of a name within that of its temporary file: a name has at most 255 bytes
-_NO_MEMFD = (errno.ENOSYS, errno.EPERM)  # a kernel without it, or a container that allows only calls it knows
 _HALF_WRITTEN = re.compile(r"\..+-[0-9a-f]{16}\.tmp", re.DOTALL)
 
 
@@ -24,8 +21,7 @@ def write_atomically(
 ) -> None:
     """Write a file; who reads it meanwhile, or after a crash, finds all of it or what was there before.
 
-    Two may write at once: one of the two contents stands in the end. A file that is replaced hands down its mode; a
-    link is replaced, and what it leads to stays.
+    A file that is replaced hands down its mode; a link is replaced, and what it leads to stays.
     """
     data = content.encode() if isinstance(content, str) else content
     if folders:
@@ -78,20 +74,3 @@ def _fill(descriptor: int, data: bytes, *, durable: bool) -> None:
         file.write(data)
     if durable:
         os.fsync(descriptor)
-
-
-def file_in_memory(name: str) -> int:
-    """A descriptor of a new file that nobody else knows and that is gone when it is closed; it is not inherited.
-
-    Where there is no memfd_create(2), as on macOS, it is a temporary file without a name.
-    """
-    try:
-        return os.memfd_create(name, os.MFD_CLOEXEC)
-    except AttributeError:
-        pass
-    except OSError as problem:
-        if problem.errno not in _NO_MEMFD:
-            raise
-    descriptor, path = tempfile.mkstemp(prefix="course-kit-")
-    os.unlink(path)  # noqa: PTH108 - a path of the operating system's
-    return descriptor

@@ -1,41 +1,28 @@
-"""Packages whose files another package has overwritten, and how to put them right.
+"""`lark`, whose files `lark-parser` overwrites: its old name, which `ros-rosidl-parser` asks for.
 
-`ros-rosidl-parser` asks for `lark-parser`, the old name of `lark`. Both put their files into the folder `lark`, where
-those that are installed last stay. uv is told in pyproject.toml not to install the old one; pip cannot be told.
+uv is told in pyproject.toml not to install that; whoever installs the kit's wheel with pip gets both.
 """
 
 from __future__ import annotations
 
 import shlex
 import sys
-from importlib import import_module, metadata
+from contextlib import suppress
+from importlib import import_module, metadata, util
 
-_OVERWRITTEN = {"lark": "lark-parser"}  # package that is needed: package that overwrites it
+OLD_NAME = "lark-parser"
 
 
-def damaged() -> dict[str, str]:
-    """The packages that have lost files: each as a requirement such as "lark==1.3.1", with the package to blame."""
-    found = {}
-    for name, other in _OVERWRITTEN.items():
-        try:
-            wanted = metadata.version(name)
-        except metadata.PackageNotFoundError:  # of a real ROS 2, which brings its own
-            continue
-        try:
-            there = import_module(name).__version__
-        except (ImportError, AttributeError):
-            there = ""
-        if there != wanted:
-            found[f"{name}=={wanted}"] = other
-    return found
+def damaged() -> str:
+    """The requirement of a package that has lost files, "lark==1.3.1"; empty where all are whole."""
+    with suppress(metadata.PackageNotFoundError, ImportError):  # a real ROS 2 brings its own
+        wanted = metadata.version("lark")
+        return "" if getattr(import_module("lark"), "__version__", "") == wanted else f"lark=={wanted}"
+    return ""
 
 
 def remedy(requirement: str) -> str:
-    """The command that installs a package of this Python again, and nothing else."""
-    try:
-        metadata.distribution("pip")
-    except metadata.PackageNotFoundError:  # environments made by uv have none
-        command = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]
-    else:
-        command = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
-    return shlex.join([*command, "--no-deps", requirement])
+    """The command that installs a package of this Python again, and nothing else; uv makes environments without pip."""
+    pip = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
+    uv = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]
+    return shlex.join([*(pip if util.find_spec("pip") else uv), "--no-deps", requirement])

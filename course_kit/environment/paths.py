@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import site
+import sys
 import tempfile
 from contextlib import suppress
 from functools import lru_cache
@@ -27,8 +29,6 @@ _APPLICATION = "ros2-course-kit"
 _LOGS_KEPT = 40
 _FILES = (".dockerenv", "run/.containerenv", "run/systemd/container")  # Docker, Podman, systemd-nspawn
 _VARIABLES = ("container", "KUBERNETES_SERVICE_HOST")  # most engines set the first for all processes
-# In the names of process 1's, with cgroups of version 1
-_CGROUPS = ("docker", "kubepods", "containerd", "libpod", "lxc")
 
 
 def checkout() -> Path | None:
@@ -38,10 +38,7 @@ def checkout() -> Path | None:
 
 
 def course_files() -> Path | None:
-    """The folder with the lessons and exercises as they are handed out; None where there are none.
-
-    In a clone that is its own folder; an installed package has them inside.
-    """
+    """The folder with the lessons and exercises: in a clone its own, of an installed package inside; None without."""
     packaged = PACKAGE / "course"
     return checkout() or (packaged if (packaged / "notebooks").is_dir() else None)
 
@@ -97,11 +94,7 @@ def home() -> Path | None:
 
 
 def state_dir() -> Path:
-    """The user's state directory for the course (XDG_STATE_HOME), created on first use.
-
-    A home directory that is missing or read-only is replaced by a private folder among the temporary files,
-    so that a course on a locked-down machine works and only forgets between reboots.
-    """
+    """The user's state directory for the course (XDG_STATE_HOME); a temporary one where there is no usable home."""
     return _state_dir(os.environ.get("XDG_STATE_HOME"), os.environ.get("HOME"))
 
 
@@ -136,10 +129,7 @@ def run_dir() -> Path:
 
 
 def own_run_dir() -> Path:
-    """Where the progress of the learner's folder one is in is kept: there, or for that of a clone in the clone.
-
-    Elsewhere it is a folder of this user's for this course alone.
-    """
+    """Where progress is kept: in the learner's folder one is in, in its clone, or elsewhere for this course alone."""
     root, mine = checkout(), learner_folder()
     if mine is not None and (root is None or root not in mine.parents) and is_writable(mine / ".course"):
         return mine / ".course"
@@ -192,31 +182,33 @@ def make_log_folder() -> Path:
     with os.scandir(folder) as entries:
         files = [entry for entry in entries if entry.name.endswith(".log")]
     if len(files) > 2 * _LOGS_KEPT:
-        for old in sorted(files, key=_time_of)[:-_LOGS_KEPT]:
-            Path(old.path).unlink(missing_ok=True)
+        with suppress(FileNotFoundError):  # another process has just removed one
+            for old in sorted(files, key=lambda entry: entry.stat().st_mtime)[:-_LOGS_KEPT]:
+                Path(old.path).unlink()
     return folder
 
 
-def _time_of(entry: os.DirEntry[str]) -> float:
-    try:
-        return entry.stat().st_mtime
-    except FileNotFoundError:  # another process has just removed it
-        return 0.0
+def scripts_folder() -> Path:
+    """Where the installer has put `ros2` and `course-kit`: beside Python, or with `pip install --user` at home."""
+    beside = Path(sys.prefix) / "bin"
+    at_home = Path(site.getuserbase()) / "bin"
+    return at_home if (at_home / "ros2").is_file() and not (beside / "ros2").is_file() else beside
+
+
+def with_scripts_first(path: str | None) -> str:
+    """A value for PATH that begins with that folder; the course's own `ros2` steps aside for a real one behind it."""
+    first = str(scripts_folder())
+    folders = (path or os.defpath).split(os.pathsep)
+    return os.pathsep.join([first, *(folder for folder in folders if folder != first)])
+
+
+def put_scripts_first() -> None:
+    """Have this process, and all that it starts, find those programs first."""
+    os.environ["PATH"] = with_scripts_first(os.environ.get("PATH"))
 
 
 def sign_of_container(root: Path = Path("/"), environ: Mapping[str, str] = os.environ) -> str:
     """What shows that this is a container, for people: `/.dockerenv`; empty where nothing does."""
-    for name in _FILES:
-        if (root / name).exists():
-            return f"/{name}"
-    for name in _VARIABLES:
-        if environ.get(name):
-            return f"the variable {name}"
-    with suppress(OSError):  # /proc/1/environ is for root alone, and not always even for root
-        if any(pair.startswith(b"container=") for pair in (root / "proc/1/environ").read_bytes().split(b"\0")):
-            return "/proc/1/environ"
-    with suppress(OSError):
-        groups = (root / "proc/1/cgroup").read_text(encoding="utf-8", errors="replace")
-        if any(name in groups for name in _CGROUPS):
-            return "/proc/1/cgroup"
-    return ""
+    signs = [f"/{name}" for name in _FILES if (root / name).exists()]
+    signs += [f"the variable {name}" for name in _VARIABLES if environ.get(name)]
+    return next(iter(signs), "")

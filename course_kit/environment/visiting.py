@@ -14,7 +14,7 @@ import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from course_kit.environment import LOOPBACK_PROFILE, ports, run_dir, write_atomically
+from course_kit.environment import LOOPBACK_PROFILE, domains, run_dir, write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,10 +31,8 @@ _AT_ONCE = 8  # so many may begin at the same moment; a participant takes the fi
 def visiting(wanted: bool = True) -> Iterator[bool]:
     """Have this process's first node, if it is made meanwhile, be a visitor's; yields whether it is.
 
-    Fast DDS reads its profile once in a process. So this is for a process that ends with its visit: whatever it made
-    later, in another domain, would look for its peers in this one.
-
-    Where somebody else's profile is in force, or no file can be written, nothing is changed.
+    Fast DDS reads its profile once: this is for a process that ends with its visit. Where somebody else's profile is in
+    force, or no file can be written, nothing is changed.
     """
     profile = _profile() if wanted and os.environ.get(_VARIABLE) == str(LOOPBACK_PROFILE) else None
     if profile is None:
@@ -49,7 +47,7 @@ def visiting(wanted: bool = True) -> Iterator[bool]:
 
 def _profile() -> Path | None:
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
-    wanted = "".join(_ONE.format(port) for port in _addressed(ports.discovery_ports(domain_id)[:_PARTICIPANTS]))
+    wanted = "".join(_ONE.format(port) for port in _addressed(domains.discovery_ports(domain_id)[:_PARTICIPANTS]))
     try:
         text = LOOPBACK_PROFILE.read_text(encoding="utf-8").replace(_ALL, wanted)
         path = run_dir() / f"visiting_{domain_id}.xml"
@@ -62,7 +60,7 @@ def _profile() -> Path | None:
 
 def _addressed(every: Sequence[int]) -> list[int]:
     """The ports to announce to, those of participants that are there at the end."""
-    taken = {number for number, _ in ports.bound()}
+    taken = {number for number, _ in domains.bound()}
     there = [port for port in every if port in taken]
     free = [port for port in every if port not in taken]
     return [*free[:_AT_ONCE], *reversed(there)]

@@ -112,7 +112,7 @@ def _not_here(result: MarkedAnswers) -> str:
         for marks in result.marks
         if marks.pattern.code or marks.reason.code
     ]
-    said = f"{result.complete} of {len(result.marks)} answers are complete."
+    said = f"{len(result.marks) - len(unfinished)} of {len(result.marks)} answers are complete."
     if unfinished:
         said += f" Still to do: {'; '.join(unfinished)}."
     return (

@@ -16,7 +16,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader
 from course_kit.grading.report import CheckReport, Report
 from course_kit.grading.workers.worker import Worker
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

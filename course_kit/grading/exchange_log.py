@@ -10,14 +10,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from course_kit.grading.checks.check import Evidence
-    from course_kit.ros.arrows import Kind
     from course_kit.ros.messages import Message
+    from course_kit.ros.sequence import Kind
 
 GRADER, NODE = "grader", "your node"
 _MOST = 8  # steps; what happened before them is left out, and that is said

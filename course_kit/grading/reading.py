@@ -16,14 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
-from course_kit.environment.files import file_in_memory
 from course_kit.grading import reading_answers as answers
 from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import UnreadableError
 from course_kit.process import Closing
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.output import LastWords
-from course_kit.reader import limits, packets
+from course_kit.reader import contract
 from course_kit.reader.text import NOTEBOOK, kind
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.plain_data import Record
-    from course_kit.grading.reading_answers import Fingerprints, Look
+    from course_kit.grading.reading_answers import Look
     from course_kit.grading.submission import Copy, Submission
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
@@ -57,18 +56,14 @@ class Reader(Closing):
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        return answers.submission(copy, self._ask("read", copy, exercise))
+        told = self._ask(copy, exercise, whatever=True)
+        if told["unreadable"]:
+            raise UnreadableError(str(told["unreadable"]))
+        return answers.submission(copy, told)
 
-    def look(self, copy: Copy, exercise: Exercise) -> Look:
-        """What a file looks like, broken or not, and its program; errors as those of `read`.
-
-        One child does what takes three for a glance, the program and its fingerprints.
-        """
-        return answers.look(copy, self._ask("glance", copy, exercise))
-
-    def fingerprints(self, copy: Copy, exercise: Exercise) -> Fingerprints:
-        """The fingerprints of a submission; errors as those of `read`."""
-        return answers.fingerprints(self._ask("fingerprints", copy, exercise))
+    def look(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> Look:
+        """What a file looks like, and its program where that is asked for, or `whatever` it is."""
+        return answers.look(copy, self._ask(copy, exercise, whatever=whatever))
 
     def close(self) -> None:
         """End it. Safe to call twice."""
@@ -92,13 +87,13 @@ class Reader(Closing):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, what: str, copy: Copy, exercise: Exercise) -> Record:
+    def _ask(self, copy: Copy, exercise: Exercise, *, whatever: bool) -> Record:
         request = {
-            "do": what,
             "name": copy.name,
             "exercise": exercise.id,
             "class_name": exercise.class_name,
             "variable": exercise.variable,
+            "whatever": whatever,
         }
         if self._stopped():
             raise ReadingStoppedError
@@ -109,7 +104,7 @@ class Reader(Closing):
                 pass
             else:
                 if self._understood(copy, ended):
-                    return _readable(_checked(answer))
+                    return _checked(answer)
             words = self._said.last_line()
             self.close()
             self._start()
@@ -118,14 +113,14 @@ class Reader(Closing):
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written."""
         with _file_in_memory() as answer:
-            packets.send(self._line, request, (copy.fileno(), answer.fileno()))
+            contract.send(self._line, request, (copy.fileno(), answer.fileno()))
             ended = self._await_end()
             answer.seek(0)
-            return ended, answer.read(limits.ANSWER_BYTES)
+            return ended, answer.read(contract.ANSWER_BYTES)
 
     def _await_end(self) -> Record:
         """How the reader's child has ended."""
-        deadline = time.monotonic() + limits.WALL_S + _GRACE_S
+        deadline = time.monotonic() + contract.WALL_S + _GRACE_S
         poll = select.poll()
         poll.register(self._line, select.POLLIN)
         while not poll.poll(_LOOK_S * 1000):
@@ -134,28 +129,28 @@ class Reader(Closing):
             if time.monotonic() > deadline:
                 self._process.kill()
                 raise EOFError("the reader hangs")
-        return packets.receive(self._line)[0]
+        return contract.receive(self._line)[0]
 
     def _understood(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-        used_up = cpu_s >= limits.CPU_S - 1
+        used_up = cpu_s >= contract.CPU_S - 1
         advice = "Clear its outputs and hand" if kind(copy.name) == NOTEBOOK else "Hand"
         advice += " in a shorter, simpler program."
         if ended_by == signal.SIGXCPU or (ended_by and used_up):
             raise UnreadableError(
-                f"{copy.name} cannot be read: Python needs more than {limits.CPU_S} s of computing for it. {advice}"
+                f"{copy.name} cannot be read: Python needs more than {contract.CPU_S} s of computing for it. {advice}"
             )
         if ended["late"]:
-            raise GradingError(f"The machine was too busy: {copy.name} was not read within {limits.WALL_S:g} s.")
+            raise GradingError(f"The machine was too busy: {copy.name} was not read within {contract.WALL_S:g} s.")
         if ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
             raise UnreadableError(
                 f"{copy.name} cannot be read: Python crashes on it because something is nested too deeply. {advice}"
             )
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == _TOO_MUCH_MEMORY:
             raise UnreadableError(
-                f"{copy.name} cannot be read: Python needs more than {limits.MEMORY_MB} MB of memory for it. {advice}"
+                f"{copy.name} cannot be read: Python needs more than {contract.MEMORY_MB} MB of memory for it. {advice}"
             )
         return status == 0
 
@@ -163,7 +158,7 @@ class Reader(Closing):
 def _file_in_memory() -> BinaryIO:
     """A file nobody else knows."""
     try:
-        return open(file_in_memory("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
+        return open(os.memfd_create("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
     except OSError as problem:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 
@@ -176,11 +171,4 @@ def _checked(answer: bytes) -> Record:
         told = None
     if not isinstance(told, dict):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.")
-    return told
-
-
-def _readable(told: Record) -> Record:
-    """The same answer."""
-    if "unreadable" in told:
-        raise UnreadableError(str(told["unreadable"]))
     return told

@@ -59,9 +59,9 @@ class Look:
 def look(copy: Copy, told: Record) -> Look:
     """Of an answer to a glance."""
     glance = Glance(bool(told["found"]), str(told["identity"]), frozenset(map(str, told["imports"])))
-    if "read" not in told or "unreadable" in told["read"]:
+    if "source" not in told:
         return Look(glance)
-    return Look(glance, submission(copy, told["read"]), fingerprints(told["fingerprints"]))
+    return Look(glance, submission(copy, told), Fingerprints(glance.identity, frozenset(map(int, told["prints"]))))
 
 
 def submission(copy: Copy, told: Record) -> Submission:
@@ -77,11 +77,6 @@ def submission(copy: Copy, told: Record) -> Submission:
         literal=told["literal"],
         twice=str(told["twice"]),
     )
-
-
-def fingerprints(told: Record) -> Fingerprints:
-    """Of an answer to what a program is compared by."""
-    return Fingerprints(str(told["identity"]), frozenset(map(int, told["prints"])))
 
 
 def _facts(told: Record) -> Facts:

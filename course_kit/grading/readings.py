@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading_answers import Glance
+    from course_kit.grading.reading_answers import Glance, Look
     from course_kit.grading.submission import Copy, Submission
 
 _MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million
@@ -61,10 +61,7 @@ class Readings(Closing):
 
     def glance(self, copy: Copy, exercise: Exercise) -> Glance:
         """What a file looks like; what the exercise asks for is read and remembered."""
-        look = self._started().look(copy, exercise)
-        if look.program is not None:
-            self._memory.keep(copy, exercise, look.program, look.fingerprints)
-        return look.glance
+        return self._look(copy, exercise, whatever=False).glance
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
@@ -75,8 +72,14 @@ class Readings(Closing):
         """The fingerprints of a submission."""
         known = self._memory.find(copy, exercise)
         if known is None:
-            return self._started().fingerprints(copy, exercise)
+            return self._look(copy, exercise, whatever=True).fingerprints
         return Fingerprints(known.identity, frozenset(known.prints))
+
+    def _look(self, copy: Copy, exercise: Exercise, *, whatever: bool) -> Look:
+        look = self._started().look(copy, exercise, whatever=whatever)
+        if look.program is not None:
+            self._memory.keep(copy, exercise, look.program, look.fingerprints)
+        return look
 
     def close(self) -> None:
         """End the process; what is remembered stays, and a process starts again for what is not. Safe to call twice."""

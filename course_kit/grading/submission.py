@@ -12,7 +12,6 @@ import stat
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.environment.files import file_in_memory
 from course_kit.grading.errors import GradingError
 from course_kit.process import Closing
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
@@ -134,7 +133,7 @@ class Copy(Closing):
         """Copy a file."""
         self.name, self.size = path.name, 0
         try:
-            self._file = open(file_in_memory("submission"), "wb")  # noqa: PTH123, SIM115
+            self._file = open(os.memfd_create("submission"), "wb")  # noqa: PTH123, SIM115
             try:
                 self.digest = self._fill(path, whole=whole)
             except BaseException:

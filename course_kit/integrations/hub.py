@@ -42,10 +42,10 @@ def run(arguments: Sequence[str]) -> int:
     if root is None:
         return cannot("the lessons are missing in this installation. Install the course again.")
     try:
-        as_root = jupyter.root_arguments(arguments, os.geteuid(), environment.sign_of_container(), VERB)
+        as_root = jupyter.root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), VERB)
     except jupyter.LabStartError as problem:
         return cannot(problem)
-    folder = environment.usual_learner_folder()
+    folder = environment.paths.usual_learner_folder()
     lesson = jupyter.FIRST_LESSON if _is_made_ready(root, folder) else ""
     command, environ = server_command(folder, lesson, [*as_root, *arguments])
     sys.stdout.flush()

@@ -36,7 +36,7 @@ def run_lab(arguments: Sequence[str]) -> int:
     root = environment.course_files()
     if root is None:
         return cannot("the lessons are missing in this installation. Install the course again.")
-    usual = environment.usual_learner_folder()
+    usual = environment.paths.usual_learner_folder()
     folder = environment.learner_folder() or usual
     if arguments and not arguments[0].startswith("-"):
         named, *arguments = arguments
@@ -64,7 +64,7 @@ def lab_command(
     root: Path, opens: str, arguments: Sequence[str], *, verb: str = "lab", **variables: str
 ) -> tuple[list[str], dict[str, str]]:
     """The words and the environment that start JupyterLab here."""
-    as_root = root_arguments(arguments, os.geteuid(), environment.sign_of_container(), verb)
+    as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), verb)
     environ = environment.child_environment(**{**server_variables(root), **variables})
     tell(environment.middleware.unsupported())
     command = [
@@ -88,7 +88,7 @@ def server_options(root: Path) -> list[str]:
 
 def server_variables(folder: Path) -> dict[str, str]:
     """What its environment has beside the settings of ROS."""
-    found = {**_folders(), **_interfaces(), **terminals.variables(), environment.FOLDER_VARIABLE: str(folder)}
+    found = {**_folders(), **_interfaces(), **terminals.variables(), environment.paths.FOLDER_VARIABLE: str(folder)}
     before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
     found[_CONFIG_PATH] = os.pathsep.join(filter(None, (before, str(_CONFIG))))
     found[_WORKSPACES] = os.environ.get(_WORKSPACES) or str(_workspaces(folder))
@@ -115,7 +115,7 @@ def make_ready(root: Path, folder: Path) -> None:
     is_new = not folder.exists()
     workspace.make_copy(root, folder)
     prepare(_workspaces(folder))
-    if environment.checkout() is not None and environment.is_shared(root):
+    if environment.checkout() is not None and environment.paths.is_shared(root):
         tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
         tell(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")
@@ -192,7 +192,7 @@ def replacements() -> dict[str, str]:
     found: dict[str, str] = {}
     for name, (usual, search_path) in _FOLDERS.items():
         old = _where(usual)
-        if old is not None and environment.is_writable(old):
+        if old is not None and environment.paths.is_writable(old):
             continue
         found[name] = str(spare / name.lower())
         if search_path and old is not None and old.is_dir():

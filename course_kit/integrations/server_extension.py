@@ -30,7 +30,7 @@ def _jupyter_server_extension_points() -> list[dict[str, str]]:
 
 def _link_jupyter_server_extension(server: ServerApp) -> None:
     """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
-    environment.put_scripts_first()
+    environment.paths.put_scripts_first()
     os.environ.update(terminals.variables())
     set_exports(server.config)
     settings = server.terminado_settings
@@ -59,9 +59,9 @@ def _load_jupyter_server_extension(server: ServerApp) -> None:
     class Guesses(APIHandler):  # type: ignore[misc, unused-ignore]
         @web.authenticated  # type: ignore[untyped-decorator, unused-ignore]
         def get(self) -> None:
-            from course_kit.quiz import guess_record
+            from course_kit.quiz import guesses
 
-            self.finish(guess_record.chosen())
+            self.finish(guesses.chosen())
 
     address = url_path_join(server.base_url, "course-kit/guesses")
     server.web_app.add_handlers(".*$", [(address, Guesses)])  # type: ignore[no-untyped-call, unused-ignore]

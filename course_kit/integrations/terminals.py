@@ -21,7 +21,7 @@ _LIKE_BASH = ("", "sh", "bash", "dash")  # whose users are at home in bash
 
 def variables() -> dict[str, str]:
     """What the start file reads."""
-    return {"COURSE_KIT_SCRIPTS": str(environment.scripts_folder())}
+    return {"COURSE_KIT_SCRIPTS": str(environment.paths.scripts_folder())}
 
 
 def shell_command(*, login: bool = False) -> list[str] | None:

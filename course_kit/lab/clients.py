@@ -17,9 +17,9 @@ from course_kit.lab.graph import WantedServer, not_found
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
+from course_kit.ros.graph import quiet_node
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name
-from course_kit.ros.node import quiet_node
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import types_of
 
@@ -209,11 +209,12 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     interface, name = key
     if not isinstance(name, str):
         raise LabError(f"The name comes first and is a string: {name!r} is not. The type comes second.")
+    refusals: tuple[type[BaseException], ...] = (*rcl_error(), ValueError)  # the second one from an action client
     try:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
         raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
-    except (rcl_error(), ValueError) as error:  # the second one from an action client
+    except refusals as error:
         if not incompatible(error):
             raise
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error

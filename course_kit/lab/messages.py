@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import FieldError
-from course_kit.ros.errors import BadFieldError
 from course_kit.ros.filling import make
-from course_kit.ros.messages import is_message_type
+from course_kit.ros.messages import BadFieldError, is_message_type
 
 if TYPE_CHECKING:
     from course_kit.ros.filling import Fields

@@ -20,7 +20,8 @@ from course_kit.lab.errors import (
     ServiceNotFoundError,
 )
 from course_kit.lab.singleton import current
-from course_kit.ros import errors, graph, names, parameters
+from course_kit.ros import graph, names, parameters
+from course_kit.ros.messages import BadFieldError
 from course_kit.ros.parameters import Descriptor
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
         messages = yield from parameters.to_messages(values)
-    except errors.BadFieldError as error:
+    except BadFieldError as error:
         raise FieldError(str(error)) from None
     if atomically:
         results = [(yield from parameters.set_together(messages))] * len(values)

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from course_kit.lab.errors import NoAnswerError
 from course_kit.lab.messages import message_of, require_message_type
 from course_kit.ros.messages import type_name
-from course_kit.ros.qos import as_offered
-from course_kit.ros.topic import hears, is_heard, publishers
+from course_kit.ros.topic import as_offered, hears, is_heard, publishers
 
 if TYPE_CHECKING:
     from collections.abc import Callable

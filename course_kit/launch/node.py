@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from course_kit.environment.search_path import with_scripts_first
+from course_kit.environment.paths import with_scripts_first
 from course_kit.launch.description import Action, OnProcessExit, Reaction, as_entities
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError, ProgramError

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path, PurePath
 from typing import Union
 
-from course_kit.environment.search_path import with_scripts_first
+from course_kit.environment.paths import with_scripts_first
 from course_kit.launch.entity import LaunchContext, LaunchEntity
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.executables import find

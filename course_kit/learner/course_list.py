@@ -10,7 +10,7 @@ from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
-from course_kit.quiz import guess_record, guesses
+from course_kit.quiz import guesses
 from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def _load(name: str, folder: Path | None) -> Exercise | str:
 
 def to_json(found: list[Row]) -> str:
     """One JSON document."""
-    questions = [asdict(score) for score in guess_record.scores()]
+    questions = [asdict(score) for score in guesses.scores()]
     exercises = [row.to_mapping() for row in found]
     content = {"format_version": FORMAT_VERSION, "exercises": exercises, "questions": questions}
     return json.dumps(content, indent=2, ensure_ascii=False)
@@ -104,7 +104,7 @@ def to_text(found: list[Row], encoding: str | None) -> str:
 def _guessed() -> list[str]:
     """A line for each lesson of which any question was answered: what was right at the first try."""
     by_lesson: dict[str, list[str]] = {}
-    for score in guess_record.scores():
+    for score in guesses.scores():
         if "/" not in score.lesson:  # a demo is a lecturer's
             open_ones = f" ({score.answered} answered)" if score.answered < score.count else ""
             said = f"{_KINDS[score.kind]} right: {score.right} of {score.count}{open_ones}"

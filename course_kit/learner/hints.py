@@ -64,7 +64,7 @@ def ladder(task: Exercise, known: ProgressRecord) -> HintLadder:
     cause = task.diagnosis(failed.diagnosis)
     of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
     rungs = _distinct((*of_cause, *task.ladder(failed.check)))
-    read_on = cause.link if cause and environment.lesson(cause.notebook) else ""
+    read_on = cause.link if cause and environment.paths.lesson(cause.notebook) else ""
     return HintLadder(_key(failed), rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
 

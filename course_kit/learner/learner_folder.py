@@ -64,7 +64,7 @@ def update(folder: Path, course: Mapping[str, bytes], *, restore: bool = False) 
     given |= {path: known[path] for path in gone if (folder / path).exists()}
     if given != known:
         manifest = {"format_version": _FORMAT_VERSION, "handed_out": given}
-        environment.write_atomically(folder / environment.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
+        environment.write_atomically(folder / environment.paths.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
     return done
 
 
@@ -100,7 +100,7 @@ def _lay_beside(file: Path, content: bytes) -> str:
 def _read_manifest(folder: Path) -> dict[str, str]:
     """By path the hash of what was handed out; empty where nobody knows."""
     try:
-        content: Any = json.loads((folder / environment.MANIFEST).read_bytes())
+        content: Any = json.loads((folder / environment.paths.MANIFEST).read_bytes())
         found = content["handed_out"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return {}

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from course_kit.grading import CheckReport, Report
 
 FORMAT_VERSION = 1
-VARIABLE = environment.PROGRESS_VARIABLE
+VARIABLE = environment.paths.PROGRESS_VARIABLE
 _PATIENCE_S = 5.0  # for another grader that is writing, which takes it some milliseconds
 _POLL_S = 0.02
 _COUNTED = ("graded", "crashed")  # a file that cannot be read, and a fault of ours, are no try
@@ -93,7 +93,7 @@ def _failure(check: CheckReport) -> Failure:
 def read() -> dict[str, ProgressRecord]:
     """All records, by exercise."""
     try:
-        path = environment.progress_file()
+        path = environment.paths.progress_file()
         return {} if path is None else _read(path)
     except OSError as problem:
         raise ProgressError(_sentence(problem)) from problem
@@ -110,7 +110,7 @@ def read_or_tell() -> tuple[dict[str, ProgressRecord], str]:
 def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
     """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile."""
     try:
-        path = environment.progress_file()
+        path = environment.paths.progress_file()
         if path is None:
             return ""
         with _locked(path):

@@ -49,7 +49,7 @@ class Return:
         saved = None
         if self.file.exists():
             saved = self.backup
-            environment.write_new(saved, self.file.read_bytes())
+            environment.files.write_new(saved, self.file.read_bytes())
             shutil.copystat(self.file, saved)
         environment.write_atomically(self.file, self.starter)
         return saved
@@ -193,7 +193,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | 
         return 0
     target = copy / source.name if copy.is_dir() else copy
     try:
-        environment.write_new(target, source.read_bytes())
+        environment.files.write_new(target, source.read_bytes())
     except FileExistsError:
         raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
     except OSError as problem:

@@ -94,7 +94,7 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> bool:
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     in_clone = target.parent == root
-    committed = {} if environment.checkout() is None else own_versions.committed(root, environment.COPIED)
+    committed = {} if environment.checkout() is None else own_versions.committed(root, environment.paths.COPIED)
     course = {}
     for source in _files(root):
         path = source.relative_to(root).as_posix()
@@ -126,14 +126,14 @@ def _put_command(root: Path, target: Path) -> None:
 
 def _my_folder() -> Path:
     """The learner's folder that a command without a path means."""
-    return environment.learner_folder() or environment.usual_learner_folder()
+    return environment.learner_folder() or environment.paths.usual_learner_folder()
 
 
 def _files(root: Path) -> Iterator[Path]:
     def stop(problem: OSError) -> None:
         raise problem  # what cannot be read is not what the course no longer has
 
-    for name in environment.COPIED:
+    for name in environment.paths.COPIED:
         for folder, folders, files in os.walk(root / name, onerror=stop):
             left_out = _LEFT_OUT(folder, [*folders, *files])
             folders[:] = [each for each in folders if each not in left_out]
@@ -174,7 +174,7 @@ def exercise_folder(task: Exercise) -> Path | None:
     if not exercise_folders.is_added(course) and _has_one(copied, task):
         return copied
     its_own = environment.checkout() is not None or exercise_folders.is_added(course)  # nobody works in a package
-    return course if its_own and environment.is_writable(course, make=False) else None
+    return course if its_own and environment.paths.is_writable(course, make=False) else None
 
 
 def no_files_of(task: Exercise, verb: str) -> GradingError:

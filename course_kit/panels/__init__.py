@@ -142,7 +142,7 @@ def guess(name: str) -> GuessPanel:
         name: the lesson and the question, such as "01_services/late_display".
 
     Raises:
-        BankError: there is no such question.
+        NoSuchQuestionError: there is no such question.
     """
     from course_kit.panels.guess_panel import GuessPanel
     from course_kit.quiz import guesses
@@ -157,7 +157,7 @@ def check_yourself(lesson: str) -> GuessPanel:
         lesson: its name, such as "01_services".
 
     Raises:
-        BankError: there are none for it.
+        NoSuchQuestionError: there are none for it.
     """
     from course_kit.panels.guess_panel import GuessPanel
     from course_kit.quiz import guesses

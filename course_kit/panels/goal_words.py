@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.ros.showing import Style, in_words, snapshot
+from course_kit.ros.showing import in_words, snapshot
 
 if TYPE_CHECKING:
     from course_kit.ros.messages import Message
@@ -22,7 +22,7 @@ _STATUS = {
     "UNKNOWN": "{} is lost: its server went away",
 }
 _LONGEST = 12  # values of a list that are shown
-_STYLE = Style(names=": ", between="; ", nested="()", lists="", digits=2, quoted=False)
+_DIGITS = 2  # of a float
 
 
 class Progress(NamedTuple):
@@ -56,5 +56,5 @@ def progress(goal: Message, feedback: Message, count: int) -> Progress:
 
 
 def message(value: Message) -> str:
-    """A message's fields in one line: "sequence: 0, 1, 1, 2"; of a long list the last values, which are the news."""
-    return in_words(snapshot(value, _LONGEST, last=True), _STYLE)
+    """A message's fields in one line: "sequence=[0, 1, 1, 2]"; of a long list the last values, which are the news."""
+    return in_words(snapshot(value, _LONGEST, last=True), _DIGITS)

@@ -10,7 +10,7 @@ import anywidget
 import traitlets
 
 from course_kit.panels.base import Shown, of_files
-from course_kit.quiz import guess_record, guesses
+from course_kit.quiz import guesses
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class GuessPanel(Shown):
         self._questions = {one.name: one for one in questions}
         # With several subshells, two events of the browser may be handled at once.
         self._one_at_a_time = threading.RLock()
-        self._record = guess_record.GuessRecord()
+        self._record = guesses.GuessRecord()
         self._again: set[str] = set()
         self.widget = GuessForm(questions=[_asked(one) for one in questions])
         self.widget.on_msg(self._told)
@@ -95,7 +95,7 @@ def _asked(question: LessonQuestion) -> dict[str, object]:
     return {"name": question.name, "title": title, "text": question.text, "choices": choices}
 
 
-def _answered(question: LessonQuestion, record: guess_record.GuessRecord) -> dict[str, object] | None:
+def _answered(question: LessonQuestion, record: guesses.GuessRecord) -> dict[str, object] | None:
     """What the browser shows of an answer; None where there is none, or its choice is no longer among the choices."""
     known = record.of(question)
     place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)

@@ -37,7 +37,7 @@ class Kept:
     """Choices kept beside the course, so that running the cell again or a new kernel does not lose them."""
 
     def __init__(self, seed: int) -> None:
-        self._path = environment.own_run_dir() / "quiz" / f"seed_{seed}.json"
+        self._path = environment.paths.own_run_dir() / "quiz" / f"seed_{seed}.json"
 
     def load(self) -> object:
         """What was kept; None when nothing was, or it cannot be read."""

@@ -4,17 +4,23 @@ The exercise's grader and the notebook's panel both use it: `draw` the scenarios
 needs no ROS. A learner calls `show()`.
 """
 
-from course_kit.quiz.bank import PATTERNS, BankError, Scenario, bank, graded, practice
-from course_kit.quiz.drawing import DEFAULT_SEED, DRAWN, draw, reasons_as_shown
+from course_kit.quiz.bank import (
+    DEFAULT_SEED,
+    PATTERNS,
+    Scenario,
+    bank,
+    draw,
+    graded,
+    practice,
+    reasons_as_shown,
+)
 from course_kit.quiz.marking import PASS_SHARE, Half, MarkedAnswers, Marks, Unusable, mark, mark_one, nearest
 from course_kit.quiz.showing import Questions, show
 
 __all__ = [
     "DEFAULT_SEED",
-    "DRAWN",
     "PASS_SHARE",
     "PATTERNS",
-    "BankError",
     "Half",
     "MarkedAnswers",
     "Marks",

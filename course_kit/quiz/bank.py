@@ -1,4 +1,4 @@
-"""The bank of scenarios, read from `data/` and checked when it is read.
+"""The bank of scenarios, read from `data/`, and which of them a seed draws.
 
 Ten scenarios are for practice (`practice.toml`): everybody has their answers. The others count for a grade; their
 questions (`scenarios.toml`) are with everybody, their answers (`answers.toml`) with the instructor alone: a student
@@ -7,12 +7,16 @@ edition has no such file. Nothing that a student has tells what is right there, 
 What decides between the patterns is told by the ROS 2 documentation, "Topics vs Services vs Actions": topics for
 continuous streams of data; services for remote calls that end quickly; actions for whatever runs for longer,
 gives feedback and can be cancelled.
+
+A seed draws the same ones on every machine and in every Python: by SHA-256, as `random.sample` is not promised to stay
+the same. A scenario that is added later leaves the ranks of the others as they are. Nothing is drawn by what is right:
+a student edition, which does not know that, has to draw the same ones.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import re
+import hashlib
 import sys
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,18 +29,13 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 PATTERNS = ("topic", "service", "action")
-REASONS = 4  # to choose from in each scenario
-FORMAT_VERSION = 1
 _DATA = Path(__file__).parent / "data"
 QUESTIONS, ANSWERS, PRACTICE = (_DATA / name for name in ("scenarios.toml", "answers.toml", "practice.toml"))
-_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-
-
-class BankError(ValueError):
-    """The file of scenarios cannot be used; the text names the scenario and what is wrong with it."""
+DEFAULT_SEED = 1  # as in exercises/pattern_choice/exercise.toml; the scenarios to practise with
+DRAWN = 10
 
 
 @dataclass(frozen=True)
@@ -58,22 +57,18 @@ class Scenario:
         """Whether it can be marked here."""
         return bool(self.accepted)
 
-    @property
-    def deciding(self) -> frozenset[str]:
-        """The reasons that decide for any accepted pattern."""
-        return frozenset(reason for reasons in self.accepted.values() for reason in reasons)
-
 
 @lru_cache(maxsize=1)
 def practice() -> Mapping[str, Scenario]:
     """The scenarios to practise with, by id, in the file's order; each with its answer."""
-    return parse(_text_of(PRACTICE))
+    return parse(PRACTICE.read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=1)
 def graded() -> Mapping[str, Scenario]:
     """The scenarios that count for a grade, by id; each without an answer in a student edition."""
-    return parse(_text_of(QUESTIONS), _text_of(ANSWERS) if ANSWERS.exists() else None)
+    answers = ANSWERS.read_text(encoding="utf-8") if ANSWERS.exists() else None
+    return parse(QUESTIONS.read_text(encoding="utf-8"), answers)
 
 
 def bank() -> Mapping[str, Scenario]:
@@ -81,104 +76,44 @@ def bank() -> Mapping[str, Scenario]:
     return {**practice(), **graded()}
 
 
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as problem:
-        raise BankError(f"The scenarios of the quiz cannot be read: {problem.strerror}.") from problem
+def parse(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
+    """The scenarios in a TOML text; those to practise with have their answers beside the questions."""
+    right = tomllib.loads(answers)["answer"] if answers else {}
+    tables = tomllib.loads(questions)["scenario"]
+    return {table["id"]: _scenario({**table, **right.get(table["id"], {})}) for table in tables}
 
 
-def parse(text: str, answers: str | None = "") -> Mapping[str, Scenario]:
-    """The scenarios in a TOML text."""
-    try:
-        found = _by_id(_tables(text, "scenario"))
-        if answers is None:
-            return {name: _question(name, table) for name, table in found.items()}
-        right = _right(_tables(answers, "answer") if answers else found, found)
-        return {name: _scenario(name, table, right.get(name, {})) for name, table in found.items()}
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
-        what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise BankError(f"The scenarios of the quiz cannot be used: {what}.") from problem
+def _scenario(table: Mapping[str, Any]) -> Scenario:
+    return Scenario(
+        id=table["id"],
+        title=table["title"],
+        field=table["field"],
+        text=_one_line(table["text"]),
+        reasons={reason: _one_line(text) for reason, text in table["reasons"].items()},
+        source=_one_line(table.get("source", "")),
+        why=_one_line(table.get("why", "")),
+        accepted={pattern: tuple(reasons) for pattern, reasons in table.get("accepted", {}).items()},
+        wrong={choice: _one_line(text) for choice, text in table.get("wrong", {}).items()},
+    )
 
 
-def _tables(text: str, name: str) -> Any:
-    tables = tomllib.loads(text)
-    version = tables["format_version"]
-    if version != FORMAT_VERSION:
-        raise ValueError(f"they have format_version {version}, and this kit reads {FORMAT_VERSION}")
-    return tables[name]
+def _one_line(text: str) -> str:
+    """In the file it may be broken anywhere."""
+    return " ".join(text.split())
 
 
-def _by_id(tables: Any) -> dict[str, dict[str, Any]]:
-    found = {str(table["id"]): table for table in tables}
-    if len(found) < len(tables):
-        raise ValueError("two have the same id")
-    return found
+def draw(seed: int = DEFAULT_SEED, scenarios: Mapping[str, Scenario] | None = None) -> tuple[Scenario, ...]:
+    """The ten scenarios of a seed, in the order to show them."""
+    if scenarios is None:
+        scenarios = practice() if seed == DEFAULT_SEED else graded()
+    chosen = _ranked(f"{seed}/draw", scenarios)[:DRAWN]
+    return tuple(scenarios[name] for name in _ranked(f"{seed}/order", chosen))
 
 
-def _right(answers: Any, questions: Mapping[str, Any]) -> Any:
-    if strangers := sorted(set(answers) - set(questions)):
-        raise ValueError(f"there are answers to {', '.join(strangers)}, and no such questions")
-    return answers
+def reasons_as_shown(scenario: Scenario, seed: int = DEFAULT_SEED) -> tuple[tuple[str, str], ...]:
+    """The reasons of a scenario, id and text, shuffled: their places tell nothing."""
+    return tuple((name, scenario.reasons[name]) for name in _ranked(f"{seed}/{scenario.id}", scenario.reasons))
 
 
-def _question(name: str, table: dict[str, Any]) -> Scenario:
-    try:
-        made = Scenario(
-            id=name,
-            title=_text(table["title"]),
-            field=_text(table["field"]),
-            text=_text(table["text"]),
-            reasons={reason: _text(text) for reason, text in table["reasons"].items()},
-        )
-    except KeyError as missing:
-        raise ValueError(f"in '{name}', '{missing.args[0]}' is missing") from missing
-    if problem := _unlike_a_question(made):
-        raise ValueError(f"in '{name}', {problem}")
-    return made
-
-
-def _scenario(name: str, table: dict[str, Any], answer: dict[str, Any]) -> Scenario:
-    try:
-        made = dataclasses.replace(
-            _question(name, table),
-            source=_text(answer["source"]),
-            why=_text(answer["why"]),
-            accepted={pattern: tuple(reasons) for pattern, reasons in answer["accepted"].items()},
-            wrong={choice: _text(text) for choice, text in answer["wrong"].items()},
-        )
-    except KeyError as missing:
-        raise ValueError(f"in '{name}', '{missing.args[0]}' is missing") from missing
-    if problem := _unlike_an_answer(made):
-        raise ValueError(f"in '{name}', {problem}")
-    return made
-
-
-def _text(value: object) -> str:
-    """A text in one line; in the file it may be broken anywhere."""
-    if not isinstance(value, str) or not value.strip():
-        raise ValueError(f"{value!r} is not a text")
-    return " ".join(value.split())
-
-
-def _unlike_a_question(scenario: Scenario) -> str:
-    """What is wrong with a scenario's question, or nothing."""
-    for identifier in (scenario.id, *scenario.reasons):
-        if not _IDENTIFIER.match(identifier) or identifier in PATTERNS:
-            return f"'{identifier}' cannot be an id"
-    if len(scenario.reasons) != REASONS:
-        return f"there are {len(scenario.reasons)} reasons instead of {REASONS}"
-    return ""
-
-
-def _unlike_an_answer(scenario: Scenario) -> str:
-    """What is wrong with a scenario's answer, or nothing."""
-    if not scenario.accepted or not set(scenario.accepted) <= set(PATTERNS):
-        return f"the accepted patterns are none of {', '.join(PATTERNS)}"
-    if not all(reasons and set(reasons) <= set(scenario.reasons) for reasons in scenario.accepted.values()):
-        return "a deciding reason is missing or is none of the four"
-    wrong = (set(PATTERNS) - set(scenario.accepted)) | (set(scenario.reasons) - scenario.deciding)
-    if set(scenario.wrong) != wrong:
-        odd = sorted(set(scenario.wrong) ^ wrong)
-        return f"each wrong choice, and no other, needs an explanation; look at {', '.join(odd)}"
-    return ""
+def _ranked(salt: str, names: Iterable[str]) -> list[str]:
+    return sorted(names, key=lambda name: hashlib.sha256(f"{salt}/{name}".encode()).digest())

@@ -1,18 +1,22 @@
 """What the lessons ask: guesses before a cell is run, and the questions at a lesson's end. Read from `data/guesses/`.
 
 One file a notebook, called like it. Each wrong choice has an explanation of its own, which names the misconception.
+What a learner has guessed is kept beside their progress, one small file a question, so that two notebooks never write
+the same one: the first try counts, the last is shown.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import sys
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.quiz.bank import BankError
+from course_kit import environment
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -24,6 +28,10 @@ if TYPE_CHECKING:
 
 FOLDER = Path(__file__).parent / "data" / "guesses"
 GUESS, CHECK = "guess", "check"
+
+
+class NoSuchQuestionError(ValueError):
+    """No lesson asks that; the text names what there is."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +68,10 @@ def lessons() -> list[str]:
 def of_lesson(lesson: str) -> Mapping[str, LessonQuestion]:
     """The questions of a lesson by their whole names, in the file's order."""
     if lesson not in lessons():
-        raise BankError(f"There are no questions for '{lesson}'. There are some for {', '.join(lessons())}.")
-    return parse(lesson, (FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
+        raise NoSuchQuestionError(f"There are no questions for '{lesson}'. There are some for {', '.join(lessons())}.")
+    content = tomllib.loads((FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
+    found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]
+    return {one.name: one for one in found}
 
 
 def question(name: str) -> LessonQuestion:
@@ -69,7 +79,7 @@ def question(name: str) -> LessonQuestion:
     lesson, _, _ = name.rpartition("/")
     found = of_lesson(lesson)
     if name not in found:
-        raise BankError(f"There is no question '{name}'. There are {', '.join(found)}.")
+        raise NoSuchQuestionError(f"There is no question '{name}'. There are {', '.join(found)}.")
     return found[name]
 
 
@@ -78,25 +88,88 @@ def checks(lesson: str) -> list[LessonQuestion]:
     return [one for one in of_lesson(lesson).values() if one.kind == CHECK]
 
 
-def parse(lesson: str, text: str) -> Mapping[str, LessonQuestion]:
-    """The questions in a TOML text."""
-    try:
-        content = tomllib.loads(text)
-        found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as problem:
-        raise BankError(f"The questions of {lesson} have a mistake: {problem}") from problem
-    names = [one.name for one in found]
-    if len(set(names)) < len(names) or not found:
-        raise BankError(f"The questions of {lesson} have an id twice, or there are none.")
-    return {one.name: one for one in found}
-
-
 def _question(lesson: str, kind: str, entry: Mapping[str, Any]) -> LessonQuestion:
     name = f"{lesson}/{entry['id']}"
     pairs = [(*entry["right"], True), *((*wrong, False) for wrong in entry["wrong"])]
     choices = [QuestionChoice(text, why, is_right) for text, why, is_right in pairs]
-    if len({choice.text for choice in choices}) < len(choices) or len(choices) < 2:  # noqa: PLR2004 - or it is none
-        raise ValueError(f"{name} needs two or more different choices")
     # Authors write the right one first. Any order will do that is the same on every machine and tells nothing.
     choices.sort(key=lambda choice: hashlib.sha256(f"{name}/{choice.text}".encode()).digest())
     return LessonQuestion(name, entry["question"], tuple(choices), kind)
+
+
+@dataclass(frozen=True)
+class Guessed:
+    """What was chosen for a question."""
+
+    first: str
+    first_right: bool
+    last: str
+
+
+@dataclass(frozen=True)
+class Score:
+    """How a lesson's questions of one kind went."""
+
+    lesson: str
+    kind: str
+    right: int
+    answered: int
+    count: int
+
+
+class GuessRecord:
+    """The answers of this learner. Where nothing can be kept, as in tests, they are known as long as this object."""
+
+    def __init__(self) -> None:
+        self._folder = environment.paths.guess_folder()
+        self._known: dict[str, Guessed] = {}
+
+    def of(self, question: LessonQuestion) -> Guessed | None:
+        """What was chosen for a question; None before that."""
+        if question.name not in self._known and (found := _read(self._folder, question.name)) is not None:
+            self._known[question.name] = found
+        return self._known.get(question.name)
+
+    def choose(self, question: LessonQuestion, place: int) -> Guessed:
+        """Keep a choice; the first one stays what it was."""
+        chosen = question.choices[place]
+        before = self.of(question) or Guessed(chosen.text, chosen.is_right, "")
+        now = replace(before, last=chosen.text)
+        self._known[question.name] = now
+        if self._folder is not None:
+            with suppress(OSError):  # the panel works and only forgets
+                environment.write_atomically(self._folder / f"{question.name}.json", json.dumps(asdict(now)))
+        return now
+
+
+def scores() -> list[Score]:
+    """How each lesson went of which any question was answered, in the lessons' order."""
+    record, found = GuessRecord(), []
+    for lesson in lessons():
+        for kind in (GUESS, CHECK):
+            asked = [one for one in of_lesson(lesson).values() if one.kind == kind]
+            answers = [answer for one in asked if (answer := record.of(one)) is not None]
+            if answers:
+                right = sum(answer.first_right for answer in answers)
+                found.append(Score(lesson, kind, right, len(answers), len(asked)))
+    return found
+
+
+def chosen() -> dict[str, str]:
+    """What was chosen last, by the question's text; both without the marks around code."""
+    record = GuessRecord()
+    asked = [one for lesson in lessons() for one in of_lesson(lesson).values()]
+    found = {one.text: record.of(one) for one in asked}
+    return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
+
+
+def _read(folder: Path | None, name: str) -> Guessed | None:
+    """What a file says; None where there is none, or something else in it."""
+    try:
+        entry = json.loads((folder / f"{name}.json").read_bytes()) if folder is not None else None
+    except (OSError, ValueError, RecursionError):
+        return None
+    match entry:
+        case {"first": str(first), "first_right": bool(right), "last": str(last)}:
+            return Guessed(first, right, last)
+    return None

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 PASS_SHARE = 0.8  # of all points
 HALF = 0.5
-EXAMPLE = '("topic", "reason_id")'
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
 _NOT_HERE = "Only your instructor can mark this: the answers are not in this edition of the course."
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
@@ -44,11 +43,6 @@ class Half:
     explanation: str
     code: str | None = None
 
-    @property
-    def points(self) -> float:
-        """0.5 or 0.0."""
-        return HALF if self.right else 0.0
-
 
 @dataclass(frozen=True)
 class Marks:
@@ -61,7 +55,7 @@ class Marks:
     @property
     def points(self) -> float:
         """0.0, 0.5 or 1.0."""
-        return self.pattern.points + self.reason.points
+        return HALF * (self.pattern.right + self.reason.right)
 
 
 @dataclass(frozen=True)
@@ -87,11 +81,6 @@ class MarkedAnswers:
         return all(marks.scenario.has_answer for marks in self.marks)
 
     @property
-    def complete(self) -> int:
-        """How many scenarios have an answer that can be marked, right or wrong."""
-        return sum(marks.pattern.code is None and marks.reason.code is None for marks in self.marks)
-
-    @property
     def passed(self) -> bool:
         """Whether the points reach the pass mark."""
         return self.points >= PASS_SHARE * self.max_points
@@ -106,26 +95,21 @@ def mark(
     drawn = [scenario.id for scenario in scenarios]
     strangers = [name for name in given if name not in known and name not in drawn]
     others = sum(name in known and name not in drawn for name in given)
-    marks = []
-    for scenario in scenarios:
-        if scenario.id in given:
-            marks.append(mark_one(scenario, given[scenario.id]))
-        else:
-            marks.append(_absent(scenario, strangers, others))
+    marks = (mark_one(one, given[one.id]) if one.id in given else _absent(one, strangers, others) for one in scenarios)
     return MarkedAnswers(tuple(marks), tuple(strangers))
 
 
 def mark_one(scenario: Scenario, answer: object) -> Marks:
     """Mark the answer to one scenario."""
     if isinstance(answer, Unusable):
-        return _both(scenario, Half(False, _shown(answer.text), answer.problem, MALFORMED))
+        return _misshapen(scenario, answer.text, answer.problem)
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:  # noqa: PLR2004 - a pair
-        problem = f"An answer is a pair such as {EXAMPLE}, but this is {_kind(answer)}."
-        return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
+        problem = f'An answer is a pair such as ("topic", "reason_id"), but this is {_kind(answer)}.'
+        return _misshapen(scenario, repr(answer), problem)
     pattern, reason = (_plain(part) for part in answer)
     if pattern in scenario.reasons and reason in PATTERNS:
         problem = "Pattern and reason are swapped: the pattern comes first."
-        return _both(scenario, Half(False, _shown(repr(answer)), problem, MALFORMED))
+        return _misshapen(scenario, repr(answer), problem)
     return Marks(scenario, _pattern(scenario, pattern), _reason(scenario, pattern, reason))
 
 
@@ -156,24 +140,24 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
     if given in scenario.wrong:
         return Half(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
-        problem = (
-            f"This is a reason for another pattern, not for the one you chose ({pattern}): the two must fit together."
-        )
-        return Half(False, given, problem)
+        problem = f"This is a reason for another pattern, not for the one you chose ({pattern})"
+        return Half(False, given, f"{problem}: the two must fit together.")
     return Half(True, given, scenario.why)
 
 
 def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
+    code, problem = MISSING, "There is no answer to this scenario."
     if meant := nearest(scenario.id, strangers):
+        code = UNKNOWN
         problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is not a scenario."
-        return _both(scenario, Half(False, "", problem, UNKNOWN))
-    problem = "There is no answer to this scenario."
-    if others:
+    elif others:
         problem += f" You answered {others} that were not drawn here: did you get your own seed (--seed)?"
-    return _both(scenario, Half(False, "", problem, MISSING))
+    half = Half(False, "", problem, code)
+    return Marks(scenario, half, half)
 
 
-def _both(scenario: Scenario, half: Half) -> Marks:
+def _misshapen(scenario: Scenario, answer: str, problem: str) -> Marks:
+    half = Half(False, _shown(answer), problem, MALFORMED)
     return Marks(scenario, half, half)
 
 

@@ -6,13 +6,12 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.quiz.drawing import DEFAULT_SEED, draw, reasons_as_shown
+from course_kit.quiz.bank import DEFAULT_SEED, draw, reasons_as_shown
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from course_kit.quiz.bank import Scenario
 
 _TEMPLATE = Path(__file__).with_name("templates") / "scenarios.html"
 WIDTH = 80  # columns of text
@@ -47,17 +46,18 @@ class Questions:
 
     def form(self) -> str:
         """The answers as Python, one empty pair for each scenario, to be copied."""
-        lines = [f'    "{scenario.id}": ("", ""),' for scenario in self.scenarios]
-        return "\n".join(["answers = {", *lines, "}"])
+        return "\n".join(["answers = {", *(f'    "{one.id}": ("", ""),' for one in self.scenarios), "}"])
 
     def sheet(self, answers: Mapping[str, tuple[str, str]] | None = None) -> str:
         """The answers as a Python file: all scenarios and reasons as comments, with a pair under each."""
-        given = answers or {}
-        blocks = [
-            _block(number, scenario, self.seed, given.get(scenario.id, ("", "")))
-            for number, scenario in enumerate(self.scenarios, start=1)
-        ]
-        return f"{_HEAD}\nanswers = {{\n" + "\n".join(blocks) + "\n}\n"
+        lines = [_HEAD, "answers = {"]
+        for number, scenario in enumerate(self.scenarios, start=1):
+            pattern, reason = (answers or {}).get(scenario.id, ("", ""))
+            lines += [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
+            for name, text in reasons_as_shown(scenario, self.seed):
+                lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
+            lines.append(f'    "{scenario.id}": ("{pattern}", "{reason}"),')
+        return "\n".join([*lines, "}", ""])
 
     def __repr__(self) -> str:
         parts = [textwrap.fill(_ASKED, WIDTH)]
@@ -77,14 +77,6 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
     if not isinstance(seed, int) or isinstance(seed, bool):
         raise TypeError(f"The seed must be a whole number, such as seed=17, not {seed!r}.")
     return Questions(seed)
-
-
-def _block(number: int, scenario: Scenario, seed: int, answer: tuple[str, str]) -> str:
-    pattern, reason = answer
-    lines = [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
-    for name, text in reasons_as_shown(scenario, seed):
-        lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
-    return "\n".join([*lines, f'    "{scenario.id}": ("{pattern}", "{reason}"),'])
 
 
 def _wrap(text: str, first: str, following: str) -> list[str]:

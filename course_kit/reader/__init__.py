@@ -4,5 +4,3 @@ Decoding, JSON, Python's own parser and regular expressions can be made to compu
 whatever interprets a submission runs here, in a fork with limits for each one; `course_kit.grading.reading` is the
 handle. It is started often, so it imports the standard library alone, and as little of that as will do.
 """
-
-from __future__ import annotations

@@ -12,14 +12,9 @@ import re
 import zlib
 from functools import lru_cache
 
-from course_kit.reader import text
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import BinaryIO
-
-    from course_kit.reader.packets import Wish
 
 RUN = 14  # tokens: a line or two
 WINDOW = 8
@@ -41,20 +36,6 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.MULTILINE | re.DOTALL,
 )
-
-
-def of_submission(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """The fingerprints of a submission."""
-    try:
-        source, _ = text.program(name, file, str(wish["exercise"]))
-    except text.UnreadableTextError:
-        return {"identity": "", "prints": []}
-    return of_program(source)
-
-
-def of_program(source: str) -> dict[str, object]:
-    """What `of_submission` returns of a program that was found already."""
-    return {"identity": identity(source) if source else "", "prints": sorted(fingerprints(source))}
 
 
 def fingerprints(source: str) -> frozenset[int]:

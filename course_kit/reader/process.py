@@ -9,26 +9,24 @@ import gc
 import io
 import json
 import os
+import re
 import select
 import signal
 import socket
 import sys
 import traceback
 
-from course_kit.reader import fingerprints, glance, limits, packets, text
+from course_kit.reader import contract, fingerprints, python, text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
     from typing import Any, BinaryIO
 
 TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
 _TOO_MUCH = "{} cannot be read: it has too many parts. Hand in only the cells that the exercise asks for."
-_WORK: dict[str, Callable[[str, BinaryIO, Any], dict[str, object]]] = {
-    "read": text.read,
-    "glance": glance.at,
-    "fingerprints": fingerprints.of_submission,
-}
+_MOST_IMPORTS = 50
+_IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+\.?(\w{1,80})", re.MULTILINE)
 
 
 def main() -> None:
@@ -39,16 +37,14 @@ def main() -> None:
     gc.disable()  # a child makes a million objects, keeps them, and ends
     try:
         while True:
-            request, files = packets.receive(line, 2)
+            request, files = contract.receive(line, 2)
             try:
                 ended = _in_a_child(line, request, *files)
             finally:
                 for descriptor in files:
                     os.close(descriptor)
-            packets.send(line, ended)
-    except OSError:  # the process that asked has ended
-        return
-    except EOFError:
+            contract.send(line, ended)
+    except (OSError, EOFError):  # the process that asked has ended
         return
 
 
@@ -61,7 +57,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
         try:
             line.close()
             os.close(alive)
-            limits.apply()
+            contract.apply_limits()
             _answer(request, submission, answer)
             status = 0
         except MemoryError:
@@ -74,13 +70,13 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
     try:
         over = _await_end(line, alive)
     except EOFError:
-        _kill(child)
+        os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         raise
     finally:
         os.close(alive)
     if not over:
-        _kill(child)
+        os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
     _, status, usage = os.wait4(child, 0)
     return {"status": status, "late": not over, "cpu_s": usage.ru_utime + usage.ru_stime}
 
@@ -90,21 +86,18 @@ def _await_end(line: socket.socket, alive: int) -> bool:
     poll = select.poll()
     poll.register(line, select.POLLIN)  # nothing comes now but its end
     poll.register(alive, select.POLLIN)
-    ready = [descriptor for descriptor, _ in poll.poll(limits.WALL_S * 1000)]
+    ready = [descriptor for descriptor, _ in poll.poll(contract.WALL_S * 1000)]
     if line.fileno() in ready:
         raise EOFError("the process that asked has ended")
     return bool(ready)
 
 
-def _kill(child: int) -> None:
-    os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
-
-
 def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
-    told = _WORK[request["do"]](request["name"], io.BytesIO(_all_of(submission)), request)
+    told = look_at(request["name"], io.BytesIO(_all_of(submission)), request)
     told_as_bytes = json.dumps(told).encode()
-    if len(told_as_bytes) > limits.ANSWER_BYTES:
-        told_as_bytes = json.dumps({"unreadable": _TOO_MUCH.format(request["name"])}).encode()
+    if len(told_as_bytes) > contract.ANSWER_BYTES:
+        problem = _TOO_MUCH.format(request["name"])
+        told_as_bytes = json.dumps({"found": True, "identity": "", "imports": [], "unreadable": problem}).encode()
     with open(answer, "wb", closefd=False) as file:
         file.write(told_as_bytes)
 
@@ -118,3 +111,44 @@ def _all_of(descriptor: int) -> bytes:
     while block := os.pread(descriptor, size - len(data), len(data)):
         data += block
     return data
+
+
+def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:
+    """Whether a file holds what is asked for; why it cannot be read; or its program, and what that is compared by."""
+    problem, source = "", ""
+    places: list[tuple[int, int]] = []
+    try:
+        source, places = text.program(name, file, wish["exercise"])
+    except text.UnreadableTextError as error:
+        problem = str(error)
+    seen = {
+        "found": _asked_for(name, file, source, wish),
+        "identity": fingerprints.identity(source) if source else "",
+        "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
+        "unreadable": problem,
+    }
+    if problem or not (seen["found"] or wish["whatever"]):
+        return seen
+    fault, tree = python.parse(source)
+    return {
+        **seen,
+        "prints": sorted(fingerprints.fingerprints(source)),
+        "source": source,
+        "places": places,
+        "fault": fault,
+        "facts": python.facts(tree) if tree else None,
+        "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
+        "literal": python.written_out(tree, wish["variable"]) if tree and wish["variable"] else None,
+    }
+
+
+def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:
+    if text.kind(name) == text.NOTEBOOK:
+        if program:
+            return True
+        mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"
+    else:
+        mark = rf"^class {re.escape(wish['class_name'])}\b" if wish["class_name"] else rf"^{wish['variable']}\b"
+    file.seek(0)
+    looked_at = program or file.read().decode("utf-8", errors="replace")
+    return re.search(mark, looked_at, re.MULTILINE) is not None

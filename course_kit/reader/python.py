@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+import builtins
+import json
 import resource
 from bisect import bisect_left
 from itertools import accumulate
 
-from course_kit.reader.limits import MEMORY_MB
+from course_kit.reader.contract import MEMORY_MB
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -15,13 +17,13 @@ if TYPE_CHECKING:
 
 _LONGEST = 200  # characters of a line, or of what Python says about it
 _MOST_FUNCTIONS = 1000
+_LONGEST_LITERAL = 48 * 1024  # characters of all together
+_TOO_DEEP = (RecursionError, MemoryError)
+_NO_LITERAL = (ValueError, TypeError, SyntaxError, *_TOO_DEEP)
+_NO_PAIR = "An answer is a pair of two texts."
 _CALLS, _LOOKS = frozenset({"call_async", "send_goal_async"}), frozenset({"done", "result", "wait"})
 # Calls that wait for something that may never come, or make what is waited for.
 _WAITING = frozenset({"Future", "acquire", "call", "input", "sleep", "spin_until_future_complete", "wait"})
-
-
-class TooMuchError(ValueError):
-    """Parsing it needs more than it may have; the text says so, and what to do."""
 
 
 def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
@@ -32,9 +34,7 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
         return (fault.lineno or 0, _cut((fault.text or "").strip()), _cut(fault.msg)), None
     except MemoryError as problem:  # of the machine's memory, or of the parser's own stack
         if resource.getrusage(resource.RUSAGE_SELF).ru_maxrss > MEMORY_MB * 1024 // 4:
-            raise TooMuchError(
-                f"Python needs more than {MEMORY_MB} MB of memory for it. Hand in a shorter, simpler program."
-            ) from None
+            raise
         return (0, "", f"Python cannot read it ({str(problem) or 'it is nested too deeply'})"), None
     except (ValueError, RecursionError) as problem:
         return (0, "", f"Python cannot read it ({_cut(str(problem))})"), None
@@ -42,44 +42,37 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
 
 def facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
-    told = {"awaits": False, "floor_divides": False, "loops": False, "waits": False}
-    spans: list[tuple[int, int]] = []
-    calls, looks = [], []  # lines in which a call is sent and not waited for; in which a future is looked at
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute):
-            if node.attr in _CALLS:
-                calls.append(node.lineno)
-            elif node.attr in _LOOKS:
-                looks.append(node.lineno)
-        elif isinstance(node, ast.Await):
-            told["awaits"] = True
-        elif isinstance(node, (ast.BinOp, ast.AugAssign)):
-            told["floor_divides"] |= isinstance(node.op, ast.FloorDiv)
-        elif isinstance(node, ast.While):
-            told["loops"] = True
-        elif isinstance(node, ast.Call):
-            told["waits"] |= _called(node) in _WAITING
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            spans.append((node.lineno, node.end_lineno or node.lineno))
-    return {**told, "functions": _functions(spans, sorted(calls), sorted(looks)), "future": _first_future(tree)}
+    nodes = list(ast.walk(tree))
+    called = [(_called(one), one.lineno) for one in nodes if isinstance(one, ast.Call)]
+    read = sorted((one.lineno, one.attr) for one in nodes if isinstance(one, ast.Attribute))
+    functions = [one for one in nodes if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    return {
+        "awaits": any(isinstance(one, ast.Await) for one in nodes),
+        "floor_divides": any(isinstance(one, ast.FloorDiv) for one in nodes),
+        "loops": any(isinstance(one, ast.While) for one in nodes),
+        "waits": any(name in _WAITING for name, _ in called),
+        "functions": _functions(
+            [(one.lineno, one.end_lineno or one.lineno) for one in functions],
+            [line for line, name in read if name in _CALLS],
+            [line for line, name in read if name in _LOOKS],
+        ),
+        "future": min((line for name, line in called if name == "Future"), default=0),
+    }
 
 
 def starts(source: str) -> list[tuple[int, int]]:
     """Where a program starts itself: the slices of lines of `if __name__ == "__main__":` and of a bare `main()`."""
-    try:
-        _, tree = parse(source)
-    except TooMuchError:
-        return []  # whoever reads it as a program says so
+    _, tree = parse(source)
     return [(one.lineno - 1, one.end_lineno or one.lineno) for one in (tree.body if tree else ()) if _is_start(one)]
 
 
 def _is_start(statement: ast.stmt) -> bool:
-    if isinstance(statement, ast.If):
-        test = statement.test
-        sides = [test.left, *test.comparators] if isinstance(test, ast.Compare) else []
-        return any(isinstance(side, ast.Name) and side.id == "__name__" for side in sides)
-    called = statement.value if isinstance(statement, ast.Expr) else None
-    return isinstance(called, ast.Call) and isinstance(called.func, ast.Name) and called.func.id == "main"
+    match statement:
+        case ast.If(ast.Compare(left, comparators=others)):
+            return any(isinstance(side, ast.Name) and side.id == "__name__" for side in (left, *others))
+        case ast.Expr(ast.Call(ast.Name("main"))):
+            return True
+    return False
 
 
 def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
@@ -91,12 +84,6 @@ def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
             cells.setdefault(one.name, set()).add(bisect_left(ends, one.lineno))
     found = [_cut(name) for name, where in cells.items() if len(where) > 1]
     return min(found, key=lambda name: name == "main", default="")
-
-
-def _first_future(tree: ast.Module) -> int:
-    """The first line in which a Future is made; 0 when there is none."""
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    return min((call.lineno for call in calls if _called(call) == "Future"), default=0)
 
 
 def _called(call: ast.Call) -> str:
@@ -121,3 +108,79 @@ def _any_between(lines: Sequence[int], first: int, last: int) -> bool:
 
 def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def written_out(tree: ast.Module, variable: str) -> dict[str, object] | None:
+    """What a program sets a variable to, told as texts in the words of `repr`; None when only running it can tell."""
+    used = sum(isinstance(node, ast.Name) and node.id == variable for node in ast.walk(tree))
+    values = [value for node in tree.body if (value := _assigned(node, variable)) is not None]
+    if used != 1 or len(values) != 1:
+        return None
+    try:
+        if isinstance(values[0], ast.Dict):
+            told: dict[str, object] = {"entries": _entries(values[0], _bound(tree))}
+        else:
+            told = {"value": _text(ast.literal_eval(values[0]))}
+    except _NO_LITERAL:
+        return None
+    return told if len(json.dumps(told)) < _LONGEST_LITERAL else {"too_large": True}
+
+
+def _assigned(node: ast.stmt, variable: str) -> ast.expr | None:
+    """The right side of `variable = ...`, with or without an annotation."""
+    match node:
+        case ast.Assign([ast.Name(name)], value) | ast.AnnAssign(ast.Name(name), _, value) if name == variable:
+            return value
+    return None
+
+
+def _entries(table: ast.Dict, bound: frozenset[str] | None) -> list[tuple[str, str, str]]:
+    """Key, value and problem of each entry."""
+    entries = []
+    for key, value in zip(table.keys, table.values, strict=True):
+        if key is None:
+            raise ValueError("another dictionary is unpacked into this one")
+        name = ast.literal_eval(key)
+        hash(name)  # else the program would fail here
+        entries.append((_text(name), *_value(value, bound)))
+    return entries
+
+
+def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
+    """The text of a literal, and nothing; or of one with a name that is nowhere set, and what is wrong with it."""
+    try:
+        return _text(ast.literal_eval(node)), ""
+    except _TOO_DEEP:
+        return "", _NO_PAIR
+    except (ValueError, TypeError):
+        names = [inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)]
+        unknown = [name for name in names if bound is not None and name not in bound]
+        if not unknown:
+            raise
+        problem = (
+            f"Without quotes, Python takes {unknown[0]} for the name of a variable, and there is no such variable."
+        )
+        return ast.unparse(node), problem
+
+
+def _bound(tree: ast.Module) -> frozenset[str] | None:
+    """All names the program gives a meaning to, built-in ones included; None when that cannot be told."""
+    names = set(dir(builtins))
+    for node in ast.walk(tree):
+        match node:
+            case ast.alias("*"):
+                return None
+            case ast.alias(name, alias):
+                names.add(alias or name.partition(".")[0])
+            case ast.Name(name, ast.Store()) | ast.arg(name):
+                names.add(name)
+            case ast.FunctionDef(name) | ast.AsyncFunctionDef(name) | ast.ClassDef(name):
+                names.add(name)
+    return frozenset(names)
+
+
+def _text(value: object) -> str:
+    try:
+        return repr(value)
+    except ValueError:  # a number with more digits than Python writes out
+        return f"<{type(value).__name__}>"

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import ast
+import codecs
 import json
 import re
 
-from course_kit.reader import coding, exported, literals, python
+from course_kit.reader import python
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from typing import BinaryIO
 
-    from course_kit.reader.packets import Wish
 
 LARGEST = 1 << 20  # bytes of a program
 PROGRAM, NOTEBOOK = ".py", ".ipynb"
@@ -20,6 +21,11 @@ _ADDED = (".txt", ".json")  # to a name, by a browser, a mail program or an edit
 _AS_A_PROGRAM = re.compile(r"%%ros_script\b")  # may follow: the cell is also run in the notebook, as a program
 _MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)[^\S\n]*\Z")
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+_NUMBER = re.compile(r"# In\s*\[(\d{1,6})\]:")
+# The line that names a program's encoding (PEP 263) is one of its first two, above all statements.
+_CODING = re.compile(r"^([ \t\f]*#.*?coding[:=][ \t]*)([-\w.]+)")
+_NO_STATEMENT = re.compile(r"^[ \t\f]*(?:#.*)?\r?$")
+_CODING_LINES, _BEGIN = 2, 4096  # bytes, in which these end
 _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
 
 
@@ -38,31 +44,6 @@ class UnreadableTextError(ValueError):
     """There is no program in it; the text says why and what to do."""
 
 
-def read(name: str, file: BinaryIO, wish: Wish) -> dict[str, object]:
-    """Read a submission."""
-    try:
-        source, places = program(name, file, wish["exercise"])
-    except UnreadableTextError as problem:
-        return {"unreadable": str(problem)}
-    return of_program(name, source, places, wish)
-
-
-def of_program(name: str, source: str, places: list[tuple[int, int]], wish: Wish) -> dict[str, object]:
-    """What `read` returns of a program that was found already."""
-    try:
-        fault, tree = python.parse(source)
-    except python.TooMuchError as problem:
-        return {"unreadable": f"{name} cannot be read: {problem}"}
-    return {
-        "source": source,
-        "places": places,
-        "fault": fault,
-        "facts": python.facts(tree) if tree else None,
-        "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
-        "literal": literals.written_out(tree, wish["variable"]) if tree and wish["variable"] else None,
-    }
-
-
 def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave."""
     text = _decoded(name, file)
@@ -70,10 +51,10 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
     if kind(name) == NOTEBOOK:
         source, places = _joined(name, _code_cells(name, text), exercise)
     else:
-        source = coding.as_utf8(_plain_lines(text))
+        source = as_utf8(_plain_lines(text))
         if not source.strip():
             raise UnreadableTextError(f"{name} is empty.")
-        if cells := exported.cells(source):
+        if cells := _exported_cells(source):
             source, places = _joined(name, cells, exercise)
     if "\0" in source:
         raise UnreadableTextError(f"{name} is not Python: it contains null bytes.")
@@ -81,16 +62,43 @@ def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[i
 
 
 def _decoded(name: str, file: BinaryIO) -> str:
+    """A file's text; a program's as Python reads it."""
+    data = file.read()
+    text = data.removeprefix(codecs.BOM_UTF8)
+    lines = _plain_lines(text[:_BEGIN].decode("latin-1")).split("\n")
+    place = _place_of_coding(lines) if kind(name) == PROGRAM else None
+    named = _CODING.match(lines[place]) if place is not None else None
+    coding = named[2] if named else "utf-8"
     try:
-        if kind(name) == PROGRAM:
-            return coding.decode(file.read())
-        return file.read().decode("utf-8-sig")
-    except coding.CodingError as problem:
-        raise UnreadableTextError(f"{name} {problem}") from None
-    except UnicodeDecodeError as problem:
-        raise UnreadableTextError(
-            f"{name} is not UTF-8 text (byte {problem.start + 1}). Save it with the encoding UTF-8."
-        ) from None
+        if len(text) < len(data) and codecs.lookup(coding).name != "utf-8":
+            problem = f"begins as UTF-8 does and names the encoding {coding}. Delete that line."
+        else:
+            return text.decode(coding)
+    except LookupError:
+        problem = f"names the encoding {coding}, which Python does not know. Delete that line."
+    except UnicodeError as error:
+        byte = f" (byte {error.start + 1})" if isinstance(error, UnicodeDecodeError) else ""
+        wrong = f"names the encoding {coding} and is not written in it" if named else "is not UTF-8 text"
+        problem = f"{wrong}{byte}. Save it with the encoding UTF-8."
+    raise UnreadableTextError(f"{name} {problem}")
+
+
+def as_utf8(source: str) -> str:
+    """A program, as it will be written: with UTF-8 in place of the encoding that its coding line names."""
+    lines = source.split("\n", _CODING_LINES)
+    place = _place_of_coding(lines)
+    if place is not None:
+        lines[place] = _CODING.sub(r"\1utf-8", lines[place])
+    return "\n".join(lines)
+
+
+def _place_of_coding(lines: list[str]) -> int | None:
+    for place, line in enumerate(lines[:_CODING_LINES]):
+        if _CODING.match(line):
+            return place
+        if not _NO_STATEMENT.match(line):
+            return None
+    return None
 
 
 def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple[str, list[tuple[int, int]]]:
@@ -111,10 +119,12 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
         parts.append(rest)
         places.append((number, len(rest)))
     lines = [line for part in _started_once(parts) for line in part]
-    source = coding.as_utf8("\n".join(lines) + "\n")
+    source = as_utf8("\n".join(lines) + "\n")
     if not source.strip():
+        named = ", ".join(one[:_LONGEST_NAME] for one in sorted(others)[:_FEW])
+        found = f" It has cells for: {named}." if named else ""
         raise UnreadableTextError(
-            f"{name} has no code cell that begins with the line '%%submission {exercise}'.{_found(others)}"
+            f"{name} has no code cell that begins with the line '%%submission {exercise}'.{found}"
         )
     try:
         size = len(source.encode())
@@ -153,11 +163,6 @@ def _started_once(parts: list[list[str]]) -> list[list[str]]:
     return [*parts, last]
 
 
-def _found(others: set[str]) -> str:
-    named = [one[:_LONGEST_NAME] for one in sorted(others)[:_FEW]]
-    return f" It has cells for: {', '.join(named)}." if named else ""
-
-
 def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
     """Number, from 1, and text of each code cell."""
     try:
@@ -166,6 +171,31 @@ def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
         return [(number, _text_of(cell)) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
     except _NO_NOTEBOOK:
         raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
+
+
+def _exported_cells(source: str) -> list[tuple[int, str]]:
+    """Number and text of each cell with a `%%submission` of a notebook that Jupyter has exported as a script.
+
+    Such a script has a cell magic as a call, `get_ipython().run_cell_magic("submission", ...)`.
+    """
+    if "run_cell_magic" not in source:
+        return []
+    numbers = [1]  # by line, of the comment `# In[3]:` above it
+    for line in source.split("\n"):
+        match = _NUMBER.match(line)
+        numbers.append(int(match[1]) if match else numbers[-1])
+    _, tree = python.parse(source)
+    found = []
+    for node in tree.body if tree else ():
+        match node:
+            case ast.Expr(
+                ast.Call(
+                    ast.Attribute(attr="run_cell_magic"),
+                    [ast.Constant("submission"), ast.Constant(str(line)), ast.Constant(str(cell))],
+                )
+            ):
+                found.append((numbers[node.lineno], f"%%submission {line}\n{cell}"))
+    return found
 
 
 def _text_of(cell: Mapping[str, object]) -> str:

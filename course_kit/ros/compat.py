@@ -2,6 +2,9 @@
 
 The lab asks when it starts ROS, and the doctor asks for all. Whoever uses such a name asks `Compatibility.has` first
 and does without; so a missing name costs one feature and one sentence, and never the lab.
+
+Not here is what rclpy documents, and what Python itself prescribes. A name is `module:attribute.attribute`. The last
+attribute may also be one that the methods of a class give to its objects, or a local variable of a function.
 """
 
 from __future__ import annotations
@@ -10,13 +13,156 @@ import importlib
 import sys
 from contextlib import suppress
 from types import FunctionType
-from typing import TYPE_CHECKING
-
-from course_kit.ros.compat_names import ALL, OF_THE_LAB, Feature
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+_SERVER = "rclpy.action.server:ActionServer."
+_GOAL = "rclpy.action.server:ServerGoalHandle."
+_CLIENT = "rclpy.action.client:ActionClient."
+_C = "rclpy.impl.implementation_singleton:rclpy_implementation."
+_TYPE = "rcl_interfaces.msg:Log.__class__."  # any class that rosidl has generated; rclpy has always loaded this one
+
+
+class Feature(NamedTuple):
+    """Something the kit does with names that a later version of ROS, IPython or nbval may not have."""
+
+    lost: str
+    names: tuple[str, ...]
+
+
+RECORDING = Feature(
+    "lab.diagram() shows no services and topics, lab.timeline() no callbacks, a call learns of a failed callback only "
+    "by its timeout, and lab.publish() does not wait for callbacks",
+    (
+        "rclpy.executors:Executor._take_service",
+        "rclpy.executors:Executor._take_client",
+        "rclpy.executors:Executor._take_subscription",
+        "rclpy.executors:Executor._take_timer",
+        "rclpy.executors:Executor._is_shutdown",
+        "rclpy.client:Client._lock",
+        "rclpy.client:Client._pending_requests",
+        "rclpy.client:Client.logger_name",
+        "rclpy.publisher:Publisher.logger_name",
+        "rclpy.service:Service.logger_name",
+        "rclpy.subscription:Subscription.logger_name",
+        "rclpy.subscription:Subscription._callback_type",
+        "rclpy.task:Future._set_executor",
+    ),
+)
+GOAL_RECORDING = Feature(
+    "lab.diagram() shows no goals",
+    (
+        _CLIENT + "_cancel_goal_async",
+        _CLIENT + "_goal_sequence_number_to_goal_id",
+        _CLIENT + "_pending_cancel_requests",
+        _CLIENT + "_result_sequence_number_to_goal_id",
+        _CLIENT + "_node",
+        _CLIENT + "_action_name",
+        _CLIENT + "_action_type",
+        _SERVER + "_execute_goal_request",
+        _SERVER + "_execute_cancel_request",
+        _SERVER + "_send_result_response",
+        _SERVER + "_result_futures",
+        _GOAL + "_update_state",
+        _GOAL + "_action_server",
+        _GOAL + "_goal_handle",
+        "rclpy.action.server:GoalEvent",
+    ),
+)
+EXECUTIONS = Feature(
+    "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
+    (_SERVER + "_execute_goal", _SERVER + "_node"),
+)
+GOAL_ENDS = Feature(
+    "Clients of a goal are not told when its node is stopped",
+    (_SERVER + "_goal_handles", _SERVER + "_result_futures", _GOAL + "_update_state", "rclpy.action.server:GoalEvent"),
+)
+REPLIES = Feature(
+    "The answer to a goal may be missed when it comes at once",
+    (_CLIENT + "_cancel_goal_async", _CLIENT + "_get_result_async"),
+)
+FEEDBACK = Feature(
+    "Feedback that comes faster than callbacks run may be shown late or not at all",
+    (_CLIENT + "_client_handle",),
+)
+WAITING_FOR_GOALS = Feature(
+    "send_goal(), cancel_goal() and get_result() hang inside a callback instead of saying why",
+    (
+        _CLIENT + "_cancel_goal",
+        _CLIENT + "_cancel_goal_async",
+        _CLIENT + "_get_result",
+        _CLIENT + "_get_result_async",
+    ),
+)
+DEADLOCKS = Feature(
+    "An await that can never end hangs instead of saying why",
+    ("rclpy.client:Client._pending_requests",),
+)
+PENDING_CALLS = Feature(
+    "A call whose server is replaced meanwhile waits for its timeout",
+    ("rclpy.client:Client._pending_requests",),
+)
+DEFAULT_CONTEXT = Feature(
+    "After the lab of this process has ended, another one needs a restart",
+    ("rclpy.utilities:g_default_context",),
+)
+LOG_LINES = Feature(
+    "Log lines do not appear under the cells they belong to",
+    ("rclpy.impl.rcutils_logger:_rclpy", _C + "rclpy_logging_rcutils_log"),
+)
+CELL_NAMES = Feature(
+    "An error in a callback is shown without the number of its cell",
+    ("IPython.core.compilerop:CachingCompiler.format_code_name",),
+)
+ERRORS = Feature(
+    "Some mistakes are shown in rclpy's words",
+    (_C + "RCLError",),
+)
+OWN_TYPES = Feature(
+    "Message types of your own may not work",
+    (
+        _TYPE + "_CREATE_ROS_MESSAGE",
+        _TYPE + "_CONVERT_FROM_PY",
+        _TYPE + "_CONVERT_TO_PY",
+        _TYPE + "_DESTROY_ROS_MESSAGE",
+        _TYPE + "_TYPE_SUPPORT",
+        _TYPE + "__import_type_support__",
+        "rcl_interfaces.msg:Log._fields_and_field_types",
+        "rcl_interfaces.msg:Log.SLOT_TYPES",
+    ),
+)
+FAST_GRADING = Feature(
+    "Grading takes longer",
+    (_C + "WaitSet", _C + "GuardCondition"),
+)
+DIAGNOSES = Feature(
+    "Reports do not say what a callback has returned instead of a response or a result, or whether it has ended the "
+    "program",
+    (
+        "rclpy.service:Service.send_response.response",
+        _SERVER + "_execute_goal.execute_result",
+        "rclpy.executors:await_or_execute",
+    ),
+)
+NOTEBOOK_TESTS = Feature(
+    "./course test takes long to notice that a notebook's kernel has died",
+    (
+        "nbval.kernel:RunningKernel.await_reply",
+        "nbval.kernel:RunningKernel.is_alive",
+        "nbval.kernel:RunningKernel.stop",
+        "nbval.kernel:RunningKernel.kc",
+        "nbval.kernel:RunningKernel.km",
+        "nbval.plugin:RunningKernel",
+    ),
+)
+
+OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
+_OF_GOALS = (GOAL_ENDS, REPLIES, FEEDBACK, WAITING_FOR_GOALS)
+_OF_CELLS = (DEADLOCKS, PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
+OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
+ALL = (*OF_THE_LAB, FAST_GRADING, DIAGNOSES, NOTEBOOK_TESTS)
 _ENDING = "; everything else works."
 
 
@@ -64,19 +210,12 @@ def is_there(name: str) -> bool:
     return hasattr(found, last) or last in _names_in(found)
 
 
-def rcl_error() -> type[BaseException]:
-    """The exception of ROS's C library; one that is never raised where rclpy does not show it."""
-    try:
-        from rclpy.impl.implementation_singleton import rclpy_implementation
+def rcl_error() -> tuple[type[BaseException], ...]:
+    """The exception of ROS's C library, to be caught; none where rclpy does not show it."""
+    from rclpy.impl import implementation_singleton as singleton
 
-        found: type[BaseException] = rclpy_implementation.RCLError
-    except (ImportError, AttributeError):
-        return _NeverRaised
-    return found
-
-
-class _NeverRaised(Exception):  # noqa: N818 - it is none
-    pass
+    found = getattr(getattr(singleton, "rclpy_implementation", None), "RCLError", None)
+    return () if found is None else (found,)
 
 
 def _names_in(found: object) -> set[str]:

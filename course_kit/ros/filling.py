@@ -13,8 +13,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from course_kit.ros.errors import BadFieldError
-from course_kit.ros.messages import Message, is_message_type, ros_word, with_article
+from course_kit.ros.messages import BadFieldError, Message, is_message_type, ros_word, with_article
 from course_kit.ros.names import nearest
 
 Fields = Mapping[str, object]

@@ -12,6 +12,7 @@ from course_kit.ros import names
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -157,3 +158,19 @@ def _actions(topics: Iterable[tuple[str, list[str]]]) -> Iterator[tuple[str, lis
             ours = [one.removesuffix(_FEEDBACK_TYPE) for one in types if one.endswith(_FEEDBACK_TYPE)]
             if ours:
                 yield topic.removesuffix(_FEEDBACK), ours
+
+
+def quiet_node(name: str, context: Context) -> Node:
+    """A node with nothing on it: what nobody can call, nobody can call wrongly, and it costs nothing at each turn."""
+    from rclpy.node import Node
+    from rclpy.parameter import Parameter
+
+    return Node(
+        name,
+        context=context,
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+        # rclpy leaves this service on the graph when the node is destroyed but its context lives on.
+        parameter_overrides=[Parameter("start_type_description_service", value=False)],
+    )

@@ -2,47 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
-# An object of a generated class: a message, a request, a goal. Its fields are those of its definition, which is read
-# while the program runs: a type checker cannot know them.
+# An object of a generated class: a message, a request, a goal; and the classes themselves. Their fields and parts are
+# those of their definition, which is read while the program runs: a type checker cannot know them.
 Message: TypeAlias = Any
+MessageType: TypeAlias = Any
+ServiceType: TypeAlias = Any
+ActionType: TypeAlias = Any
 
 
-class MessageType(Protocol):
-    """The class of a message."""
-
-    def __call__(self, **fields: object) -> Message:
-        """Make a message."""
-
-    def get_fields_and_field_types(self) -> dict[str, str]:
-        """The type of each field, in rosidl's words."""
-
-
-class ServiceType(Protocol):
-    """The class of a service."""
-
-    Request: type[Message]
-    Response: type[Message]
-
-
-class ActionType(Protocol):
-    """The class of an action."""
-
-    Goal: type[Message]
-    Result: type[Message]
-    Feedback: type[Message]
-    Impl: ActionParts
-
-
-class ActionParts(Protocol):
-    """The services and messages an action is made of."""
-
-    SendGoalService: ServiceType
-    CancelGoalService: ServiceType
-    GetResultService: ServiceType
-    FeedbackMessage: MessageType
-    GoalStatusMessage: MessageType
+class BadFieldError(ValueError):
+    """A field was given by a wrong name, or it or a parameter with a value it cannot take; the message says which."""
 
 
 # As `get_fields_and_field_types` has them, and as a definition spells them.

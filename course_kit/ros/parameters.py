@@ -13,8 +13,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from course_kit.ros.errors import BadFieldError
-from course_kit.ros.messages import with_article
+from course_kit.ros.messages import BadFieldError, with_article
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Where everything stands in a sequence diagram; `templates/sequence.svg` draws it.
+"""The arrows of a sequence diagram, and where everything stands in it; `templates/sequence.svg` draws it.
 
 The report of a grade and the recorder of a lab draw theirs with it. An SVG says nothing to readers who do not see it
 beyond its summary, so whoever shows it puts the same steps beside it in words.
@@ -7,15 +7,14 @@ beyond its summary, so whoever shows it puts the same steps beside it in words.
 from __future__ import annotations
 
 import textwrap
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from course_kit.ros.arrows import Arrow
 
 _TEMPLATES = Path(__file__).with_name("templates")
 _WIDTH = 640  # user units, one of which is a pixel; a drawing is as wide unless its lifelines need more
@@ -27,6 +26,30 @@ _ARROW = 16  # height of an arrow below its text
 _BELOW_NOTE = 6
 _MOST_LINES = 6  # of one step; the words beside the drawing have the rest
 _MARGIN = 30  # around a text between two lifelines
+
+
+_OfGoals = Literal["goal", "goal response", "feedback", "cancel request", "cancel response", "result"]
+Kind = Literal["request", "response", "message", "failure", "note"] | _OfGoals
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """One thing that was sent; or, as a "failure", that never came; or, as a "note", a remark between the arrows."""
+
+    sender: str
+    receiver: str
+    kind: Kind
+    text: str
+    channel: str = ""
+
+    @property
+    def sign(self) -> str:
+        """An arrow for plain text, `->`; with a cross for what never came."""
+        return "--x" if self.kind == "failure" else "->"
+
+    def __str__(self) -> str:
+        """The arrow as a line of a list, without its channel."""
+        return self.text if self.kind == "note" else f"{self.sender} {self.sign} {self.receiver}: {self.text}"
 
 
 class DiagramRow(NamedTuple):

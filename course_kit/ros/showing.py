@@ -6,7 +6,6 @@ megabytes. What `ros2` prints of messages is laid out as the real command does i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TypeAlias
 
@@ -21,36 +20,21 @@ _PLAIN = frozenset({int, float, bool, type(None)})
 _PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 
-@dataclass(frozen=True)
-class Style:
-    """How a message is written in one line."""
-
-    names: str = "="
-    between: str = ", "
-    nested: str = "{}"
-    lists: str = "[]"
-    digits: int | None = None
-    quoted: bool = True
-
-
-PYTHON = Style()
-
-
 def snapshot(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
     """Copy a message into numbers, strings, lists and dicts."""
     return _Copy(elements, last=last).of(value, DEPTH)
 
 
-def in_words(value: Plain, style: Style = PYTHON) -> str:
-    """The fields of a copied message in one line: "a=1, b=2"; "(empty)" for one without fields."""
-    text = _fields(value, style) if isinstance(value, dict) else _value(value, style)
+def in_words(value: Plain, digits: int | None = None) -> str:
+    """The fields of a copied message in one line: "a=1, b=2", floats with so many digits; "(empty)" without fields."""
+    text = _fields(value, digits) if isinstance(value, dict) else _value(value, digits)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
 def rows(value: Plain, path: str = "") -> list[list[str]]:
     """Path and value of each field of a copied message, messages inside it taken apart."""
     if not isinstance(value, dict):
-        return [[path, _element(value, PYTHON)]]
+        return [[path, _element(value, None)]]
     return [row for name, part in value.items() for row in rows(part, f"{path}.{name}" if path else name)]
 
 
@@ -111,36 +95,31 @@ def _shorten(text: str) -> str:
     return text if len(text) <= CHARACTERS else text[: CHARACTERS - 3] + "..."
 
 
-def _fields(fields: dict[str, Plain], style: Style) -> str:
+def _fields(fields: dict[str, Plain], digits: int | None) -> str:
     if not fields:
         return "(empty)"
-    return style.between.join(
-        str(value) if name == "..." else f"{name}{style.names}{_value(value, style)}" for name, value in fields.items()
+    return ", ".join(
+        str(value) if name == "..." else f"{name}={_value(value, digits)}" for name, value in fields.items()
     )
 
 
-def _value(value: Plain, style: Style) -> str:
+def _value(value: Plain, digits: int | None) -> str:
     if isinstance(value, dict):
-        if value.keys() >= _PARAMETER_VALUE:
-            return _parameter(value, style)
-        return f"{style.nested[0]}{_fields(value, style)}{style.nested[1]}"
+        return _parameter(value) if value.keys() >= _PARAMETER_VALUE else f"{{{_fields(value, digits)}}}"
     if isinstance(value, list):
-        text = ", ".join(_element(one, style) for one in value)
-        return f"{style.lists[0]}{text}{style.lists[1]}" if style.lists else text or "none"
-    if isinstance(value, float) and style.digits is not None:
-        return f"{value:.{style.digits}f}"
-    return repr(value) if style.quoted else str(value)
+        return f"[{', '.join(_element(one, digits) for one in value)}]"
+    return f"{value:.{digits}f}" if isinstance(value, float) and digits is not None else repr(value)
 
 
-def _parameter(value: dict[str, Plain], style: Style) -> str:
+def _parameter(value: dict[str, Plain]) -> str:
     """An rcl_interfaces/msg/ParameterValue: the one of its nine fields that its type says is in use."""
     fields = [name for name in value if name != "type"]
     number = value["type"]
     known = isinstance(number, int) and 0 < number <= len(fields)
-    return _value(value[fields[int(str(number)) - 1]], style) if known else "not set"
+    return _value(value[fields[int(str(number)) - 1]], None) if known else "not set"
 
 
-def _element(value: Plain, style: Style) -> str:
+def _element(value: Plain, digits: int | None) -> str:
     """A value in a list, or what stands there for those that were left out."""
     left_out = isinstance(value, str) and (value == "..." or (value.startswith("+") and value.endswith(" more")))
-    return str(value) if left_out else _value(value, style)
+    return str(value) if left_out else _value(value, digits)

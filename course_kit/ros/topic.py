@@ -11,13 +11,13 @@ from itertools import islice
 from typing import TYPE_CHECKING, TypedDict
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from rclpy.node import Node
     from rclpy.publisher import Publisher
-    from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -117,6 +117,13 @@ def is_heard(node: Node, publisher: Publisher) -> bool:
 def hears(node: Node, subscription: Subscription) -> bool:
     """Whether a subscription is connected with all publishers that are on the graph; see `is_heard`."""
     return subscription.get_publisher_count() >= node.count_publishers(subscription.topic_name)
+
+
+def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> QoSProfile:
+    """A profile for a subscription that connects with all publishers that are on the topic when it is made."""
+    local = bool(keepers) and all(one.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in keepers)
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if local else DurabilityPolicy.VOLATILE
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE, durability=durability)
 
 
 def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:

@@ -68,8 +68,8 @@ def reports(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]
 
 def _package_check() -> CheckupResult:
     broken = packages.damaged()
-    said = [f"{name} has lost files, to {other}. Run: {packages.remedy(name)}" for name, other in broken.items()]
-    return CheckupResult("package", said, [])
+    said = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.remedy(broken)}"
+    return CheckupResult("package", [said] if broken else [], [])
 
 
 def _package_items() -> Items:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from course_kit.environment.visiting import visiting
 from course_kit.ros import graph
+from course_kit.ros.graph import quiet_node
 from course_kit.ros.names import full_name
-from course_kit.ros.node import quiet_node
 from course_kit.ros2cli import sockets
 from course_kit.ros2cli.graph import Ends, Graph
 

@@ -36,7 +36,7 @@ def for_publishing(options: Namespace) -> QoSProfile:
 
 def for_listening(options: Namespace, publishers: list[TopicEndpointInfo]) -> QoSProfile:
     """The profile the options ask for; where they are silent, one that matches all `publishers`."""
-    from course_kit.ros.qos import as_offered
+    from course_kit.ros.topic import as_offered
 
     return _chosen(options, as_offered(keepers=publishers))
 

@@ -121,7 +121,7 @@ class Session:
             from rclpy.executors import SingleThreadedExecutor
 
             from course_kit.environment.visiting import visiting
-            from course_kit.ros.node import quiet_node
+            from course_kit.ros.graph import quiet_node
 
             context = self._own_context()
             with visiting(self._visits):

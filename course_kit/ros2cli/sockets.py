@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 
 from course_kit import environment
-from course_kit.environment import ports
+from course_kit.environment import domains
 
 
 def is_local_only() -> bool:
@@ -20,11 +20,11 @@ def is_local_only() -> bool:
         and not os.environ.get("ROS_STATIC_PEERS")
         and os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
         and not os.environ.get("ROS_DISCOVERY_SERVER")
-        and ports.are_told()
+        and domains.are_told()
     )
 
 
 def participants(domain_id: int) -> frozenset[int]:
     """The inodes of the discovery sockets bound in `domain_id`, one for each participant, this process's included."""
-    wanted = ports.discovery_ports(domain_id)
-    return frozenset(inode for number, inode in ports.bound() if number in wanted)
+    wanted = domains.discovery_ports(domain_id)
+    return frozenset(inode for number, inode in domains.bound() if number in wanted)

@@ -29,8 +29,8 @@ class TypedValues:
 
     def put_into(self, message: Message) -> None:
         """Set the fields that are named."""
-        from course_kit.ros.errors import BadFieldError
         from course_kit.ros.filling import fill_from_yaml
+        from course_kit.ros.messages import BadFieldError
 
         if not isinstance(self._values, dict):
             known = ", ".join(f"{name}: ..." for name in message.get_fields_and_field_types())

@@ -6,13 +6,12 @@ import socket
 import subprocess
 import sys
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.environment import domains, ports
+from course_kit.environment import domains
 from course_kit.environment.domains import Leases
 
 if TYPE_CHECKING:
@@ -187,13 +186,6 @@ def owner_of(number: int) -> str:
     return next(name for name in map(str, range(10_000)) if domains._candidates(name)[0] == number)
 
 
-def test_an_owner_gets_the_same_domain_every_time(leases: Leases) -> None:
-    first = leases.share("me")
-    domain_id = first.domain_id
-    first.release()
-    assert leases.share("me").domain_id == domain_id
-
-
 def test_processes_of_one_owner_share_and_others_are_kept_apart(leases: Leases, hold: Hold) -> None:
     mine = leases.share("me")
     sibling, stranger = hold("me"), hold("somebody else")
@@ -237,11 +229,6 @@ def test_an_exclusive_domain_is_never_handed_out_twice_and_comes_back_after_a_ki
     assert leases.exclusive().domain_id == first.domain_id
 
 
-def test_an_exclusive_domain_is_not_shared_with_an_owner_of_its_number(leases: Leases) -> None:
-    lease = leases.exclusive()
-    assert leases.share(owner_of(lease.domain_id)).domain_id != lease.domain_id
-
-
 def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
     taken = [leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
     assert sorted(lease.domain_id for lease in taken) == list(range(1, 102))
@@ -253,17 +240,6 @@ def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
 
 def test_racing_processes_get_different_domains(scope: str) -> None:
     assert len(set(raced(scope))) == 6
-
-
-def test_leases_do_not_depend_on_the_temporary_folder(hold: Hold, tmp_path: Path) -> None:
-    folders = [tmp_path / "one", tmp_path / "two"]
-    for folder in folders:
-        folder.mkdir()
-    graders = [hold(TMPDIR=str(folder)) for folder in folders]
-    programs = [hold("me", TMPDIR=str(folder)) for folder in folders]
-    assert graders[0].domain_id != graders[1].domain_id
-    assert programs[0].domain_id == programs[1].domain_id
-    assert [list(folder.iterdir()) for folder in folders] == [[], []]
 
 
 def test_another_users_domain_is_passed_over_though_the_owner_has_the_same_name(
@@ -278,7 +254,7 @@ def test_another_users_domain_is_passed_over_though_the_owner_has_the_same_name(
         held = ()
     else:  # to the kernel the sockets of another user are as those that nobody may share
         places = ((mark, domains._MARK), (leases._address, domains._LEASE))
-        held = tuple(domains._bind(address, ports.port(number, place)) for address, place in places)
+        held = tuple(domains._bind(address, domains.port(number, place)) for address, place in places)
         assert None not in held
     assert leases.share("me").domain_id != number
     for descriptor in held:
@@ -316,7 +292,7 @@ def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Rememb
 
 
 def test_one_chooses_after_the_other(leases: Leases) -> None:
-    other = domains._bind(leases._address, ports.port(0, domains._CHOICE))
+    other = domains._bind(leases._address, domains.port(0, domains._CHOICE))
     assert other is not None
     chosen: list[domains.Lease] = []
     waiting = threading.Thread(target=lambda: chosen.append(leases.share("me")))
@@ -328,22 +304,10 @@ def test_one_chooses_after_the_other(leases: Leases) -> None:
     assert len(chosen) == 1
 
 
-def test_one_who_keeps_others_from_choosing_costs_time_and_nothing_else(
-    leases: Leases, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(domains, "_CHOICE_S", 0.2)
-    first = leases.share("me")
-    squatter = domains._bind(leases._address, ports.port(0, domains._CHOICE))
-    assert squatter is not None
-    assert leases.share("me").domain_id == first.domain_id
-    assert leases.share("somebody else").domain_id != first.domain_id
-    os.close(squatter)
-
-
 def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: str, domain: int) -> None:
-    leases = Remembered(scope, ports.domains_in_use)
+    leases = Remembered(scope, domains.domains_in_use)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as robot:
-        robot.bind(("127.0.0.1", ports.discovery_ports(domain)[50]))
+        robot.bind(("127.0.0.1", domains.discovery_ports(domain)[50]))
         beside_it = leases.rest()
         assert beside_it
         assert domain not in beside_it
@@ -353,8 +317,8 @@ def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: s
 def test_leases_work_where_the_kernel_does_not_tell_which_ports_are_bound(
     scope: str, hold: Hold, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(ports, "_TABLES", (str(tmp_path / "none"), str(tmp_path / "none")))
-    leases = Remembered(scope, ports.domains_in_use)
+    monkeypatch.setattr(domains, "_TABLES", (str(tmp_path / "none"), str(tmp_path / "none")))
+    leases = Remembered(scope, domains.domains_in_use)
     grader, mine = leases.exclusive(), leases.share("me")
     assert hold("me").domain_id == mine.domain_id
     assert len({grader.domain_id, mine.domain_id, hold().domain_id}) == 3
@@ -372,25 +336,3 @@ def test_one_who_queues_gets_the_next_domain_that_comes_back(leases: Leases) -> 
     back.release()
     waiting.join(60)
     assert [lease.domain_id for lease in queued] == [back.domain_id]
-
-
-def test_more_who_want_a_domain_than_there_are_take_turns_and_never_share(leases: Leases) -> None:
-    """Twice as many as there are, as workers of a class without network namespaces would be."""
-    in_use: set[int] = set()
-    collisions: list[int] = []
-    guard = threading.Lock()
-
-    def one() -> None:
-        with leases.exclusive_domain(patience_s=100.0) as domain_id:
-            with guard:
-                collisions.extend({domain_id} & in_use)
-                in_use.add(domain_id)
-            threading.Event().wait(0.05)  # some work
-            with guard:
-                in_use.discard(domain_id)
-
-    count = 2 * (domains.LAST - domains.FIRST + 1)
-    with ThreadPoolExecutor(count) as workers:
-        for done in [workers.submit(one) for _ in range(count)]:
-            done.result()
-    assert not collisions

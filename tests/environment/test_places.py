@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import sys
+from pathlib import Path
+
+import pytest
 
 from course_kit import environment
+from course_kit.environment import paths
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    import pytest
+SCRIPTS = str(Path(sys.prefix) / "bin")
 
 
 def test_the_course_is_called_by_its_door_where_that_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,10 +32,10 @@ def test_the_course_is_called_by_its_door_where_that_stands(tmp_path: Path, monk
 
 def test_a_home_is_one_that_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert environment.home() == tmp_path
+    assert environment.paths.home() == tmp_path
     for none in ("/proc/nonexistent", "/proc/self", "relative"):
         monkeypatch.setenv("HOME", none)
-        assert environment.home() is None
+        assert environment.paths.home() is None
 
 
 def test_where_nobody_knows_the_home_the_state_is_among_the_temporary_files(
@@ -47,4 +48,34 @@ def test_where_nobody_knows_the_home_the_state_is_among_the_temporary_files(
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setenv("HOME", "/nobody knows it")  # the folder is kept by this name
     assert environment.state_dir().is_relative_to(tmp_path)
-    assert environment.usual_state_dir() is None
+    assert environment.paths.usual_state_dir() is None
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("/usr/bin:/bin", f"{SCRIPTS}:/usr/bin:/bin"),
+        (f"/opt/ros/jazzy/bin:{SCRIPTS}:/bin", f"{SCRIPTS}:/opt/ros/jazzy/bin:/bin"),
+        (f"{SCRIPTS}:/bin", f"{SCRIPTS}:/bin"),
+        (None, f"{SCRIPTS}:/bin:/usr/bin"),
+    ],
+)
+def test_they_come_first_and_the_others_stay_in_their_order(before: str | None, after: str) -> None:
+    assert paths.with_scripts_first(before) == after
+
+
+def test_children_of_the_course_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "/usr/bin")
+    assert environment.child_environment()["PATH"] == f"{SCRIPTS}:/usr/bin"
+    assert environment.child_environment(PATH="/mine")["PATH"] == "/mine"
+
+
+def test_with_a_users_installation_it_is_the_folder_at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("prefix", "at home"):
+        (tmp_path / name / "bin").mkdir(parents=True)
+    (tmp_path / "at home" / "bin" / "ros2").touch()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "prefix"))
+    monkeypatch.setattr("site.getuserbase", lambda: str(tmp_path / "at home"))
+    assert environment.paths.scripts_folder() == tmp_path / "at home" / "bin"
+    (tmp_path / "prefix" / "bin" / "ros2").touch()
+    assert environment.paths.scripts_folder() == tmp_path / "prefix" / "bin"

@@ -52,10 +52,11 @@ def test_two_programs_of_one_checkout_meet_in_one_domain() -> None:
     assert dumped()["ROS_DOMAIN_ID"] == dumped()["ROS_DOMAIN_ID"]
 
 
-@pytest.mark.parametrize("name", [*environment.defaults(), "ROS_DOMAIN_ID"])
-def test_a_value_the_user_has_set_wins(name: str) -> None:
-    value = "7" if name == "ROS_DOMAIN_ID" else "OFF" if name.startswith("ROS_AUTO") else "0"
-    assert dumped(**{name: value})[name] == value
+def test_a_value_the_user_has_set_wins() -> None:
+    set_ones = {"ROS_DOMAIN_ID": "7", "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_PYTHON_CHECK_FIELDS": "0"}
+    found = dumped(**set_ones, FASTRTPS_DEFAULT_PROFILES_FILE="0")
+    assert {name: found[name] for name in set_ones} == set_ones
+    assert found["FASTRTPS_DEFAULT_PROFILES_FILE"] == "0"
 
 
 def test_a_child_inherits_the_domain_and_does_not_take_it_for_the_users(domain: int) -> None:
@@ -73,9 +74,7 @@ def test_apply_says_who_chose_the_domain(domain: int, monkeypatch: pytest.Monkey
     assert environment.apply().domain_chosen_by == "the course kit"
 
 
-@pytest.mark.parametrize(
-    "value", ["abc", "-1", "233", "300", "4.5", "010", "0x10", " 5", "5 ", "+5", "\N{ARABIC-INDIC DIGIT FIVE}"]
-)
+@pytest.mark.parametrize("value", ["abc", "233", "010", "\N{ARABIC-INDIC DIGIT FIVE}"])
 def test_an_impossible_domain_is_named_and_not_changed(value: str) -> None:
     result = in_fresh_process("import rclpy, os; print(os.environ['ROS_DOMAIN_ID'])", ROS_DOMAIN_ID=value)
     assert result.stdout == f"{value}\n"
@@ -95,10 +94,6 @@ def test_fields_are_checked_also_where_messages_are_imported_before_rclpy() -> N
         "from std_msgs.msg import Float64\nimport rclpy\ntry: Float64(data=1)\nexcept AssertionError as e: print(e)"
     )
     assert "must be of type 'float'" in in_fresh_process(program).stdout
-
-
-def test_the_autoload_can_be_turned_off() -> None:
-    assert "ROS_LOG_DIR" not in dumped(COURSE_KIT_AUTOLOAD="0")
 
 
 def test_without_a_usable_home_the_state_goes_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -196,3 +191,18 @@ def test_readers_and_writers_ask_alike_in_every_profile() -> None:
         assert [one.get("is_default_profile") for one in ends] == ["true", "true"]
         times.append({one.tag: ET.tostring(one[0]).split() for one in ends})
     assert times[0] == times[1] == times[2]
+
+
+def test_what_we_make_we_can_use_whatever_the_umask() -> None:
+    before = os.umask(0o700)
+    try:
+        environment.apply()
+        now = os.umask(0o022)
+    finally:
+        os.umask(before)
+    assert now & 0o700 == 0
+
+
+def test_a_child_keeps_its_docstrings(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONOPTIMIZE", "2")
+    assert "PYTHONOPTIMIZE" not in environment.child_environment()

@@ -20,7 +20,7 @@ from course_kit.graders import _limiter
 from course_kit.grading import bounds, exchange_log, output
 from course_kit.grading.diagnosis import exits, tracebacks
 from course_kit.grading.job import Job
-from course_kit.reader import fingerprints, glance
+from course_kit.reader import fingerprints, process
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -141,19 +141,19 @@ def test_no_pattern_takes_the_square_of_a_texts_length(module: str, name: str, m
 
 
 def test_every_pattern_has_a_name_and_so_is_measured() -> None:
-    """But one, which is made of an exercise's own words: it is measured as a part of `glance.at`."""
+    """But one, which is made of an exercise's own words: it is measured as a part of `process.look_at`."""
     found = []
     for path in modules():
         for node in ast.walk(ast.parse(path.read_text())):
             call = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
             if call.startswith("re.") and call not in ("re.compile", "re.escape"):
                 found.append(f"{path.name}: {call}")
-    assert found == ["glance.py: re.search"]
+    assert found == ["process.py: re.search"]
 
 
 JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="x = 1\n")
-CLASS = {"exercise": "temperature_service", "class_name": "TemperatureService", "variable": ""}
-VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers"}
+CLASS = {"exercise": "temperature_service", "class_name": "TemperatureService", "variable": "", "whatever": False}
+VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers", "whatever": False}
 FRAME = '  File "answer.py", line 3, in f\n'
 DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {
@@ -166,9 +166,9 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "printable": output.printable,
     "cut": bounds.cut,
     "step": exchange_log._cut,
-    "class in a program": lambda given: glance.at("a.py", io.BytesIO(given.encode()), CLASS),
-    "variable in a program": lambda given: glance.at("a.py", io.BytesIO(given.encode()), VARIABLE),
-    "cell in a notebook": lambda given: glance.at("a.ipynb", io.BytesIO(given.encode()), CLASS),
+    "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
+    "variable in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), VARIABLE),
+    "cell in a notebook": lambda given: process.look_at("a.ipynb", io.BytesIO(given.encode()), CLASS),
     "fingerprints": fingerprints.fingerprints,
 }
 MORE = (

@@ -18,7 +18,7 @@ from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.reader import limits
+from course_kit.reader import contract
 from tests.reading import read
 from tests.waiting import wait_until
 
@@ -187,7 +187,7 @@ def test_it_ends_with_whoever_has_started_it_at_rest_and_at_work(text: str, tmp_
 def test_limits_hold_and_are_told(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_text("a;" * 500_000)
-    with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {limits.MEMORY_MB} MB of memory .*\.$"):
+    with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {contract.MEMORY_MB} MB of memory .*\.$"):
         read(path, TASK.id)
     notebook = tmp_path / "a.ipynb"
     notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')

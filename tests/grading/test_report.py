@@ -16,7 +16,7 @@ from course_kit.grading.diagnosis.catalogue import catalogue, complete
 from course_kit.grading.exchange_log import GRADER, NODE
 from course_kit.grading.output import BoundedOutput
 from course_kit.grading.render.html import sequence_svg
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:

@@ -117,7 +117,7 @@ def test_root_is_refused_as_jupyter_refuses_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0)
-    monkeypatch.setattr(environment, "sign_of_container", lambda: "")
+    monkeypatch.setattr(environment.paths, "sign_of_container", lambda: "")
     assert main.main([hub.VERB]) == 2
     assert "hub-singleuser --allow-root" in capsys.readouterr().err
 
@@ -126,7 +126,7 @@ def test_root_is_refused_as_jupyter_refuses_it(
 def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(environment, "usual_learner_folder", lambda: Path("/proc/nonexistent/ros2-course"))
+    monkeypatch.setattr(environment.paths, "usual_learner_folder", lambda: Path("/proc/nonexistent/ros2-course"))
     with pytest.raises(Started) as started:
         main.main([hub.VERB, "--allow-root"])
     _, command, environ = started.value.args

@@ -107,7 +107,7 @@ def test_a_damaged_manifest_costs_no_work(damage: str, tmp_path: Path) -> None:
     folder = tmp_path / "mine"
     learner_folder.update(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("mine"))
-    (folder / environment.MANIFEST).write_text(damage)
+    (folder / environment.paths.MANIFEST).write_text(damage)
     learner_folder.update(folder, given((LESSON, "old")))
     assert cell_of(folder / LESSON)["source"] == ["mine"]
 
@@ -217,7 +217,7 @@ def test_commands_mean_the_folder_that_jupyterlab_was_opened_on(clone: Course) -
     assert f"are in {robots}." in made.stdout, made.stderr
     for folder in (clone.root / LEARNER_FOLDER, robots):
         (folder / PROGRAM).write_text("print('mine')\n")
-    clone.run("reset", TEMPERATURE, "--yes", **{environment.FOLDER_VARIABLE: str(robots)})
+    clone.run("reset", TEMPERATURE, "--yes", **{environment.paths.FOLDER_VARIABLE: str(robots)})
     assert (robots / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
     assert (clone.root / LEARNER_FOLDER / PROGRAM).read_text() == "print('mine')\n"
 

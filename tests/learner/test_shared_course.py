@@ -191,7 +191,7 @@ def test_within_the_course_a_file_of_the_same_name_elsewhere_is_not_taken(
     task = exercise.load(TEMPERATURE)
     solutions = task.folder.parent.parent / "solutions" / TEMPERATURE
     monkeypatch.chdir(solutions if solutions.is_dir() else task.folder)
-    mine = environment.usual_learner_folder() / "exercises" / TEMPERATURE  # of whoever works at this machine
+    mine = environment.paths.usual_learner_folder() / "exercises" / TEMPERATURE  # of whoever works at this machine
     assert workspace.exercise_folder(task) == (mine if mine.is_dir() else task.folder)
     (tmp_path / TEMPERATURE).mkdir()
     (tmp_path / TEMPERATURE / PROGRAM).touch()

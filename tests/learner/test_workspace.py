@@ -13,7 +13,7 @@ ASK = """
 import sys
 from pathlib import Path
 from course_kit import environment
-print(environment.is_shared(Path(sys.argv[1])))
+print(environment.paths.is_shared(Path(sys.argv[1])))
 """
 
 

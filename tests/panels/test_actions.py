@@ -145,11 +145,11 @@ def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
     shown = view(panel)
     assert shown["status"] == "The goal is running (EXECUTING)."
     assert (shown["share"], shown["progress"]) == (0.5, "term 2 of 4")
-    assert shown["rows"] == [["Feedback 1", "sequence: 0, 1, 1"]]
+    assert shown["rows"] == [["Feedback 1", "sequence=[0, 1, 1]"]]
     gate.open.set()
     wait_until(lambda: view(panel)["tone"] == "good", lambda: view(panel))
     assert view(panel)["status"] == "The goal has succeeded (SUCCEEDED)."
-    assert view(panel)["rows"][-1] == ["Result", "sequence: 0, 1, 1, 2, 3"]
+    assert view(panel)["rows"][-1] == ["Result", "sequence=[0, 1, 1, 2, 3]"]
 
 
 @pytest.mark.usefixtures("gate")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -27,7 +28,7 @@ pytestmark = pytest.mark.usefixtures("own_lab")
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is kept in the course."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(environment, "own_run_dir", lambda: tmp_path)
+    monkeypatch.setattr(environment.paths, "own_run_dir", lambda: tmp_path)
 
 
 def right(scenario: quiz.Scenario) -> tuple[str, str]:
@@ -37,7 +38,7 @@ def right(scenario: quiz.Scenario) -> tuple[str, str]:
 
 def wrong(scenario: quiz.Scenario) -> tuple[str, str]:
     pattern = next(name for name in quiz.PATTERNS if name not in scenario.accepted)
-    return pattern, next(name for name in scenario.reasons if name not in scenario.deciding)
+    return pattern, next(name for name in scenario.reasons if name in scenario.wrong)
 
 
 def mixed(scenario: quiz.Scenario) -> tuple[str, str]:
@@ -113,8 +114,8 @@ def test_the_written_file_earns_what_the_panel_showed(choice: Any, points: float
     assert points in {None, result.points}
     earned = {check.id: check.points for check in report.checks}
     for marks in result.marks:
-        assert earned[f"{marks.scenario.id}_pattern"] == marks.pattern.points
-        assert earned[f"{marks.scenario.id}_reason"] == marks.reason.points
+        assert earned[f"{marks.scenario.id}_pattern"] == marks.pattern.right / 2
+        assert earned[f"{marks.scenario.id}_reason"] == marks.reason.right / 2
 
 
 def test_a_mixture_is_a_mixture() -> None:
@@ -216,8 +217,8 @@ def test_its_words_are_the_same_whatever_is_chosen() -> None:
 
 
 def test_where_there_are_no_answers_nothing_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
-    questions = parse(QUESTIONS.read_text(encoding="utf-8"), None)
-    monkeypatch.setattr("course_kit.quiz.drawing.graded", lambda: questions)
+    questions = parse(QUESTIONS.read_text(encoding="utf-8"))
+    monkeypatch.setattr(sys.modules["course_kit.quiz.bank"], "graded", lambda: questions)
     panel = answered(lambda scenario: ("topic", next(iter(scenario.reasons))))
     assert panel.widget.marks == {}
     assert panel.widget.summary == "10 of 10 answered. Your instructor marks these; to pass: 8 of 10 points."

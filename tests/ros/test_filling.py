@@ -9,8 +9,8 @@ import yaml
 from geometry_msgs.msg import Point, Pose
 from std_msgs.msg import Byte, ByteMultiArray, UInt8MultiArray
 
-from course_kit.ros.errors import BadFieldError
 from course_kit.ros.filling import fill_from_yaml, make
+from course_kit.ros.messages import BadFieldError
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,7 +1,6 @@
 """The lab and the graders on later versions of rclpy, as far as these behave in another way.
 
-What is installed here is rclpy 7.1.6; later ones are stood in for, see `later_rclpy`. So each test also holds without
-the stand-in, which `versions` sees to where rclpy itself takes part.
+What is installed here is rclpy 7.1.6; later ones are stood in for, see `later_rclpy`.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import rclpy
 from example_interfaces.action import Fibonacci
 from example_interfaces.srv import AddTwoInts
 from rclpy.action import ActionServer
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
@@ -36,13 +35,12 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
 
 
-@pytest.fixture(params=["as installed", "as in 7.1.9"])
-def either_lab(request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
-    """A lab on the rclpy that is here, and one on the way that later ones await futures."""
+@pytest.fixture
+def later_lab(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    """A lab on the way that later ones await futures."""
     assert domain
-    if request.param == "as in 7.1.9":
-        later_rclpy.await_as_in_7_1_9(monkeypatch)
-        later_rclpy.refuse_a_second_spin_as_in_7_1_9(monkeypatch)
+    later_rclpy.await_as_in_7_1_9(monkeypatch)
+    later_rclpy.refuse_a_second_spin_as_in_7_1_9(monkeypatch)
     with fresh_lab() as mine:
         yield mine
 
@@ -82,15 +80,15 @@ class Asking(Node):
         return Fibonacci.Result(sequence=[total])
 
 
-def test_a_callback_that_awaits_twice_answers(either_lab: Lab) -> None:
-    assert either_lab.nodes() == []
+def test_a_callback_that_awaits_twice_answers(later_lab: Lab) -> None:
+    assert later_lab.nodes() == []
     lab.start(Everything)
     lab.start(Asking)
     assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
 
 
 def test_what_a_callback_raises_after_an_await_is_told_once_and_to_its_caller(
-    either_lab: Lab, capsys: pytest.CaptureFixture[str]
+    later_lab: Lab, capsys: pytest.CaptureFixture[str]
 ) -> None:
     lab.start(Everything)
     lab.start(Asking)
@@ -99,51 +97,25 @@ def test_what_a_callback_raises_after_an_await_is_told_once_and_to_its_caller(
     told = capsys.readouterr().err
     assert told.count("asking: add raised ValueError: nothing") == 1
     assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
-    assert either_lab.engine.executor_thread.executor.turn is None
+    assert later_lab.engine.executor_thread.executor.turn is None
 
 
-@pytest.mark.parametrize(("order", "error"), [("now", "ValueError: now"), ("exit", "SystemExit: exit")])
-def test_a_subscription_that_fails_after_an_await_is_told_with_its_node(
-    order: str, error: str, either_lab: Lab, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert either_lab.nodes() == []
-    lab.start(Everything)
-    lab.start(Asking)
-    lab.publish("/orders", String, data=order)
-    told = ""
-
-    def is_told() -> bool:
-        nonlocal told
-        told += capsys.readouterr().err
-        return f"asking: obey raised {error}" in told
-
-    wait_until(is_told)
-    assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
-
-
-def test_an_execute_callback_that_awaits_twice_ends_its_goal(either_lab: Lab) -> None:
-    assert either_lab.nodes() == []
-    lab.start(Everything)
-    lab.start(Asking)
-    assert list(lab.send_goal_blocking("/count", Fibonacci, order=3).result_blocking().sequence) == [5]
-
-
-def test_an_execute_callback_that_awaits_is_aborted_with_its_node_and_leaves_nothing(either_lab: Lab) -> None:
+def test_an_execute_callback_that_awaits_is_aborted_with_its_node_and_leaves_nothing(later_lab: Lab) -> None:
     lab.start(Everything)
     lab.start(Asking)
     goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
     lab.stop(Asking)
     goal.result_blocking(timeout=10)
     assert goal.status == "ABORTED"
-    executor = either_lab.engine.executor_thread.executor
+    executor = later_lab.engine.executor_thread.executor
     wait_until(lambda: not executor._begun)
 
 
-def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_is_done(either_lab: Lab) -> None:
+def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_is_done(later_lab: Lab) -> None:
     lab.start(Everything)
     node = lab.start(Asking)
     goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
-    executor = either_lab.engine.executor_thread.executor
+    executor = later_lab.engine.executor_thread.executor
     turns = [0]
     run_handler = executor._run_handler
 
@@ -159,28 +131,9 @@ def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_
     assert list(goal.result_blocking(timeout=10).sequence) == [2]
 
 
-def test_the_second_await_that_can_never_end_is_told_as_well(
-    either_lab: Lab, capsys: pytest.CaptureFixture[str]
-) -> None:
-    class Stuck(Asking):
-        async def sum_of(self, a: int, b: int) -> int:
-            del a, b
-            done = Future()
-            threading.Timer(0.01, lambda: (done.set_result(None), self.executor.wake())).start()
-            await done
-            return int((await self.client.call_async(AddTwoInts.Request())).sum)
-
-    assert either_lab.nodes() == []
+def test_a_node_of_ones_own_is_spun_in_a_cell(later_lab: Lab) -> None:
     lab.start(Everything)
-    lab.start(Stuck, MutuallyExclusiveCallbackGroup())
-    with pytest.raises(ServiceFailedError, match="share one callback group"):
-        lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2)
-    assert "Nothing hangs here" in capsys.readouterr().err
-
-
-def test_a_node_of_ones_own_is_spun_in_a_cell(either_lab: Lab) -> None:
-    lab.start(Everything)
-    node = Node("own", context=either_lab.engine.executor_thread.context)
+    node = Node("own", context=later_lab.engine.executor_thread.context)
     client = node.create_client(AddTwoInts, "add_two_ints")
     future = client.call_async(AddTwoInts.Request(a=1, b=1))
     rclpy.spin_until_future_complete(node, future, timeout_sec=20)
@@ -241,17 +194,6 @@ def test_a_server_without_an_execute_callback_ends_its_goals_and_is_recorded(
     lab.call_blocking("/end", Trigger)
     assert list(goal.result_blocking(timeout=10).sequence) == [7]
     assert "/count result: SUCCEEDED, sequence=[7]" in str(lab_with_goals_that_others_end.diagram(None))
-
-
-def test_a_goal_of_a_server_without_an_execute_callback_is_aborted_with_its_node(
-    lab_with_goals_that_others_end: Lab,
-) -> None:
-    assert lab_with_goals_that_others_end.nodes() == []
-    lab.start(WithoutExecuteCallback)
-    goal = lab.send_goal_blocking("/count", Fibonacci, order=1)
-    lab.stop(WithoutExecuteCallback)
-    goal.result_blocking(timeout=10)
-    assert goal.status == "ABORTED"
 
 
 SPINS = """\

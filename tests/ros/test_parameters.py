@@ -10,7 +10,7 @@ from rcl_interfaces.msg import ParameterValue
 from rclpy.parameter import Parameter
 
 from course_kit.ros import parameters
-from course_kit.ros.errors import BadFieldError
+from course_kit.ros.messages import BadFieldError
 
 if TYPE_CHECKING:
     from course_kit.ros.parameters import Question

@@ -13,8 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
-from course_kit.ros.node import quiet_node
-from course_kit.ros.qos import as_offered
+from course_kit.ros.graph import quiet_node
+from course_kit.ros.topic import as_offered
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

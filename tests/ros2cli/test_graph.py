@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.environment import ports
+from course_kit.environment import domains
 from course_kit.ros2cli import sockets
 from course_kit.ros2cli.daemon_socket import DaemonSocket
 from tests.waiting import wait_until
@@ -104,7 +104,7 @@ def test_sockets_tell_the_participants_of_a_domain(tmp_path: Path, monkeypatch: 
         for n, port in enumerate((8150, 8160, 8161, 8162, 8410))
     ]
     table.write_text("\n".join(["  sl  local_address ...", *rows]))
-    monkeypatch.setattr(ports, "_TABLES", (str(table), str(tmp_path / "none")))
+    monkeypatch.setattr(domains, "_TABLES", (str(table), str(tmp_path / "none")))
     assert sockets.participants(3) == {1001, 1003}
 
 

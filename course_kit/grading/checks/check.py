@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exchange_log import GRADER
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

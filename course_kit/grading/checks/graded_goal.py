@@ -19,8 +19,8 @@ from course_kit.grading.checks.matching import describe_wanted, differences
 from course_kit.grading.diagnosis import exits, goals, hangs
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
-from course_kit.ros.arrows import Arrow
 from course_kit.ros.goal import status_name
+from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,7 +14,7 @@ from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.receiving import receiver
 from course_kit.ros import graph
-from course_kit.ros.node import quiet_node
+from course_kit.ros.graph import quiet_node
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers, subscriptions
 

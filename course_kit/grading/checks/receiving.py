@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rclpy.executors import SingleThreadedExecutor, TimeoutException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 
-from course_kit.ros import compat, compat_names
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,7 @@ _STEP_S = 0.005
 
 def receiver(node: Node) -> WaitSetReceiver | ExecutorReceiver:
     """The fast one where rclpy lets itself be used that way, else one that is an executor of rclpy's."""
-    fast = compat.check([compat_names.FAST_GRADING]).has(compat_names.FAST_GRADING)
+    fast = compat.check([compat.FAST_GRADING]).has(compat.FAST_GRADING)
     return WaitSetReceiver(node) if fast else ExecutorReceiver(node)
 
 

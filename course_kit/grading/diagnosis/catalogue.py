@@ -86,5 +86,5 @@ def complete(message: str, found: Diagnosis | None) -> str:
     """What happened in this case, followed by why and by where to read, when the cause is known."""
     if found is None:
         return message
-    read_on = f" Read on: {found.link}" if environment.lesson(found.notebook) else ""
+    read_on = f" Read on: {found.link}" if environment.paths.lesson(found.notebook) else ""
     return f"{message} {found.explanation}{read_on}"

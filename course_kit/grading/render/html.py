@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
     from course_kit.grading.report import Report
     from course_kit.grading.submission import Submission
-    from course_kit.ros.arrows import Arrow
+    from course_kit.ros.sequence import Arrow
 
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
@@ -95,7 +95,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
 
 def _link(found: Diagnosis, base: Path) -> str:
     """Where the lesson lies, empty where it does not; JupyterLab opens it beside the notebook, at the heading."""
-    lesson = environment.lesson(found.notebook, base)
+    lesson = environment.paths.lesson(found.notebook, base)
     if lesson is None:
         return ""
     way = Path(os.path.relpath(lesson, base)).as_posix()

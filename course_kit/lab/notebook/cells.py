@@ -79,9 +79,9 @@ class Notebook:
         """What rclpy.init is given: in a plain program its command line, which may have ROS arguments."""
         if not self.present:
             return sys.argv
-        from course_kit.ros import compat_names
+        from course_kit.ros import compat
 
-        return ["--ros-args", "--disable-stdout-logs"] if found.has(compat_names.LOG_LINES) else []
+        return ["--ros-args", "--disable-stdout-logs"] if found.has(compat.LOG_LINES) else []
 
     def locate(self, filename: str) -> str | None:
         """The name of a cell, such as "In[3]", by the file name its code was compiled with."""
@@ -101,11 +101,11 @@ class Notebook:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
         self._output.producers.add(thread_id)
         if self.present:
-            from course_kit.ros import compat_names
+            from course_kit.ros import compat
 
             self.watch_output()
             self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
-            if found.has(compat_names.LOG_LINES):
+            if found.has(compat.LOG_LINES):
                 self._capture_logs()
             self._show_nodes_by_name()
 

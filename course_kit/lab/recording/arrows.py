@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.goal_arrows import UNSEEN, goal_arrows
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 from course_kit.ros.showing import in_words
 
 if TYPE_CHECKING:

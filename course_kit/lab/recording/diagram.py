@@ -12,9 +12,8 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.ros.arrows import Arrow
 from course_kit.ros.names import short_name
-from course_kit.ros.sequence import sequence_css, sequence_svg
+from course_kit.ros.sequence import Arrow, sequence_css, sequence_svg
 from course_kit.text.templates import render
 
 if TYPE_CHECKING:

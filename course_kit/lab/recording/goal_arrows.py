@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 from course_kit.ros.showing import in_words
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from course_kit.lab.runtime.executor_thread import ExecutorThread
 from course_kit.lab.runtime.failures import Failures
 from course_kit.lab.runtime.neighbours import Neighbours
 from course_kit.lab.runtime.nodes import Nodes
-from course_kit.ros import compat_names
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -81,28 +81,28 @@ class Engine:
         quieten_finalizers(self._patches)
         rclpy_functions.install(self._patches, self)
         callbacks.install(self._patches, self._locate)
-        if self._found.has(compat_names.WAITING_FOR_GOALS):
+        if self._found.has(compat.WAITING_FOR_GOALS):
             rclpy_functions.guard_goals(self._patches, self)
-        if self._found.has(compat_names.GOAL_RECORDING):
+        if self._found.has(compat.GOAL_RECORDING):
             from course_kit.lab.recording.action_hooks import ActionHooks
 
             ActionHooks(self._hooks, self._patches)  # before the sending of goals is held back
-        if self._found.has(compat_names.EXECUTIONS):
+        if self._found.has(compat.EXECUTIONS):
             actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
             actions.answer_for_broken_ones(self._patches, self._failures.callback_crashed)
             hook_execution(self._patches, self._hooks)  # after it, so that it sees the thread of the callback itself
-        if self._found.has(compat_names.REPLIES):
+        if self._found.has(compat.REPLIES):
             actions.keep_replies(self._patches)
         self.nodes.watch(self._patches)
-        if self._found.has(compat_names.RECORDING):
+        if self._found.has(compat.RECORDING):
             self._hooks.hook_sending(self._patches)
         asyncio_bridge.install(self._patches, self._check_await, self.flush_output)
-        if self._found.has(compat_names.DEFAULT_CONTEXT):
+        if self._found.has(compat.DEFAULT_CONTEXT):
             # Nodes that pass no context, and rclpy.ok(), use the default one.
             self._patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)
 
     def _check_await(self, future: Future) -> None:
-        if self._found.has(compat_names.DEADLOCKS):
+        if self._found.has(compat.DEADLOCKS):
             rclpy_functions.check_await(self, future)
 
     def close(self) -> bool:
@@ -145,7 +145,7 @@ class Engine:
 
     def tells_deliveries(self) -> bool:
         """Whether a subscription that has had a message can be known."""
-        return self._found.has(compat_names.RECORDING)
+        return self._found.has(compat.RECORDING)
 
     def listen_for_deliveries(self, told: Callable[[Subscription], None], *, listen: bool) -> None:
         """Begin or end to call `told` with each subscription whose callback has had a message."""
@@ -272,7 +272,7 @@ class Engine:
         """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
         if not any(isinstance(one, ActionServer) for node in nodes for one in getattr(node, "waitables", ())):
             return
-        can_abort = self._found.has(compat_names.GOAL_ENDS)
+        can_abort = self._found.has(compat.GOAL_ENDS)
         deadline = time.monotonic() + patience
         threads = self.executions.stop(nodes)
         if can_abort and self.executor_thread.is_current_thread():

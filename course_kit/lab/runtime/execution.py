@@ -203,7 +203,7 @@ def _abort(server: ActionServer, identifier: bytes, handle: ServerGoalHandle) ->
         return
     from rclpy.action.server import GoalEvent  # here, as only this needs it: see ros.compat
 
-    with suppress(rcl_error()):  # its callback has ended it at this very moment
+    with suppress(*rcl_error()):  # its callback has ended it at this very moment
         if not handle.is_active:
             return  # its result is on its way
         if handle.status == GoalStatus.STATUS_ACCEPTED:

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from course_kit.lab.errors import CallbackStopped, NoAnswerError
 from course_kit.lab.runtime.executor import LabExecutor, RecordingExecutor
-from course_kit.ros import compat_names
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,11 +38,11 @@ class ExecutorThread:
 
     def __init__(self, ros_arguments: list[str], hooks: MessageHooks, failures: Failures, found: Compatibility) -> None:
         # Where the default context cannot be replaced by ours, ours is that one.
-        self.context = Context() if found.has(compat_names.DEFAULT_CONTEXT) else rclpy.get_default_context()
+        self.context = Context() if found.has(compat.DEFAULT_CONTEXT) else rclpy.get_default_context()
         rclpy.init(
             args=[*ros_arguments, *_ARGUMENTS], context=self.context, signal_handler_options=SignalHandlerOptions.NO
         )
-        records = found.has(compat_names.RECORDING)
+        records = found.has(compat.RECORDING)
         self.executor: LabExecutor = (
             RecordingExecutor(self.context, hooks, failures) if records else LabExecutor(self.context, failures)
         )

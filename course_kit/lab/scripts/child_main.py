@@ -116,23 +116,23 @@ def _record(patches: Patches, reports: Reports) -> None:
     from rclpy.executors import Executor
 
     from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.ros import compat, compat_names
+    from course_kit.ros import compat
 
     events = EventStream()
     events.listen(reports.event)
     hooks = MessageHooks(events)
-    found = compat.check(compat_names.OF_SCRIPTS)
+    found = compat.check(compat.OF_SCRIPTS)
     for sentence in found.sentences():
         reports.send(off=sentence)
-    if found.has(compat_names.GOAL_RECORDING):
+    if found.has(compat.GOAL_RECORDING):
         from course_kit.lab.recording.action_hooks import ActionHooks
 
         ActionHooks(hooks, patches)
-    if found.has(compat_names.EXECUTIONS):
+    if found.has(compat.EXECUTIONS):
         from course_kit.lab.recording.action_hooks import hook_execution
 
         hook_execution(patches, hooks)
-    if not found.has(compat_names.RECORDING):
+    if not found.has(compat.RECORDING):
         return
 
     def take_client(executor: Executor, client: Client) -> Any:  # a function, so that it becomes a method

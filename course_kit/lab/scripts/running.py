@@ -21,7 +21,7 @@ from course_kit.lab.recording.events import KINDS, Event
 from course_kit.lab.scripts.script import Script, checked_name
 from course_kit.process.child import Child, Ladder
 from course_kit.process.output import LineReader
-from course_kit.reader.coding import as_utf8
+from course_kit.reader.text import as_utf8
 
 if TYPE_CHECKING:
     from course_kit.lab.notebook.output import Output

@@ -5,7 +5,7 @@ from typing import Any
 from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
 from course_kit.lab.recording.events import Event, EventStream
 from course_kit.lab.recording.recording import DRAWN, KEPT, Recording
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 
 class Story:

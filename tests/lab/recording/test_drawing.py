@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_kit.lab.recording.diagram import Diagram
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 CALL = [
     Arrow("lab", "/adder", "request", "a=1, b=2", "/add"),

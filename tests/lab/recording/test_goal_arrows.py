@@ -8,7 +8,7 @@ from course_kit.lab.recording.arrows import UNSEEN, arrows_of
 from course_kit.lab.recording.diagram import Diagram
 from course_kit.lab.recording.events import Event
 from course_kit.lab.recording.goal_arrows import RUN
-from course_kit.ros.arrows import Arrow
+from course_kit.ros.sequence import Arrow
 
 Step = tuple[str, Any]
 YES, NO = {"accepted": True}, {"accepted": False}
