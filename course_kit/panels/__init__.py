@@ -14,12 +14,11 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from course_kit.panels.arena_map import RobotMap
-    from course_kit.panels.comparison import Comparison
     from course_kit.panels.form_view import ServiceForm
     from course_kit.panels.goal_panel import ActionPanel
     from course_kit.panels.graph_view import GraphView
     from course_kit.panels.guess_panel import GuessPanel
-    from course_kit.panels.plotting import Plot
+    from course_kit.panels.plotting import Comparison, Plot
     from course_kit.panels.quiz_panel import QuizPanel
     from course_kit.panels.sliders import ParameterSliders
     from course_kit.ros.messages import ActionType, Message, ServiceType
@@ -99,7 +98,7 @@ def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:
     Raises:
         ValueError: there is no number, or one that cannot be drawn.
     """
-    from course_kit.panels.comparison import Comparison
+    from course_kit.panels.plotting import Comparison
 
     return Comparison(title, values, unit)
 

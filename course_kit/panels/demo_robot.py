@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
-from course_kit.panels.track import Place
+from course_kit.panels.arena_map import Place
 from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:

@@ -12,9 +12,8 @@ import traitlets
 from course_kit import lab
 from course_kit.interfaces.comments import comments_of
 from course_kit.lab.errors import FieldError, LabError
-from course_kit.panels.base import Panel, of_files
+from course_kit.panels.base import Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
-from course_kit.panels.still import form, still
 from course_kit.ros.messages import is_service_type, type_name
 from course_kit.ros.showing import rows as rows_of
 from course_kit.ros.showing import snapshot

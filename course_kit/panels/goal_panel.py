@@ -8,11 +8,10 @@ import anywidget
 import traitlets
 
 from course_kit.lab.errors import FieldError
-from course_kit.panels import goal_words
-from course_kit.panels.base import of_files
-from course_kit.panels.goal_follower import GoalFollower
+from course_kit.panels import goal_sender
+from course_kit.panels.base import form, of_files, still
+from course_kit.panels.goal_sender import GoalFollower
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
-from course_kit.panels.still import form, still
 from course_kit.ros.messages import is_action_type, type_name
 
 if TYPE_CHECKING:
@@ -107,9 +106,9 @@ def status_line(standing: Standing) -> str:
     """How things stand, in a sentence."""
     parts = []
     if standing.status:
-        parts.append(goal_words.status(standing.status))
+        parts.append(goal_sender.status(standing.status))
     if standing.refused is not None and standing.running:
-        parts.append(goal_words.status("REJECTED", "Another goal"))
+        parts.append(goal_sender.status("REJECTED", "Another goal"))
     if standing.note:
         parts.append(standing.note)
     return " ".join(parts) or "No goal yet."
@@ -118,7 +117,7 @@ def status_line(standing: Standing) -> str:
 def _rows(standing: Standing) -> list[list[str]]:
     rows = []
     if standing.feedback is not None:
-        rows.append([f"Feedback {standing.count}", goal_words.message(standing.feedback)])
+        rows.append([f"Feedback {standing.count}", goal_sender.message(standing.feedback)])
     if standing.result is not None:
-        rows.append(["Result", goal_words.message(standing.result)])
+        rows.append(["Result", goal_sender.message(standing.result)])
     return rows

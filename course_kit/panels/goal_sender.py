@@ -7,18 +7,71 @@ thread of its own, and whoever shows it is handed a `Standing`, a picture of the
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
+from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit import lab
-from course_kit.panels import goal_words
+from course_kit.panels.base import Latest, Panel
+from course_kit.ros.showing import in_words, snapshot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.goals import Goal
     from course_kit.ros.messages import ActionType, Message
+
+_STATUS = {
+    "SENDING": "{} is on its way to the server ...",
+    "ACCEPTED": "{} is accepted and has not begun yet",
+    "EXECUTING": "{} is running",
+    "CANCELING": "{} is being cancelled",
+    "SUCCEEDED": "{} has succeeded",
+    "CANCELED": "{} was cancelled",
+    "ABORTED": "{} was given up by the server",
+    "REJECTED": "{} was rejected by the server",
+    "UNKNOWN": "{} is lost: its server went away",
+}
+_SHOWN_VALUES = 12  # values of a list that are shown
+_DIGITS = 2  # of a float
+
+
+class Progress(NamedTuple):
+    """How far a goal is."""
+
+    share: float | None
+    text: str
+
+
+def status(name: str, goal: str = "The goal") -> str:
+    """A goal's status in a sentence: "The goal is running (EXECUTING)."; "SENDING" is a panel's own word."""
+    sentence = _STATUS.get(name, "{}").format(goal)
+    return sentence if name == "SENDING" else f"{sentence} ({name})."
+
+
+def progress(goal: Message, feedback: Message, count: int) -> Progress:
+    """How far a goal is, by what its feedback says."""
+    if feedback is None:
+        return Progress(0.0, "no feedback yet")
+    share = getattr(feedback, "progress", None)
+    if isinstance(share, float):
+        if not math.isfinite(share):
+            return Progress(None, f"the feedback's progress is {share}")
+        return Progress(min(max(share, 0.0), 1.0), f"{share:.0%}")
+    order, terms = getattr(goal, "order", None), getattr(feedback, "sequence", None)
+    if isinstance(order, int) and order > 0 and terms is not None:
+        # A sequence of order n ends with term n; it begins with term 0.
+        reached = len(terms) - 1
+        return Progress(min(max(reached / order, 0.0), 1.0), f"term {reached} of {order}")
+    return Progress(None, f"{count} feedback message{'' if count == 1 else 's'}")
+
+
+def message(value: Message) -> str:
+    """A message's fields in one line: "sequence=[0, 1, 1, 2]"; of a long list the last values, which are the news."""
+    return in_words(snapshot(value, _SHOWN_VALUES, last=True), _DIGITS)
+
 
 RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
 _ANSWER = 5.0  # seconds a server is given to answer
@@ -49,11 +102,11 @@ class Standing:
         return "running" if self.running else _TONES.get(self.status, "bad" if self.note else "")
 
     @property
-    def progress(self) -> goal_words.Progress:
+    def progress(self) -> Progress:
         """How far it is."""
         if self.status == "SUCCEEDED":
-            return goal_words.Progress(1.0, "done")
-        return goal_words.progress(self.asked, self.feedback, self.count)
+            return Progress(1.0, "done")
+        return progress(self.asked, self.feedback, self.count)
 
 
 @dataclass
@@ -201,3 +254,43 @@ def _in_background(work: Callable[[], None]) -> threading.Thread:
     thread = threading.Thread(target=work, name="panel-goal", daemon=True)
     thread.start()
     return thread
+
+
+class GoalFollower(Panel):
+    """A panel for one action."""
+
+    def __init__(self, action: str) -> None:
+        super().__init__(action)
+        self._action = action
+        self._ended = False
+
+    def cancel(self) -> None:
+        """Ask the server to cancel the goal that is shown; returns at once."""
+        self._sender.cancel()
+
+    def _follow(self, action_type: ActionType, on_feedback: Callable[[Message], None] = lambda _: None) -> None:
+        """Begin; the widget is there."""
+        self._updates: Latest[Standing] = Latest(self._show)
+        self._sender = GoalSender(self._action, action_type, self._updates.put, on_feedback)
+        self.widget.on_msg(self._told)
+        self.at_close(self._end)
+        self.at_close(self._updates.close)
+        self.at_close(self._sender.close)
+        self._show(self._sender.standing)
+
+    @abstractmethod
+    def _show(self, standing: Standing) -> None:
+        """Have the page show how things stand."""
+
+    @abstractmethod
+    def _take_wish(self, wish: dict[str, Any]) -> None:
+        """The page wants something done."""
+
+    def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
+        del widget, buffers
+        if not self._ended:
+            self._take_wish(wish)
+
+    def _end(self) -> None:
+        self._ended = True
+        self._show(self._sender.standing)

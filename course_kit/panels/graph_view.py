@@ -3,30 +3,237 @@
 from __future__ import annotations
 
 import html
+import itertools
+import re
 import threading
 import time
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import anywidget
 import traitlets
 from ipywidgets import HTML, Button, Layout, VBox
 
 from course_kit import lab
-from course_kit.panels.base import RATE, Panel, of_files
-from course_kit.panels.graph_picture import graph_svg, how_many
-from course_kit.panels.graph_traffic import Traffic
-from course_kit.panels.still import still
+from course_kit.panels.base import RATE, Latest, Panel, of_files, still
+from course_kit.panels.flow_layout import lay_out
 from course_kit.ros import graph
-from course_kit.ros.graph import ROLES, Overview, Use
+from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, ROLES, RUNS, SENDS_GOALS, SERVES, Overview, Role, Use
 from course_kit.ros.names import short_name
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from ipywidgets import Widget
 
+    from course_kit.lab.recording.events import Event
     from course_kit.lab.runtime.neighbours import OtherNotebook
+    from course_kit.panels.flow_layout import Arrow, Box, Point
     from course_kit.ros.graph import Role
+
+_TEMPLATE = Path(__file__).with_name("graph.svg")
+NODE = "node"
+_CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
+_COLUMNS = 30  # characters of a line; longer names are broken
+# Where nodes speak to each other in a circle some arrow leads back; a stream of messages is the flow one looks for.
+_TURNED_LAST = ("topic", "action", "service")
+_LINE, _PADDING = 17, 12
+_LEAST_WIDTH = 90.0
+
+
+class GraphBox(NamedTuple):
+    """A node or a channel."""
+
+    kind: str
+    name: str
+    lines: list[tuple[str, str]]
+    words: str
+    elsewhere: bool = False
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height that its lines need."""
+        widest = max(len(text) * _CHARACTER[style] for style, text in self.lines)
+        return max(_LEAST_WIDTH, widest + 2 * _PADDING), float(len(self.lines) * _LINE + _PADDING)
+
+
+def graph_svg(seen: Overview, others: Sequence[OtherNotebook] = ()) -> str:
+    """The drawing as an `svg` element, which templates take as it is; empty without nodes."""
+    if not seen.nodes:
+        return ""
+    boxes = boxes_of(seen, others)
+    sizes = {key: box.size for key, box in boxes.items()}
+    first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
+    arrows = {_arrow(use): use for use in first}
+    found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
+    return render(
+        _TEMPLATE,
+        boxes=[_placed(box, found.places[key]) for key, box in boxes.items()],
+        arrows=[_drawn(use, found.ways[arrow]) for arrow, use in arrows.items()],
+        width=round(found.size[0]),
+        height=round(found.size[1]),
+        summary=_summary(seen),
+    )
+
+
+def boxes_of(seen: Overview, others: Sequence[OtherNotebook] = ()) -> dict[Box, GraphBox]:
+    """Nodes in alphabetical order, then the channels."""
+    boxes: dict[Box, GraphBox] = {(NODE, node): _box_of_node(seen, node, others) for node in sorted(set(seen.nodes))}
+    remarks = seen.remarks()
+    for (kind, name), uses in seen.channels().items():
+        types = sorted({one for use in uses for one in use.types})
+        said = remarks.get((kind, name), [])
+        lines = [("kind", kind), *(("name", line) for line in _broken(name))]
+        lines += [("types", line) for one in types for line in _broken(one)]
+        lines += [("remark", line) for one in said for line in _broken(f"⚠ {one}")]
+        boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
+    return boxes
+
+
+def _box_of_node(seen: Overview, node: str, others: Sequence[OtherNotebook]) -> GraphBox:
+    name, count = short_name(node), seen.nodes.count(node)
+    elsewhere = sum(other.nodes.count(node) for other in others)
+    titles = ", ".join(other.title for other in others if node in other.nodes)
+    notes = [note for note in (how_many(count), titles and f"in {titles}") if note]
+    if elsewhere and elsewhere < count:
+        notes[-1] = f"also {notes[-1]}"
+    lines = [("name", line) for line in _broken(name)]
+    lines += [("types", line) for note in notes for line in _broken(note)]
+    does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
+    return GraphBox(NODE, name, lines, f"{' '.join([name, *notes])}: {does}", 0 < count <= elsewhere)
+
+
+def how_many(count: int) -> str:
+    """That several nodes carry one name; empty for one."""
+    return f"({count} nodes of this name)" if count > 1 else ""
+
+
+def _arrow(use: Use) -> Arrow:
+    node, channel = (NODE, use.node), (use.role.kind, use.channel)
+    return (channel, node) if use.role.inward else (node, channel)
+
+
+def _broken(text: str) -> list[str]:
+    """A text in lines, broken at blanks, or behind the parts of a name."""
+    lines = [""]
+    for part in re.findall(r".+?(?:[\s/_](?=.)|$)", text):
+        rest = part
+        while len(lines[-1]) + len(rest.rstrip()) > _COLUMNS:
+            if lines[-1]:
+                lines.append("")
+                continue
+            lines[-1], rest = rest[:_COLUMNS], rest[_COLUMNS:]
+            lines.append("")
+        lines[-1] += rest
+    return [line.rstrip() for line in lines]
+
+
+def _placed(box: GraphBox, place: Point) -> dict[str, object]:
+    width, height = box.size
+    return {**box._asdict(), "x": round(place[0]), "y": round(place[1]), "width": round(width), "height": round(height)}
+
+
+def _drawn(use: Use, way: list[Point]) -> dict[str, object]:
+    """An arrow from left to right, or back: bent between two columns, straight where it crosses one."""
+    points = [(round(x), round(y)) for x, y in way]
+    step = 9 if points[-1][0] > points[0][0] else -9
+    points[-1] = (points[-1][0] - step, points[-1][1])
+    path = "M{} {}".format(*points[0])
+    for (x, y), (a, b) in itertools.pairwise(points):
+        middle = (x + a) // 2
+        path += f"C{middle} {y} {middle} {b} {a} {b}"
+    x, y = points[-1]
+    return {
+        "node": short_name(use.node),
+        "verb": use.role.verb,
+        "kind": use.role.kind,
+        "channel": use.channel,
+        "offers": use.role.offers,
+        "path": path,
+        "head": f"M{x + step} {y}l{-step} -5v10z",
+    }
+
+
+def _summary(seen: Overview) -> str:
+    counts = [(len(set(seen.nodes)), NODE)]
+    kinds: Sequence[str] = [kind for kind, _ in seen.channels()]
+    counts += [(kinds.count(kind), kind) for kind in dict.fromkeys(kinds)]
+    return "The ROS graph: " + ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts) + "."
+
+
+class Hop(NamedTuple):
+    """One half of a message's way, between a node and a channel."""
+
+    role: Role
+    leaves: bool
+    stage: int
+
+
+_HOPS = {
+    "published": Hop(PUBLISHES, leaves=True, stage=0),
+    "received": Hop(LISTENS, leaves=False, stage=1),
+    "request_sent": Hop(CALLS, leaves=True, stage=0),
+    "request_received": Hop(SERVES, leaves=False, stage=1),
+    "response_sent": Hop(SERVES, leaves=True, stage=2),
+    "response_received": Hop(CALLS, leaves=False, stage=3),
+    **dict.fromkeys(("goal_sent", "cancel_sent"), Hop(SENDS_GOALS, leaves=True, stage=0)),
+    **dict.fromkeys(("goal_received", "cancel_received"), Hop(RUNS, leaves=False, stage=1)),
+    **dict.fromkeys(
+        ("goal_answered", "feedback_sent", "cancel_answered", "result_sent"), Hop(RUNS, leaves=True, stage=2)
+    ),
+    **dict.fromkeys(
+        ("goal_answer_received", "feedback_received", "cancel_answer_received", "result_received"),
+        Hop(SENDS_GOALS, leaves=False, stage=3),
+    ),
+}
+
+
+class Traffic:
+    """Tells `show` what has crossed since it was told last, ten times a second at most."""
+
+    def __init__(self, show: Callable[[list[dict[str, object]]], None]) -> None:
+        self._show = show
+        self._lock = threading.Lock()
+        self._crossed: dict[tuple[str, str, Hop], int] = {}
+        self._updates: Latest[None] = Latest(lambda _: self._show_all())
+        self._events = lab.current().events
+        self._events.listen(self._observe)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._events.ignore(self._observe)
+        self._updates.close()
+
+    def _observe(self, event: Event) -> None:
+        hop = _HOPS.get(event.kind)
+        if hop is None:
+            return
+        key = (event.node, event.channel, hop)
+        with self._lock:
+            self._crossed[key] = self._crossed.get(key, 0) + 1
+        self._updates.put(None)
+
+    def _show_all(self) -> None:
+        with self._lock:
+            crossed, self._crossed = self._crossed, {}
+        told: list[dict[str, object]] = [
+            {
+                "node": short_name(node),
+                "verb": hop.role.verb,
+                "kind": hop.role.kind,
+                "channel": channel,
+                "leaves": hop.leaves,
+                "stage": hop.stage,
+                "count": count,
+            }
+            for (node, channel, hop), count in crossed.items()
+        ]
+        if told:
+            self._show(told)
+
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0

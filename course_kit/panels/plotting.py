@@ -8,20 +8,22 @@ import threading
 import time
 from collections import deque
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
 import anywidget
+import ipywidgets
 import numpy as np
 import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import FieldError
 from course_kit.lab.topics import Subscription
-from course_kit.panels.base import Latest, Panel, of_files
-from course_kit.panels.still import drawn, still
+from course_kit.panels.base import Latest, Panel, drawn, of_files, still
 from course_kit.ros.filling import unknown_field
 from course_kit.ros.messages import is_message_type, type_name
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
     Samples = npt.NDArray[np.float64]
+    from collections.abc import Mapping
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more
@@ -256,3 +259,28 @@ def _marks(low: float, high: float) -> list[float]:
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= exact * 0.999)
     first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
     return [float(f"{number * step:.12g}") for number in range(first, last + 1)]
+
+
+_TEMPLATE = Path(__file__).with_name("comparison.html")
+
+
+class Comparison(Panel):
+    """Numbers side by side."""
+
+    def __init__(self, title: str, values: Mapping[str, float], unit: str) -> None:
+        if not values or not all(math.isfinite(value) and value >= 0 for value in values.values()):
+            raise ValueError(f"compare needs at least one number, finite and not below zero; got {dict(values)!r}.")
+        super().__init__(title)
+        self._title = title
+        self._order = sorted(values, key=lambda name: values[name])
+        drawn = render(_TEMPLATE, title=title, values=values, unit=unit, longest=max(values.values()) or 1.0)
+        self._drawn = drawn
+        self.widget = ipywidgets.HTML(str(drawn))
+
+    def still(self) -> str:
+        """The bars, which do not move anyway."""
+        return str(self._drawn)
+
+    def describe(self) -> str:
+        """The order without the numbers, which no two runs share."""
+        return f"{self._title}, smallest first: {', '.join(self._order)}."

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_srvs.srv import Trigger
 
-from course_kit.panels import goal_words, track
-from course_kit.panels.track import Place, Track
+from course_kit.panels import arena_map, goal_sender
+from course_kit.panels.arena_map import Place, Track
 
 
 def way(*places: tuple[float, float]) -> list[Place]:
@@ -42,7 +42,7 @@ def test_no_place_is_farther_from_the_line_than_can_be_seen(places: list[tuple[f
     assert corners[-1] == places[-1]
     pairs = list(zip(corners, corners[1:] or corners, strict=False))
     for place in places:
-        assert min(track._beside(*pair, Place(*place)) for pair in pairs) <= track.STRAIGHT + 1e-9
+        assert min(arena_map._beside(*pair, Place(*place)) for pair in pairs) <= arena_map.STRAIGHT + 1e-9
 
 
 def test_a_bend_too_slight_to_see_at_each_step_is_not_lost() -> None:
@@ -51,9 +51,9 @@ def test_a_bend_too_slight_to_see_at_each_step_is_not_lost() -> None:
 
 
 def test_a_long_way_forgets_its_beginning() -> None:
-    zigzag = way(*[(step, step % 2) for step in range(3 * track.LONGEST)])
-    assert len(zigzag) == track.LONGEST
-    assert zigzag[-1] == (3 * track.LONGEST - 1, 1)
+    zigzag = way(*[(step, step % 2) for step in range(3 * arena_map.LONGEST)])
+    assert len(zigzag) == arena_map.LONGEST
+    assert zigzag[-1] == (3 * arena_map.LONGEST - 1, 1)
 
 
 @pytest.mark.parametrize(
@@ -69,11 +69,11 @@ def test_a_long_way_forgets_its_beginning() -> None:
     ],
 )
 def test_progress_is_what_the_feedback_says(goal: object, feedback: object, expected: object) -> None:
-    assert goal_words.progress(goal, feedback, 7) == expected
+    assert goal_sender.progress(goal, feedback, 7) == expected
 
 
 def test_one_feedback_message_is_not_many() -> None:
-    assert goal_words.progress(Trigger.Request(), Trigger.Request(), 1).text == "1 feedback message"
+    assert goal_sender.progress(Trigger.Request(), Trigger.Request(), 1).text == "1 feedback message"
 
 
 @pytest.mark.parametrize(
@@ -90,11 +90,11 @@ def test_one_feedback_message_is_not_many() -> None:
     ],
 )
 def test_a_message_is_one_short_line(message: object, expected: str) -> None:
-    shown = goal_words.message(message)
+    shown = goal_sender.message(message)
     assert shown.startswith(expected)
     assert len(shown) <= 160
 
 
 def test_a_status_is_a_sentence_with_the_name_ros_has_for_it() -> None:
-    assert goal_words.status("CANCELED") == "The goal was cancelled (CANCELED)."
-    assert goal_words.status("REJECTED", "Another goal") == "Another goal was rejected by the server (REJECTED)."
+    assert goal_sender.status("CANCELED") == "The goal was cancelled (CANCELED)."
+    assert goal_sender.status("REJECTED", "Another goal") == "Another goal was rejected by the server (REJECTED)."

@@ -16,8 +16,7 @@ from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
 from course_kit.lab.runtime.neighbours import OtherNotebook
-from course_kit.panels.graph_picture import boxes_of, graph_svg
-from course_kit.panels.graph_view import GraphView, in_lines, matching, news
+from course_kit.panels.graph_view import GraphView, boxes_of, graph_svg, in_lines, matching, news
 from course_kit.ros import graph as overview
 from tests.waiting import wait_until
 

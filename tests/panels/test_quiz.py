@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment, grading, panels, quiz
-from course_kit.panels import quiz_answers
+from course_kit.panels import quiz_panel
 from course_kit.quiz.bank import QUESTIONS, parse
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def test_what_no_form_offers_is_left_out_of_the_file() -> None:
     scenario = questions.scenarios[0]
     pattern, reason = right(scenario)
     offered = {scenario.id: [pattern, '"), "x": ("'], "stranger": [pattern, reason]}
-    assert quiz_answers.usable(questions, offered) == {scenario.id: (pattern, "")}
+    assert quiz_panel.usable(questions, offered) == {scenario.id: (pattern, "")}
 
 
 def test_a_closed_panel_hears_nothing() -> None:

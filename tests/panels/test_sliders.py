@@ -9,7 +9,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from course_kit import lab, panels
-from course_kit.panels.parameter_entry import EntryError, entry, shown, slider_step, typed
+from course_kit.panels.sliders import EntryError, entry, shown, slider_step, typed
 from course_kit.ros.parameters import Descriptor, Range
 from tests.waiting import wait_until
 
