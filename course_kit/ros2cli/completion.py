@@ -125,7 +125,7 @@ def launch_files(*, prefix: str, **about: object) -> list[str]:
 
 
 def _graph() -> Graph:
-    from course_kit.ros2cli.graph_source import graph_for
+    from course_kit.ros2cli.daemon import graph_for
     from course_kit.ros2cli.session import Session
 
     session = Session(visits=True)

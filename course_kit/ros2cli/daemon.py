@@ -8,20 +8,179 @@ is started by the first command that wants a graph and leaves with the last node
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
+import socket
 import sys
 import time
-from typing import TYPE_CHECKING
+import zlib
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.ros2cli import sockets
-from course_kit.ros2cli.daemon_socket import DaemonSocket
+from course_kit.ros2cli.graph import Graph, is_local_only, participants
 
 if TYPE_CHECKING:
-    import socket
+    from collections.abc import Iterator
+    from pathlib import Path
 
     from course_kit.ros2cli.observe import Observer
+    from course_kit.ros2cli.session import Session
+
+# What decides who a node meets; a daemon serves only commands with the same settings.
+_SETTINGS = (
+    "ROS_DOMAIN_ID",
+    "ROS_AUTOMATIC_DISCOVERY_RANGE",
+    "ROS_STATIC_PEERS",
+    "ROS_DISCOVERY_SERVER",
+    "RMW_IMPLEMENTATION",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "FASTDDS_BUILTIN_TRANSPORTS",
+)
+
+
+class DaemonSocket:
+    """The place for one set of settings."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self._folder = folder
+        self.name = name
+
+    @classmethod
+    def here(cls) -> DaemonSocket:
+        """The place for this process's settings, which `environment.apply` has made."""
+        code = str((environment.PACKAGE / "ros2cli").stat().st_mtime_ns)  # a daemon of an older kit is not asked
+        python = os.path.realpath(sys.prefix)  # a kernel may know it by a link, such as .venv
+        settings = "\0".join([python, code, _network(), *(os.environ.get(name, "") for name in _SETTINGS)])
+        folder = environment.state_dir() / "daemons"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        return cls(folder, f"{os.environ['ROS_DOMAIN_ID']}-{zlib.crc32(settings.encode()):08x}")
+
+    @contextmanager
+    def listen(self) -> Iterator[socket.socket]:
+        """The daemon's end; the socket's file is removed afterwards, unless it is somebody else's by then."""
+        with self._address() as address, socket.socket(socket.AF_UNIX) as listening:
+            (self._folder / self.name).unlink(missing_ok=True)
+            listening.bind(address)
+            listening.listen()
+            self._inode = self._file_inode()
+            try:
+                yield listening
+            finally:
+                if self.is_ours(listening):
+                    (self._folder / self.name).unlink(missing_ok=True)
+
+    def is_ours(self, listening: socket.socket) -> bool:
+        """Whether the file still leads to this process: a removed or replaced one means that nobody can ask."""
+        return listening.fileno() >= 0 and self._file_inode() == self._inode
+
+    def ask(self, request: dict[str, Any], timeout: float) -> dict[str, Any] | None:
+        """The daemon's reply, or None when there is no daemon or it does not answer within `timeout` seconds."""
+        try:
+            with self._address() as address, socket.socket(socket.AF_UNIX) as asking:
+                asking.settimeout(timeout)
+                asking.connect(address)
+                asking.sendall(json.dumps(request).encode() + b"\n")
+                with asking.makefile("rb") as reply:
+                    return dict(json.loads(reply.read()))
+        except (OSError, ValueError):
+            return None
+
+    @contextmanager
+    def starting(self) -> Iterator[None]:
+        """Only one process at a time starts a daemon here."""
+        descriptor = os.open(self._folder / f"{self.name}.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            yield
+        finally:
+            os.close(descriptor)
+
+    @contextmanager
+    def _address(self) -> Iterator[str]:
+        """A short name for the socket: its own path may be longer than the 107 bytes an address may have."""
+        descriptor = os.open(self._folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        try:
+            yield f"/proc/self/fd/{descriptor}/{self.name}"
+        finally:
+            os.close(descriptor)
+
+    def _file_inode(self) -> int | None:
+        try:
+            return (self._folder / self.name).stat().st_ino
+        except OSError:
+            return None
+
+
+def _network() -> str:
+    """This process's network namespace: containers with one home directory may have different graphs on one domain."""
+    try:
+        return os.readlink("/proc/self/ns/net")  # noqa: PTH115 - as above, without pathlib
+    except OSError:
+        return ""
+
+
+_START_WITHIN = 10.0
+
+
+def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph:
+    """The settled graph without the nodes of this command."""
+    if session.in_kernel or session.has_node or not daemon:
+        return session.observe(timeout)
+    environment.apply()
+    if nobody_there():
+        return Graph.empty()
+    reply = ask_daemon(timeout)
+    return Graph.from_json(reply) if reply else session.observe(timeout)
+
+
+def nobody_there() -> bool:
+    """Whether no participant at all is in the domain, the daemon included."""
+    return is_local_only() and not participants(int(os.environ["ROS_DOMAIN_ID"]))
+
+
+def ask_daemon(timeout: float) -> dict[str, Any] | None:
+    """The reply of the daemon, started when there is none; None when that fails."""
+    request = {"do": "graph", "patience": timeout}
+    try:
+        daemon_socket = DaemonSocket.here()
+        reply = daemon_socket.ask(request, timeout + 1.0)
+        if reply is None:
+            with daemon_socket.starting():
+                reply = daemon_socket.ask(request, timeout + 1.0)
+                if reply is None and _start():
+                    reply = daemon_socket.ask(request, timeout + 1.0)
+    except OSError:  # no writable place for a socket: the command looks for itself
+        return None
+    return reply
+
+
+def stop_daemon() -> bool:
+    """Stop the daemon of these settings; whether there was one."""
+    environment.apply()
+    return DaemonSocket.here().ask({"do": "stop"}, 5.0) is not None
+
+
+def _start() -> bool:
+    import select
+    import subprocess
+
+    process = subprocess.Popen(
+        [sys.executable, "-m", "course_kit.ros2cli.daemon"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # a Ctrl-C or the end of the terminal is not for the daemon
+        cwd=environment.state_dir(),
+        env=environment.child_environment(),
+    )
+    assert process.stdout is not None  # noqa: S101 - for the type checker: it is a pipe
+    with process.stdout as said:
+        ready = bool(select.select([said], [], [], _START_WITHIN)[0]) and said.readline() == b"ready\n"
+    process.returncode = 0  # it outlives this process on purpose; no ResourceWarning for that
+    return ready
+
 
 ALONE_FOR = 2.0  # seconds without another node in the domain; as long as a killed node is remembered
 UNUSED_FOR = 900.0
@@ -59,7 +218,7 @@ def _serve(listening: socket.socket, looking: Observer, daemon_socket: DaemonSoc
     asked = company = time.monotonic()
     while True:
         now = time.monotonic()
-        if not sockets.is_local_only() or len(sockets.participants(domain_id)) > 1:
+        if not is_local_only() or len(participants(domain_id)) > 1:
             company = now
         if now - company > ALONE_FOR or now - asked > UNUSED_FOR or not daemon_socket.is_ours(listening):
             return

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
+from course_kit import environment
+from course_kit.environment import domains
 from course_kit.ros.graph import ROLES, RUNS, SENDS_GOALS, Overview, Use
 from course_kit.ros.names import is_hidden
 
@@ -86,3 +89,20 @@ class Graph(NamedTuple):
 def visible(names: Names, *, hidden_too: bool = False) -> Names:
     """`names` in order, without hidden ones unless wanted."""
     return {name: names[name] for name in sorted(names) if hidden_too or not is_hidden(name)}
+
+
+def is_local_only() -> bool:
+    """Whether everybody this process can meet has a socket in the tables of this machine."""
+    return (
+        environment.apply().only_this_machine
+        and not os.environ.get("ROS_STATIC_PEERS")
+        and os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
+        and not os.environ.get("ROS_DISCOVERY_SERVER")
+        and domains.are_told()
+    )
+
+
+def participants(domain_id: int) -> frozenset[int]:
+    """The inodes of the discovery sockets bound in `domain_id`, one for each participant, this process's included."""
+    wanted = domains.discovery_ports(domain_id)
+    return frozenset(inode for number, inode in domains.bound() if number in wanted)

@@ -17,10 +17,30 @@ from course_kit import environment
 from course_kit.launch.actions import not_an_argument
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
+from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder
 from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
     from course_kit.launch.node import ProcessDescription
+
+_GRACE_S = 10.0  # to end in after a Ctrl-C; `ros2 launch` itself needs some to end its children
+_MORE_S = 5.0
+
+
+def run_and_show(command: list[str]) -> int:
+    """Run `command` until it ends; an interrupt of the cell is passed on. The exit code."""
+    environ = environment.child_environment(PYTHONUNBUFFERED="1", PYTHON_COLORS="0")
+    child = Child(command, environ=environ, stdout=PIPE, stderr=INTO_STDOUT)
+    try:
+        for line in child.stdout or ():
+            sys.stdout.write(line.decode(errors="replace"))
+        child.wait()
+    except KeyboardInterrupt:
+        sys.stdout.write(child.end(Ladder(_GRACE_S, _MORE_S, _MORE_S)).decode(errors="replace"))
+    finally:
+        code = child.kill()
+    return code
+
 
 MODULE = __name__
 _RUNNER = ("-m", "course_kit.lab.scripts.child_main")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.ros.names import did_you_mean
 from course_kit.ros.topic import Inbox
-from course_kit.ros2cli import types
+from course_kit.ros2cli import values
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Listener:
 
         node = self._session.node
         named = getattr(self._options, "message_type", None)
-        message_type = types.find_type(named or self._type_on_graph(wait=wait), "msg")
+        message_type = values.find_type(named or self._type_on_graph(wait=wait), "msg")
         profile = qos.for_listening(self._options, node.get_publishers_info_by_topic(self._topic))
         self._inbox.subscribe(node, message_type, self._topic, profile, raw=raw)
 
@@ -127,7 +127,7 @@ class Listener:
         return f"No message on {self._topic} for {seconds:g} s; {who}"
 
     def _type_on_graph(self, *, wait: bool) -> str:
-        topics = self._session.observe(types.LOOK_S).topics
+        topics = self._session.observe(values.LOOK_S).topics
         while self._topic not in topics:
             near = did_you_mean(self._topic, topics)
             if not wait:

@@ -11,8 +11,7 @@ from course_kit.environment.visiting import visiting
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.names import full_name
-from course_kit.ros2cli import sockets
-from course_kit.ros2cli.graph import Ends, Graph
+from course_kit.ros2cli.graph import Ends, Graph, is_local_only, participants
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,7 +46,7 @@ class Observer:
     def __init__(self, context: Context, name: str, *, visits: bool = False) -> None:
         self._domain_id = context.get_domain_id()
         self._started = time.monotonic()
-        self._local = sockets.is_local_only()
+        self._local = is_local_only()
         self._found: frozenset[bytes] = frozenset()
         self._bound: frozenset[int] = frozenset()
         with visiting(visits):
@@ -82,7 +81,7 @@ class Observer:
         return (
             bool(self._bound)
             and self._local
-            and sockets.participants(self._domain_id) == self._bound
+            and participants(self._domain_id) == self._bound
             and self._participants() == self._found
             and self._all_named()
         )
@@ -99,7 +98,7 @@ class Observer:
         """Whether everybody is there, `quiet` seconds after the last change."""
         if not self._local:
             return now - self._started >= _OPEN_DISCOVERY and (self._all_named() or quiet >= _NAMELESS)
-        bound, found = sockets.participants(self._domain_id), self._participants()
+        bound, found = participants(self._domain_id), self._participants()
         # Counted from the last complete look: one that has just died may still be known, and must not stand
         # for one that has just come.
         arrived = len(found - self._found) >= len(bound - self._bound) and len(found) >= len(bound)

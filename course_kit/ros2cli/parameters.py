@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+import re
+import tempfile
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.ros import parameters
 from course_kit.ros.names import did_you_mean
@@ -10,9 +12,96 @@ from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from course_kit.ros.messages import Message
     from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.session import Session
+
+PARAMETERS = "ros__parameters"
+_ANY_NUMBER, _ANY_ONE = "**", "*"
+_EVERY_NODE = f"/{_ANY_NUMBER}"
+
+
+def load(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
+    """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter."""
+    sections = list(_sections(_document(path), "", path))
+    wanted = [one for one in sections if _is_for(one[0], node) and (use_wildcard or _ANY_ONE not in one[0])]
+    if not wanted:
+        names = [name for name, _ in sections]
+        there = f"It has some for {', '.join(names)}." if names else "It has no parameters at all."
+        near = did_you_mean(node, names)
+        raise CommandError(f"{path} has no parameters for {node}. {there}{near}")
+    together: dict[str, Any] = {}
+    for _, values in sorted(wanted, key=lambda one: _ANY_ONE not in one[0]):  # the general ones first
+        _merge(together, values)
+    return _as_rclpy_reads(together, path)
+
+
+def _document(path: str) -> dict[Any, Any]:
+    from yaml import MarkedYAMLError, YAMLError, safe_load
+
+    try:
+        with open(path, encoding="utf-8") as file:  # noqa: PTH123 - an OSError names what was given
+            loaded = safe_load(file)
+    except OSError as error:
+        raise CommandError(f"{path}: {error.strerror}.") from error
+    except (YAMLError, ValueError) as error:
+        marked = error.problem_mark if isinstance(error, MarkedYAMLError) else None
+        place = f" (line {marked.line + 1})" if marked else ""
+        problem = (error.problem if isinstance(error, MarkedYAMLError) else None) or str(error).splitlines()[0]
+        raise CommandError(f"{path} is not valid YAML: {problem}{place}.") from error
+    if not isinstance(loaded, dict):
+        raise CommandError(
+            f"{path} is not a file of parameters. One looks like `robot: {{{PARAMETERS}: {{speed: 1.0}}}}`."
+        )
+    return loaded
+
+
+def _sections(part: dict[Any, Any], name: str, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Pattern and parameters of each section; sections may lie in each other, as namespaces do."""
+    for key, value in part.items():
+        inner = f"{name}/{str(key).strip('/')}"
+        if not isinstance(value, dict):
+            raise CommandError(f"{path} is not a file of parameters: there is no {PARAMETERS} under {inner}.")
+        if PARAMETERS in value:
+            if not isinstance(value[PARAMETERS], dict):
+                raise CommandError(f"{path}: {PARAMETERS} of {inner} has to hold names and values.")
+            yield inner, value[PARAMETERS]
+        yield from _sections({one: rest for one, rest in value.items() if one != PARAMETERS}, inner, path)
+
+
+def _is_for(pattern: str, node: str) -> bool:
+    parts = (re.escape(part) for part in pattern.split("/")[1:])
+    whole = "".join(
+        r"(?:/\w+)*" if part == re.escape(_ANY_NUMBER) else rf"/{part.replace(re.escape(_ANY_ONE), r'[^/]*')}"
+        for part in parts
+    )
+    return re.fullmatch(whole, node) is not None
+
+
+def _merge(into: dict[str, Any], values: dict[str, Any]) -> None:
+    """Add values; groups of parameters, which are mappings, are merged and not replaced."""
+    for name, value in values.items():
+        if isinstance(value, dict) and isinstance(into.get(name), dict):
+            _merge(into[name], value)
+        else:
+            into[str(name)] = value
+
+
+def _as_rclpy_reads(values: dict[str, Any], path: str) -> list[Message]:
+    """The parameters as rclpy makes them of such a file, its types included."""
+    from rclpy.parameter import parameter_dict_from_yaml_file
+    from yaml import safe_dump
+
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
+        safe_dump({_EVERY_NODE: {PARAMETERS: values}}, file, allow_unicode=True)
+        file.flush()
+        try:
+            return list(parameter_dict_from_yaml_file(file.name, use_wildcard=True).values())
+        except (RuntimeError, AttributeError, TypeError, ValueError, AssertionError) as error:
+            raise CommandError(f"{path} holds a value that no parameter can have: {str(error).strip()}") from error
+
 
 T = TypeVar("T")
 

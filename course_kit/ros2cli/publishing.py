@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli import qos, types
+from course_kit.ros2cli import qos
 from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.values import TypedValues, typed
+from course_kit.ros2cli.values import TypedValues, find_type, typed
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -29,7 +29,7 @@ def publish(options: Namespace, session: Session, topic: str) -> None:
     wanted = (1 if times else 0) if options.wait_matching_subscriptions is None else options.wait_matching_subscriptions
     if not wanted and options.max_wait is not None:
         raise CommandError("--max-wait-time-secs needs --wait-matching-subscriptions, --once or --times.")
-    message_type = types.find_type(options.message_type, "msg")
+    message_type = find_type(options.message_type, "msg")
     values = TypedValues(typed(options, "values"), type_name(message_type))
     message = message_type()
     values.put_into(message)

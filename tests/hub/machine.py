@@ -20,7 +20,7 @@ import psutil
 
 from course_kit import environment
 from course_kit.authoring import course_files
-from course_kit.ros2cli import delegation
+from course_kit.ros2cli import cli
 from tests.hub import guide
 from tests.jupyter_server import wait_until_up
 from tests.waiting import wait_until
@@ -94,7 +94,7 @@ def _remove(account: Account) -> None:
 
 def clean_environment(folder: Path) -> dict[str, str]:
     """The environment of an administrator who has only just come to this machine."""
-    environ = delegation.clean_environment({**os.environ})
+    environ = cli.clean_environment({**os.environ})
     kept = {name: value for name, value in environ.items() if not name.startswith(_OURS)}
     tools = folder / "tools"  # of the programs beside the tests' own Python only uv
     if not tools.is_dir() and (uv := shutil.which("uv", path=str(Path(sys.executable).parent))):

@@ -6,9 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean, from_root
+from course_kit.ros2cli.daemon import graph_for
 from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
-from course_kit.ros2cli.graph_source import graph_for
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb
 
 if TYPE_CHECKING:

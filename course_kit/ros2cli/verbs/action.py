@@ -52,12 +52,12 @@ def _info(options: Namespace, session: Session) -> None:
 
 
 def _send_goal(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli import types, values
+    from course_kit.ros2cli import values
     from course_kit.ros2cli.goal import SentGoal
 
     name = checked_name(options.action_name)
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
-    action_type = types.find_type(options.action_type, "action")
+    action_type = values.find_type(options.action_type, "action")
     goal = action_type.Goal()
     values.fill(goal, values.typed(options, "goal"), f"{type_name(action_type)}_Goal")
     sending = SentGoal(session, node, action_type, name, options.timeout)

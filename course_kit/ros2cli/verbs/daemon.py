@@ -26,8 +26,7 @@ def add_to(place: ArgumentParser) -> None:
 def _start(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit import environment
-    from course_kit.ros2cli.daemon_socket import DaemonSocket
-    from course_kit.ros2cli.graph_source import ask_daemon
+    from course_kit.ros2cli.daemon import DaemonSocket, ask_daemon
 
     environment.apply()
     if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
@@ -40,7 +39,7 @@ def _start(options: Namespace, session: Session) -> None:
 
 def _stop(options: Namespace, session: Session) -> None:
     del options, session
-    from course_kit.ros2cli.graph_source import stop_daemon
+    from course_kit.ros2cli.daemon import stop_daemon
 
     print("The daemon has been stopped" if stop_daemon() else "The daemon is not running")
 
@@ -48,7 +47,7 @@ def _stop(options: Namespace, session: Session) -> None:
 def _status(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit import environment
-    from course_kit.ros2cli.daemon_socket import DaemonSocket
+    from course_kit.ros2cli.daemon import DaemonSocket
 
     environment.apply()
     running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)

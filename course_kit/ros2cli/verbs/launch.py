@@ -33,7 +33,7 @@ def add_to(place: argparse.ArgumentParser) -> None:
 def _launch(options: Namespace, session: Session) -> int:
     file, arguments = _file_and_arguments(options.package_name, options.words)
     if session.in_kernel:
-        from course_kit.ros2cli.in_cell import run_and_show
+        from course_kit.ros2cli.launching import run_and_show
 
         shown = ["--show-args"] if options.show_args else []
         given = [f"{name}{_SEPARATOR}{value}" for name, value in arguments.items()]

@@ -164,10 +164,10 @@ def _dump(options: Namespace, session: Session) -> None:
 
 
 def _load(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli import parameter_file
+    from course_kit.ros2cli.parameters import load
 
     client = _client(options, session)
     node = checked_name(options.node_name)
-    loaded = parameter_file.load(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
+    loaded = load(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
     for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
         _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")

@@ -40,7 +40,7 @@ def _run(options: Namespace, session: Session) -> int:
         raise CommandError(str(error)) from error
     command = [*shlex.split(options.prefix), *program, *options.arguments]
     if session.in_kernel:
-        from course_kit.ros2cli.in_cell import run_and_show
+        from course_kit.ros2cli.launching import run_and_show
 
         return run_and_show(command)
     sys.stdout.flush()

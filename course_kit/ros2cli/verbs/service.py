@@ -68,24 +68,24 @@ def _info(options: Namespace, session: Session) -> None:
 
 
 def _echo(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli import types
+    from course_kit.ros2cli import values
 
     name = checked_name(options.service_name)
     kind = options.service_type
     if kind is None:
-        kind = existing("service", name, session.observe(options.timeout or types.LOOK_S).services)[0]
+        kind = existing("service", name, session.observe(options.timeout or values.LOOK_S).services)[0]
     _echo_events(options, session, name, kind)
 
 
 def _call(options: Namespace, session: Session) -> None:
     from course_kit.ros.service import ServiceClient
-    from course_kit.ros2cli import types, values
+    from course_kit.ros2cli import values
 
     if options.rate is not None and options.rate <= 0:
         raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
     name = checked_name(options.service_name)
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
-    service_type = types.find_type(options.service_type, "srv")
+    service_type = values.find_type(options.service_type, "srv")
     request = service_type.Request()
     values.fill(request, values.typed(options, "values"), f"{type_name(service_type)}_Request")
     client = ServiceClient(node, service_type, name)
@@ -120,14 +120,14 @@ def _wait_for_server(client: ServiceClient, timeout: float, session: Session) ->
 
 def _echo_events(options: Namespace, session: Session, service: str, service_type: str) -> None:
     """Print what is sent, for as long as something comes: where they tell it (service introspection, REP 2012)."""
-    from course_kit.ros2cli import types
+    from course_kit.ros2cli import values
     from course_kit.ros2cli.listening import Listener
 
-    event = types.find_type(service_type, "srv").Event
+    event = values.find_type(service_type, "srv").Event
     layout = layout_of(options)
     listener = Listener(options, session, f"{service}{_EVENTS}")
     subscription = listener.subscribe_to(event, "services_default")
-    if not session.wait_on_graph(lambda: subscription.get_publisher_count() > 0, types.LOOK_S):
+    if not session.wait_on_graph(lambda: subscription.get_publisher_count() > 0, values.LOOK_S):
         print(
             f"No publishers on topic '{service}{_EVENTS}'; is service introspection on the client or server enabled?",
             flush=True,
