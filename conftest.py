@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.dev import notebooks
 
 if TYPE_CHECKING:
     import pytest
@@ -22,7 +21,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
     config.pluginmanager.register(nbval_plugin)
     config.option.nbval_current_env = True
-    config.option.nbval_cell_timeout = notebooks.CELL_TIMEOUT_S
+    config.option.nbval_cell_timeout = nbval_plugin.CELL_TIMEOUT_S
     config.option.nbval_sanitize_with = str(Path(__file__).with_name("tests") / "nbval_sanitize.cfg")
     graph = ExitStack()
     domain_id = graph.enter_context(environment.exclusive_domain())

@@ -5,10 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROOT = Path(__file__).resolve().parent.parent
 EXERCISE = "temperature_service"
@@ -58,16 +54,14 @@ def mixed() -> list[Submission]:
 
 def large(number: int) -> list[Submission]:
     """A class for ours alone: 2 of 5 right, 1 of 10 crashing, the others any mistake there is; one in 50 loops."""
-    kinds = _endless()
-    return _named([LOOP if place % LOOP_EVERY == LOOP_EVERY - 1 else next(kinds) for place in range(number)])
-
-
-def _endless() -> Iterator[str]:
     mistakes = sorted(path.stem for path in (ROOT / "tests/broken" / EXERCISE).glob("*.py"))
     wrong = cycle(name for name in mistakes if name != LOOP and name not in _CRASHING)
     crashing = cycle(_CRASHING)
-    for place in cycle(range(10)):
-        yield "right" if place % 5 in (0, 2) else next(crashing) if place == 1 else next(wrong)
+    kinds = []
+    for place in range(number):
+        ordinary = "right" if place % 5 in (0, 2) else next(crashing) if place % 10 == 1 else next(wrong)
+        kinds.append(LOOP if place % LOOP_EVERY == LOOP_EVERY - 1 else ordinary)
+    return _named(kinds)
 
 
 def _named(kinds: list[str], exercise: str = EXERCISE) -> list[Submission]:

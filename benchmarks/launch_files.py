@@ -1,9 +1,9 @@
-"""What becomes of real launch files: `python benchmarks/launch_files.py FOLDER [--list]`.
+"""What becomes of real launch files: `python benchmarks/launch_files.py FOLDER`.
 
 FOLDER holds one folder for each repository. Every launch file in Python below it is read, and all its actions are
 done but one: a process is not started, its program is only looked for. Timers fire at once, and processes end as
 soon as they have started, so that event handlers have their turn. The table counts the files that start a Python
-program of their own repository; `--list` prints each file with its result.
+program of their own repository, below a line for each file.
 """
 
 from __future__ import annotations
@@ -147,8 +147,7 @@ def main() -> None:
             counts = bool(found["python"]) or names_one_of(file, programs)
             row = verdict(found) if counts else NOT_PYTHON
             rows[row] += 1
-            if "--list" in sys.argv:
-                print(file.relative_to(repository.parent), row, found["error"], found["missing"], sep=" | ")
+            print(file.relative_to(repository.parent), row, found["error"], found["missing"], sep=" | ")
     counted = sum(number for row, number in rows.items() if row != NOT_PYTHON)
     print(
         f"\n| {counted} launch files that start a Python program of their repository | files | share |\n|---|---|---|"

@@ -1,63 +1,42 @@
-"""Runs the commands that ROS 2's tutorials print: `python benchmarks/tutorial_commands.py DOCUMENTATION [--only PAGE]`.
+"""Runs the commands that ROS 2's tutorials print: `python benchmarks/tutorial_commands.py DOCUMENTATION`.
 
 DOCUMENTATION is a clone of ros2/ros2_documentation, whose branch jazzy is read. Every `ros2` and `python3` command that
-the pages below print is run with the course's `ros2`, in the order of its page, in the workspace that
-`tutorial_workspace.py` makes. Written is `tutorial_commands.md`, a row for each: the same as on the page, a difference
-that the course announces, out of scope (compiled programs, those with a window), or missing.
+the pages of `tutorials.toml` print is run with the course's `ros2`, in the order of its page. Its workspace holds the
+Python programs, launch files and interfaces that the pages print, unmodified; what the pages start in compiled packages
+(turtlesim, demo_nodes_cpp) is stood in for by programs of the same names, topics, services and types.
+Written is `tutorial_commands.md`, a row for each: the same as on the page, a difference that the course announces, out
+of scope (compiled programs, those with a window), or missing.
 """
 
 from __future__ import annotations
 
+import itertools
+import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
+import threading
 import time
 from collections import Counter
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
-from programs import ROS2, Program
-from tutorial_workspace import BEGINNER, BRANCH, LAUNCH, make, page_text
+import tomllib
 
 from course_kit import environment
 
-LIMIT_S, SETTLES_S = 20.0, 2.0
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+BRANCH = "jazzy"
 TABLE = Path(__file__).with_suffix(".md")
-CLI = "Tutorials/Beginner-CLI-Tools/"
-MY_NODE = "demo_nodes_cpp parameter_blackboard --ros-args -r __node:=my_node -p my_string:=text -p my_int_array:=[1]"
-PAGES = {  # page: what its reader has started before
-    "Concepts/Basic/About-Command-Line-Tools": ["demo_nodes_cpp talker"],
-    "Concepts/Basic/About-Parameters": [],
-    "How-To-Guides/Launch-file-different-formats": [],
-    "How-To-Guides/Node-arguments": [],
-    "How-To-Guides/Using-ros2-param": [MY_NODE],
-    f"{CLI}Introducing-Turtlesim/Introducing-Turtlesim": [],
-    f"{CLI}Launching-Multiple-Nodes/Launching-Multiple-Nodes": [],
-    f"{CLI}Recording-And-Playing-Back-Data/Recording-And-Playing-Back-Data": [],
-    f"{CLI}Understanding-ROS2-Actions/Understanding-ROS2-Actions": [],
-    f"{CLI}Understanding-ROS2-Nodes/Understanding-ROS2-Nodes": [],
-    f"{CLI}Understanding-ROS2-Parameters/Understanding-ROS2-Parameters": [],
-    f"{CLI}Understanding-ROS2-Services/Understanding-ROS2-Services": [],
-    f"{CLI}Understanding-ROS2-Topics/Understanding-ROS2-Topics": [],
-    f"{CLI}Using-Rqt-Console/Using-Rqt-Console": [],
-    f"{BEGINNER}Creating-Your-First-ROS2-Package": [],
-    f"{BEGINNER}Custom-ROS2-Interfaces": [],
-    f"{BEGINNER}Getting-Started-With-Ros2doctor": [],
-    f"{BEGINNER}Using-Parameters-In-A-Class-Python": [],
-    f"{BEGINNER}Writing-A-Simple-Py-Publisher-And-Subscriber": [],
-    f"{BEGINNER}Writing-A-Simple-Py-Service-And-Client": [],
-    f"{LAUNCH}Creating-Launch-Files": [],
-    f"{LAUNCH}Launch-system": [],
-    f"{LAUNCH}Using-Event-Handlers": [],
-    f"{LAUNCH}Using-ROS2-Launch-For-Large-Projects": [],
-    f"{LAUNCH}Using-Substitutions": [],
-    "Tutorials/Demos/Service-Introspection": [],
-    "Tutorials/Intermediate/Creating-an-Action": [],
-    "Tutorials/Intermediate/Monitoring-For-Parameter-Changes-Python": [],
-    "Tutorials/Intermediate/Writing-an-Action-Server-Client/Py": [],
-}
+TUTORIALS = tomllib.loads(Path(__file__).with_name("tutorials.toml").read_text(encoding="utf-8"))
+ROS2 = [sys.executable, "-m", "course_kit.ros2cli"]
+LIMIT_S, SETTLES_S, GRACE_S = 20.0, 2.0, 5.0
 # What a command says, where one of the course answers in another way on purpose
 DIFFERENT = (
     r"exists in ROS 2; this course does not have it[^\n]*|[^\n]*(?:XML|YAML)[^\n]*Python[^\n]*|"
@@ -65,74 +44,135 @@ DIFFERENT = (
 )
 # What it says where a program in C++, or one with a window, is meant
 COMPILED = r"Package '\w+' not found(?:: it comes with a full ROS 2 installation)?"
-
-
-class Shown(NamedTuple):
-    """What the pages show for a kind of commands: patterns of the command, and of what it prints."""
-
-    command: str
-    output: str
-
-
-NAMES = r"use_sim_time"
-SHOWN = (
-    Shown(r"run \S+ (talker|publisher).*", r"Publishing: "),
-    Shown(r"run \S+ listener", r"I heard"),
-    Shown(r"run py_srvcli client 2 3 1|run py_srvcli client 2 3", r"(for 2 \+ 3 (\+ 1 )?= [56])"),
-    Shown(r"run python_parameters .*", r"Hello world"),
-    Shown(r"run .*", r""),
-    Shown(r"launch .*--show-args", r"'turtlesim_ns'"),
-    Shown(r"launch python_parameters .*", r"Hello earth"),
-    Shown(r"launch .*", r"process started with pid"),
-    Shown(r"--help", r"usage: ros2"),
-    Shown(r"param list( \S+)?", NAMES),
-    Shown(r"param get \S+ background_g", r"Integer value is: 86\n"),
-    Shown(r"param get \S+ use_sim_time", r"Boolean value is: False\n"),
-    Shown(r"param set \S+ my_string off", r"Setting parameter failed|Wrong parameter type"),
-    Shown(r"param set .*", r"Set parameter successful\n"),
-    Shown(r"param delete .*", r"Deleted parameter successfully\n|cannot be undeclared\n"),
-    Shown(r"param describe .*", r"Parameter name: use_sim_time\n  Type: boolean\n"),
-    Shown(r"param dump .*", r"ros__parameters:\n"),
-    Shown(r"param load .*", r"Set parameter use_sim_time successful\n"),
-    Shown(r"node list", r"/"),
-    Shown(r"node info .*", r"  Subscribers:\n(.|\n)*  Action Clients:\n"),
-    Shown(r"topic list", r"/turtle1/cmd_vel\n"),
-    Shown(r"topic echo /turtle1/cmd_vel", r"linear:\n  x: "),
-    Shown(r"topic echo /turtle1/pose", r"x: 5\.5\n"),
-    Shown(r"topic echo /turtle1/color_sensor", r"b: 255\n"),
-    Shown(r"topic echo /chatter", r"data: "),
-    Shown(r"topic info .*", r"Type: geometry_msgs/msg/Twist\nPublisher count: \d\nSubscription count: \d\n"),
-    Shown(r"topic pub .*", r"publish(ing|er|ed)"),
-    Shown(r"topic hz .*", r"average rate: "),
-    Shown(r"topic bw .*", r"B/s from "),
-    Shown(r"topic find .*", r"/turtle1/cmd_vel\n"),
-    Shown(r"service list -t", r"/clear \[std_srvs/srv/Empty\]\n"),
-    Shown(r"service list", r"/(clear|add_two_ints)\n"),
-    Shown(r"service type .*", r"std_srvs/srv/Empty\n"),
-    Shown(r"service info .*", r"Type: std_srvs/srv/Empty\nClients count: 0\nServices count: 1\n"),
-    Shown(r"service find .*", r"/clear\n/reset\n"),
-    Shown(r"service call /clear .*", r"response:\nstd_srvs\.srv\.Empty_Response\(\)"),
-    Shown(r"service call /spawn .*", r"response:\nturtlesim\.srv\.Spawn_Response\(name='turtle2'\)"),
-    Shown(r"service echo .*", r"event_type: REQUEST_|is service introspection on the client"),
-    Shown(r"action list -t", r"/turtle1/rotate_absolute \[turtlesim/action/RotateAbsolute\]\n"),
-    Shown(r"action list", r"/turtle1/rotate_absolute\n"),
-    Shown(r"action type .*", r"turtlesim/action/RotateAbsolute\n"),
-    Shown(r"action info .*", r"Action clients: 1\n +/teleop_turtle\nAction servers: 1\n +/turtlesim\n"),
-    Shown(r"action send_goal .*--feedback.*", r"Feedback:\n(.|\n)*finished with status: SUCCEEDED"),
-    Shown(r"action send_goal .*", r"Goal accepted with ID: \w+\n(.|\n)*finished with status: SUCCEEDED"),
-    Shown(r"interface show std_srvs/srv/Empty", r"^---\n$"),
-    Shown(r"interface show .*", r"(int64 num|float64 x|int64 c|float32 \w+|int32 order|float64 z)"),
-    Shown(r"pkg executables .*", r"turtlesim turtlesim_node\n"),
-    Shown(r"doctor.*", r"checks passed|NETWORK CONFIGURATION|: "),
-    Shown(r"fibonacci_action_server.py", r""),
-    Shown(r"fibonacci_action_client.py", r"Result: "),
-)
-FILES = {  # that a reader has
-    "demo_params.yaml": "parameter_blackboard:\n  ros__parameters:\n    some_int: 42\n",
-    "my_node.yaml": "/my_node:\n  ros__parameters:\n    use_sim_time: false\n",
-}
 STAYS = re.compile(r"(run|launch) |topic (pub|echo|hz|bw) |service echo |fibonacci_action_server")
 STARTS = re.compile(r"(run|launch) |fibonacci_action_server")
+NODE = """
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import qos_profile_services_default
+from rclpy.service_introspection import ServiceIntrospectionState as State
+{imports}
+
+class StandIn(Node):
+    def __init__(self):
+        super().__init__({name!r}{options})
+{body}
+
+def main():
+    rclpy.init()
+    rclpy.spin(StandIn())
+"""
+
+
+class Program:
+    """A running program, and what it has printed."""
+
+    def __init__(self, command: list[str], folder: Path, environ: dict[str, str]) -> None:
+        self.output = ""
+        self._process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environ,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        for line in self._process.stdout or ():
+            self.output += line
+
+    def prints(self, wanted: str, seconds: float, *, until_end: bool = False) -> bool:
+        """Whether it prints something, and with `until_end` has ended, before time is up."""
+        ends = time.monotonic() + seconds
+        while time.monotonic() < ends and self.is_running():
+            if not until_end and re.search(wanted, self.output):
+                return True
+            time.sleep(0.05)
+        self._reader.join(0 if self.is_running() else GRACE_S)
+        return bool(re.search(wanted, self.output)) and not (until_end and self.is_running())
+
+    def is_running(self) -> bool:
+        """Whether it has not ended."""
+        return self._process.poll() is None
+
+    def stop(self) -> None:
+        """Ctrl-C, and an end by force for what goes on."""
+        for sign in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            if not self.is_running():
+                break
+            os.killpg(self._process.pid, sign)
+            try:
+                self._process.wait(GRACE_S)
+            except subprocess.TimeoutExpired:
+                continue
+        self._reader.join(GRACE_S)
+
+
+def make(folder: Path, documentation: Path) -> None:
+    """Write the workspace."""
+    source = folder / "src"
+    make_stand_ins(source)
+    for name, text in TUTORIALS["interfaces"].items():
+        path = folder / "interfaces" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    for name, (page, needle) in TUTORIALS["printed"].items():
+        path = (source if "/" in name else folder) / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(printed(documentation, page, needle))
+    for name, text in TUTORIALS["files"].items():  # that a reader has
+        (folder / name).write_text(text)
+
+
+def make_stand_ins(source: Path) -> None:
+    """Write the packages, with the programs that stand in for compiled ones."""
+    for package, programs in TUTORIALS["programs"].items():
+        place = source / package
+        (place / package).mkdir(parents=True)
+        (place / package / "__init__.py").touch()
+        (place / "package.xml").write_text(f"<package><name>{package}</name></package>")
+        points = [f"{name} = {package}.{module}:main" for name, module in programs.items()]
+        (place / "setup.py").write_text(f"setup(name={package!r}, entry_points={{'console_scripts': {points!r}}})")
+    for name, text in TUTORIALS["launch_files"].items():
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        (source / name).write_text(text)
+    for module, one in TUTORIALS["stand_ins"].items():
+        inner = textwrap.indent(one.get("body", "pass\n"), " " * 8) + textwrap.indent(one.get("methods", ""), " " * 4)
+        package, _, file = module.partition(".")
+        text = NODE.format(imports=one.get("imports", ""), name=one["name"], options=one.get("options", ""), body=inner)
+        (source / package / package / f"{file}.py").write_text(text)
+
+
+def page_text(documentation: Path, page: str) -> str:
+    """A page's source, or the text of a file that one includes."""
+    path = f"source/{page}" if page.endswith(".py") else f"source/{page}.rst"
+    command = ["git", "-C", str(documentation), "show", f"{BRANCH}:{path}"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def printed(documentation: Path, page: str, needle: str) -> str:
+    """The longest block of code on a page that holds a text."""
+    text = page_text(documentation, page)
+    if page.endswith(".py"):
+        return text
+    return max((code for code in blocks(text) if needle in code), key=len)
+
+
+def blocks(text: str) -> Iterator[str]:
+    """The blocks of code of a page: the lines below each directive that are further in than it is."""
+    lines = text.expandtabs(8).splitlines()
+    for number, line in enumerate(lines):
+        if directive := re.match(r"( *)\.\. code-block::", line):
+            inside = re.compile(rf" {{{len(directive[1]) + 1},}}|\s*$")
+            code = list(itertools.takewhile(inside.match, lines[number + 1 :]))
+            options = len(list(itertools.takewhile(str.strip, code)))  # such as :linenos:
+            yield textwrap.dedent("\n".join(code[options:])).strip("\n") + "\n"
 
 
 def commands_of(documentation: Path, page: str) -> list[str]:
@@ -196,31 +236,24 @@ class Page:
 
 def outcome(page: Page, command: str) -> str:
     """A row's last cell."""
-    _, _, rest = command.partition(" ")
-    shown = next((one for one in SHOWN if re.fullmatch(one.command, rest.split(" > ")[0])), None)
-    if shown is None:
-        works, output = page.start(command, r"\Z.")
-    else:
-        works, output = page.start(command, shown.output)
+    words = command.partition(" ")[2].split(" > ")[0]
+    shown = next((output for known, output in TUTORIALS["shown"].items() if re.fullmatch(known, words)), None)
+    works, output = page.start(command, r"\Z." if shown is None else shown)
     if works:
         return "same"
     if different := re.search(DIFFERENT, output):
         return f"announced difference: {different[0].removeprefix('Launch failed:').strip()}"
     if compiled := re.search(COMPILED, output):
         return f"out of scope: {compiled[0].strip()}"
-    return f"missing: {output.strip()[-300:]}" + ("" if shown else " (not judged)")
+    return f"missing: {output.strip()[-300:]}" + (" (not judged)" if shown is None else "")
 
 
 def main() -> None:
-    documentation, only = Path(sys.argv[1]).resolve(), sys.argv[3] if sys.argv[2:3] == ["--only"] else ""
+    documentation = Path(sys.argv[1]).resolve()
     rows: list[tuple[str, str, str]] = []
-    for name, before in PAGES.items():
-        if only not in name:
-            continue
+    for name, before in TUTORIALS["pages"].items():
         with environment.exclusive_domain() as domain, tempfile.TemporaryDirectory() as folder:
             make(Path(folder), documentation)
-            for file, text in FILES.items():
-                (Path(folder) / file).write_text(text)
             page = Page(Path(folder), domain)
             for command in before:
                 page.start(f"ros2 run {command}", "")
@@ -230,8 +263,7 @@ def main() -> None:
             page.close()
     text = table(rows)
     print(text)
-    if not only:
-        TABLE.write_text(text)
+    TABLE.write_text(text)
 
 
 def table(rows: list[tuple[str, str, str]]) -> str:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from course_kit import environment
-from course_kit.dev import browser
+from course_kit.dev import suite
 from tests import sizes
 from tests.attack_table import AttackTable
 
@@ -69,7 +69,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 def _missing() -> Iterator[tuple[str, str]]:
     """Markers of the tests that have no chance here, and why."""
-    if not browser.find() and not os.environ.get("CI"):
+    if not suite.find_browser() and not os.environ.get("CI"):
         yield "browser", _WITHOUT_BROWSER
     if not (REPOSITORY / "solutions").is_dir():
         yield "answers", _WITHOUT_ANSWERS

@@ -68,12 +68,9 @@ STILL_ABOVE = {
     "course_kit/graders": 2450,
     "course_kit/classroom": 6920,
     "course_kit/learner": 1500,
-    "course_kit/authoring": 2978,
-    "course_kit/integrations": 1225,
-    "course_kit/dev": 880,
+    "course_kit/integrations": 1139,
     "course_kit/cli": 1610,
     "tests": 51500,
-    "benchmarks": 1920,
 }
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
 # Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.

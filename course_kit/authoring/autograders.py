@@ -40,7 +40,10 @@ _RUNTIME = {"runs-on": "ubuntu-24.04", "python": "3.12"}  # what a Classroom 50 
 def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit."""
     files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
-    return _write(target, _zipped(files))
+    if target.exists():
+        raise GradingError(f"{target} is there already. Name a new file.")
+    environment.write_atomically(target, _zipped(files))
+    return target
 
 
 def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
@@ -70,7 +73,10 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
     root = environment.checkout()
     if root is None:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
-    yield from _exercise(exercise_id, prefix)
+    task = exercise.load(exercise_id)
+    if exercise_folders.is_added(task.folder):  # its files are not among those of the kit
+        for name, path in carried_exercises.files(task).items():
+            yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
     for part in _PARTS:
         top = root / part
         for path in sorted(top.rglob("*")) if top.is_dir() else [top]:
@@ -78,16 +84,6 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
             if path.is_file() and not _NOT_THESE & set(inside.parts) and path.suffix not in _NOT_SUCH:
                 mode = _EXECUTABLE if path.stat().st_mode & 0o100 else _ORDINARY
                 yield f"{prefix}{inside.as_posix()}", path.read_bytes(), mode
-
-
-def _exercise(exercise_id: str, prefix: str) -> Iterator[tuple[str, bytes, int]]:
-    """Of an exercise of another folder its files, which are not among those of the kit."""
-    task = exercise.load(exercise_id)
-    if not exercise_folders.is_added(task.folder):
-        return
-    found = carried_exercises.files(task)
-    for name, path in found.items():
-        yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
 
 
 def _zipped(files: list[tuple[str, bytes, int]]) -> bytes:
@@ -100,10 +96,3 @@ def _zipped(files: list[tuple[str, bytes, int]]) -> bytes:
             entry.external_attr = mode << 16
             archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
-
-
-def _write(target: Path, content: bytes) -> Path:
-    if target.exists():
-        raise GradingError(f"{target} is there already. Name a new file.")
-    environment.write_atomically(target, content)
-    return target

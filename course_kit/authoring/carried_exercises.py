@@ -32,13 +32,6 @@ def files(task: Exercise) -> dict[str, Path]:
     return {f"{FOLDER}/{place}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
 
 
-def left_behind(task: Exercise) -> list[str]:
-    """The other files of an added exercise."""
-    taken = set(files(task).values())
-    others = (path for path in task.folder.rglob("*") if path.is_file() and path.suffix != ".pyc")
-    return sorted(str(path) for path in others if path not in taken)
-
-
 def added() -> list[str]:
     """The ids of the exercises that lie in other folders, those too that the course has itself.
 

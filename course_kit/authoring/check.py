@@ -1,7 +1,6 @@
 """`course-kit dev check`: proves that the graders are right, by the submissions that lie beside them.
 
-See `rules` for what has to hold. With `--repeat` the same submissions are graded again and again, each time with other
-random values, and the verdicts have to be the same.
+See `rules` for what has to hold.
 """
 
 from __future__ import annotations
@@ -33,58 +32,45 @@ _KINDS = {"starter": "starter", "solution": "solution", "variants": "variant", "
 
 
 @dataclass(frozen=True)
-class Run:
-    """Every submission graded once."""
-
-    seed: int  # what the random values were drawn from, in exercises without a seed of their own
-    reports: dict[ProofSubmission, Report]  # by submission
-
-
-@dataclass(frozen=True)
 class ProofOutcome:
     """What `check` has found."""
 
     sets: tuple[Corpus, ...]  # the exercises, with their submissions
-    runs: tuple[Run, ...]  # one for each repeat
+    seed: int  # what the random values were drawn from, in exercises without a seed of their own
+    reports: dict[ProofSubmission, Report]
     faults: tuple[Fault, ...]  # all that does not hold; proven when there is none
     duration_s: float  # seconds on the wall
 
 
-def check(
-    root: Path, exercises: Sequence[str] = (), *, repeat: int = 1, workers: int = 0, seed: int | None = None
-) -> ProofOutcome:
-    """Grade all submissions of some exercises, tell on stderr how far it is, and judge the outcome."""
+def check(root: Path, exercises: Sequence[str] = (), *, workers: int = 0, seed: int | None = None) -> ProofOutcome:
+    """Grade all submissions of some exercises and judge the outcome."""
     began = time.monotonic()
     chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
-    first = secrets.randbits(30) if seed is None else seed
-    runs = tuple(Run(first + number, {}) for number in range(repeat))
+    drawn = secrets.randbits(30) if seed is None else seed
     with Gradings([one.task for one in chosen], workers) as pool:
-        _grade(pool, chosen, runs)
-    found = [fault for one in chosen for fault in rules.faults(one, runs[0].reports)]
-    found += list(_unstable(runs))
+        reports = grade(pool, chosen, drawn)
+    found = [fault for one in chosen for fault in rules.faults(one, reports)]
     if not exercises:
         found += rules.codes_without_submission({one.name for each in chosen for one in each.submissions})
-    return ProofOutcome(chosen, runs, tuple(found), time.monotonic() - began)
+    return ProofOutcome(chosen, drawn, reports, tuple(found), time.monotonic() - began)
 
 
-def _grade(pool: Gradings, chosen: Sequence[Corpus], runs: Sequence[Run]) -> None:
-    begun = {
-        pool.begin(one, _seed_for(one, each, run)): (run, one)
-        for run in runs
-        for each in chosen
-        for one in _longest_first(each)
-    }
+def grade(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubmission, Report]:
+    """Grade all submissions of these sets, and tell on stderr how far it is."""
+    begun = {pool.begin(one, _seed_for(one, each, seed)): one for each in chosen for one in _longest_first(each)}
+    reports = {}
     for number, future in enumerate(as_completed(begun), start=1):
-        run, submission = begun[future]
-        run.reports[submission] = report = future.result()
+        submission = begun[future]
+        reports[submission] = report = future.result()
         if number % _EACH == 0 or number == len(begun):
             what = f"{submission.exercise} {submission.kind} {submission.name}: {in_points(report.score)}"
             sys.stderr.write(f"[{number}/{len(begun)}] {what}, {report.duration_s:.1f} s\n")
             sys.stderr.flush()
+    return reports
 
 
-def _seed_for(submission: ProofSubmission, sets: Corpus, run: Run) -> int:
-    return next(seed for seed in (submission.seed, sets.task.seed, run.seed) if seed is not None)
+def _seed_for(submission: ProofSubmission, sets: Corpus, drawn: int) -> int:
+    return next(seed for seed in (submission.seed, sets.task.seed, drawn) if seed is not None)
 
 
 def _longest_first(one: Corpus) -> list[ProofSubmission]:
@@ -93,52 +79,25 @@ def _longest_first(one: Corpus) -> list[ProofSubmission]:
     return sorted(one.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
 
 
-def _unstable(runs: Sequence[Run]) -> Iterator[Fault]:
-    for number, run in enumerate(runs[1:], start=2):
-        for submission, report in run.reports.items():
-            first = runs[0].reports[submission]
-            if rules.verdict(report) != rules.verdict(first):
-                text = (
-                    f"a different verdict in run {number} (seed {run.seed}): {rules.outcome(report)}. "
-                    f"In the first run (seed {runs[0].seed}): {rules.outcome(first)}."
-                )
-                yield rules.Fault(submission.exercise, "stable", f"{submission.kind} {submission.name}", text)
-
-
 def describe(found: ProofOutcome) -> Iterator[str]:
-    """The table, what does not hold, and a summary, in lines."""
-    names = [*_KINDS, "checks", "sentences", *(["same again"] if len(found.runs) > 1 else [])]
-    rows = [["exercise", *names], *([one.task.id, *(_cell(found, one, name) for name in names)] for one in found.sets)]
-    width = max(len(row[0]) for row in rows)
-    for name, *cells in rows:
-        yield "  ".join([f"{name:<{width}}", *(f"{cell:<10}" for cell in cells)]).rstrip()
+    """How many submissions there are, what does not hold, and a summary, in lines."""
+    width = max(len(one.task.id) for one in found.sets)
+    heads = [*_KINDS, "checks", "sentences"]
+    yield "  ".join([f"{'exercise':<{width}}", *heads])
+    for one in found.sets:
+        checks = {check.id for each in one.of("solution") for check in found.reports[each].checks}
+        counts = [*(len(one.of(kind)) for kind in _KINDS.values()), len(checks), len(one.task.sentences)]
+        cells = (f"{count or '-':>{len(head)}}" for count, head in zip(counts, heads, strict=True))
+        yield "  ".join([f"{one.task.id:<{width}}", *cells])
     if found.faults:
         yield from ("", "What does not hold:")
     for fault in found.faults:
         yield from wrapped(f"✗ {fault}", following="    ", width=_WIDTH)
-    count = sum(len(run.reports) for run in found.runs)
-    first = found.runs[0]
-    times, seeds = "once", f"seed {first.seed}"
-    if len(found.runs) > 1:
-        times, seeds = f"{len(found.runs)} times", f"seeds from {first.seed}"
     proven = f"NOT PROVEN: {len(found.faults)} faults." if found.faults else "PROVEN."
-    how = f"{len(first.reports)} submissions graded {times}, {count} gradings in {found.duration_s:.0f} s"
-    yield from ("", f"{proven} {how} ({seeds}).")
-
-
-def _cell(found: ProofOutcome, one: Corpus, name: str) -> str:
-    rule = "stable" if name == "same again" else name
-    wrong = [fault for fault in found.faults if (fault.exercise, fault.rule) == (one.task.id, rule)]
-    if name in _KINDS:
-        count = len(one.of(_KINDS[name]))
-    elif name == "checks":
-        count = len({check.id for each in one.of("solution") for check in found.runs[0].reports[each].checks})
-    else:
-        count = len(one.task.sentences) if name == "sentences" else len(found.runs)
-    if not wrong:
-        return f"✓ {count}" if count else "-"
-    submissions = {fault.submission for fault in wrong}
-    return f"✗ {len(submissions)} of {count}" if all(submissions) and count else "✗"
+    yield from (
+        "",
+        f"{proven} {len(found.reports)} submissions graded in {found.duration_s:.0f} s (seed {found.seed}).",
+    )
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -148,7 +107,7 @@ def main(arguments: Sequence[str]) -> int:
     if root is None or not (root / "tests").is_dir():
         return cannot("the submissions belong to the course's folder; run this in a clone of it.")
     try:
-        found = check(root, options.exercises, repeat=options.repeat, workers=options.workers, seed=options.seed)
+        found = check(root, options.exercises, workers=options.workers, seed=options.seed)
     except GradingError as problem:
         return cannot(problem)
     print("\n".join(describe(found)))
@@ -163,9 +122,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "exercises", nargs="*", metavar="EXERCISE", help="only these; the course's own when none is named"
-    )
-    parser.add_argument(
-        "--repeat", type=_positive, default=1, metavar="N", help="number of runs; the verdicts must be the same"
     )
     parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="number of gradings at the same time")
     parser.add_argument("--seed", type=int, help="draw the same random values again")

@@ -72,24 +72,13 @@ def all_exercises(root: Path) -> list[str]:
     return sorted(ids, key=lambda name: (exercise.load(name, folder).order, name))
 
 
-@dataclass(frozen=True)
-class ProofFolders:
+def folders_of(task: Exercise, root: Path) -> tuple[Path, Path, Path]:
     """Where the sets of an exercise lie: right programs, wrong programs, and the file of the slips."""
-
-    correct: Path
-    broken: Path
-    slips: Path
-
-
-def folders_of(task: Exercise, root: Path) -> ProofFolders:
-    """Where the sets of an exercise lie."""
     if task.folder == root / "exercises" / task.id:
         tests = root / "tests"
-        return ProofFolders(
-            tests / "grading" / "correct" / task.id, tests / "broken" / task.id, tests / "slips" / f"{task.id}.toml"
-        )
+        return tests / "grading" / "correct" / task.id, tests / "broken" / task.id, tests / "slips" / f"{task.id}.toml"
     proof = task.folder / exercise_folders.PROOF
-    return ProofFolders(proof / "correct", proof / "broken", proof / "slips.toml")
+    return proof / "correct", proof / "broken", proof / "slips.toml"
 
 
 def load(exercise_id: str, root: Path) -> Corpus:
@@ -99,9 +88,9 @@ def load(exercise_id: str, root: Path) -> Corpus:
     found = [ProofSubmission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
     if task.solution.is_file():
         found.append(ProofSubmission(task.id, "solution", task.solution.name, task.solution))
-    places = folders_of(task, root)
-    slips, breaks = _slips(task, places)
-    for kind, folder in (("variant", places.correct), ("broken", places.broken)):
+    correct, broken, table = folders_of(task, root)
+    slips, breaks = _slips(task, correct, table)
+    for kind, folder in (("variant", correct), ("broken", broken)):
         found += [
             ProofSubmission(
                 task.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
@@ -109,7 +98,7 @@ def load(exercise_id: str, root: Path) -> Corpus:
             for path in sorted(folder.glob("*.py"))
         ]
     if breaks:
-        raise GradingError(f"{places.broken} has no {next(iter(breaks))}.py, though [broken] says what it breaks.")
+        raise GradingError(f"{broken} has no {next(iter(breaks))}.py, though [broken] says what it breaks.")
     found += slips
     for one in found:
         if one.changes:
@@ -117,30 +106,28 @@ def load(exercise_id: str, root: Path) -> Corpus:
     return Corpus(task, tuple(found))
 
 
-def _slips(task: Exercise, places: ProofFolders) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
+def _slips(task: Exercise, correct: Path, file: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
     """The slips, and by the names of broken programs the sentences that those do not keep: the table `broken`."""
-    if not places.slips.is_file():
+    if not file.is_file():
         return [], {}
+    where = ""
     try:
-        table = tomllib.loads(places.slips.read_text(encoding="utf-8"))
+        table = tomllib.loads(file.read_text(encoding="utf-8"))
         breaks = {name: tuple(ids) for name, ids in table.pop("broken", {}).items()}
-    except (ValueError, TypeError) as problem:
-        raise GradingError(f"{places.slips} cannot be used: {problem}.") from problem
-    return [_read_slip(task, name, entry, places) for name, entry in table.items()], breaks
-
-
-def _read_slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders) -> ProofSubmission:
-    try:
-        return _slip(task, name, entry, places)
-    except (KeyError, TypeError, AttributeError) as problem:
+        slips = []
+        for name, entry in table.items():
+            where = f"in the slip {name}, "
+            base = correct / f"{entry['base']}.py" if "base" in entry else task.solution
+            slips.append(_slip(task.id, name, base, entry, file))
+    except (ValueError, KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{places.slips} cannot be used: in the slip {name}, {what}.") from problem
+        raise GradingError(f"{file} cannot be used: {where}{what}.") from problem
+    return slips, breaks
 
 
-def _slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders) -> ProofSubmission:
-    base = places.correct / f"{entry['base']}.py" if "base" in entry else task.solution
+def _slip(exercise_id: str, name: str, base: Path, entry: dict[str, Any], file: Path) -> ProofSubmission:
     return ProofSubmission(
-        task.id,
+        exercise_id,
         "slip",
         name,
         base,
@@ -149,5 +136,5 @@ def _slip(task: Exercise, name: str, entry: dict[str, Any], places: ProofFolders
         says=entry.get("says", ""),
         breaks=tuple(entry.get("breaks", ())),
         seed=entry.get("seed"),
-        told_in=places.slips,
+        told_in=file,
     )

@@ -6,13 +6,16 @@ go in that it is known to need, as they were committed: a file of one that git c
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import carried_exercises, course_files
+from course_kit import environment
+from course_kit.authoring import carried_exercises
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean
@@ -23,10 +26,10 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterator
 
-    from course_kit.authoring.course_files import CourseFiles
     from course_kit.grading.exercise import Exercise
+
 
 README = Path(__file__).parent / "student" / "README.md"
 LIST = Path(__file__).with_name("edition.toml")
@@ -63,19 +66,13 @@ def read_parts(path: Path = LIST) -> Parts:
     """Read the lists in edition.toml."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-        parts = Parts(*(frozenset(map(_to_path, table[owner.value])) for owner in (Owner.STUDENTS, Owner.INSTRUCTORS)))
+        parts = Parts(*(frozenset(table[owner.value]) for owner in (Owner.STUDENTS, Owner.INSTRUCTORS)))
     except (OSError, ValueError, KeyError, TypeError) as problem:
         what = f"the list '{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{path} cannot be used: {what}.") from problem
     if both := sorted(parts.students & parts.instructors):
         raise GradingError(f"{path} cannot be used: {', '.join(both)} stands on both lists.")
     return parts
-
-
-def _to_path(name: object) -> str:
-    if not isinstance(name, str) or not name:
-        raise ValueError(f"{name!r} is not a path")
-    return str(PurePosixPath(name))
 
 
 @dataclass
@@ -91,7 +88,6 @@ class EditionPlan:
     unwanted: list[str] = field(default_factory=list)  # exercises left out, because somebody has asked for it
     changed: list[str] = field(default_factory=list)  # what goes in, or would, and differs from the last commit
     git: str = ""  # why git could not be asked; empty where it answered
-    of_exercises: list[str] = field(default_factory=list)  # the files of exercises that are left out
     # the exercises of other folders that go in, and where they lie
     added: dict[str, Path] = field(default_factory=dict)
     solutions: dict[str, Path] = field(default_factory=dict)  # by exercise the file of its solution
@@ -99,73 +95,52 @@ class EditionPlan:
     @property
     def left_out(self) -> list[str]:
         """Every file that stays out, sorted."""
-        return sorted({*self.instructors, *self.undecided, *self.untracked, *self.of_exercises})
+        return sorted({*self.instructors, *self.undecided, *self.untracked})
 
 
 def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
     """Decide what goes into the student edition."""
-    return _Planner(root, course_files.look(root)).plan(without)
+    found, parts = look(root), read_parts()
+    made = EditionPlan(git=found.git)
+    of_exercises: dict[str, list[str]] = {}
+    for name in sorted(found.known | found.new):
+        owner = parts.owner(name)
+        if owner is not Owner.STUDENTS:
+            (made.instructors if owner is Owner.INSTRUCTORS else made.undecided).append(name)
+        elif name not in found.known:
+            made.untracked.append(name)
+        elif exercise_id := _exercise_of(name):
+            of_exercises.setdefault(exercise_id, []).append(name)
+        else:
+            made.files[name] = root / name
+    added = carried_exercises.added()
+    _require_all(without, {*of_exercises, *added})
+    made.changed = sorted(name for name in found.changed if parts.owner(name) is Owner.STUDENTS)
+    _require_pristine([name for name in made.changed if name.startswith(f"{_EXERCISES}/")], without)
+    for exercise_id, names in of_exercises.items():
+        if exercise_id in without:
+            made.instructors += names
+            made.unwanted.append(exercise_id)
+        elif any(name.endswith(f"/{exercise_id}/{exercise_folders.TOML}") for name in names):
+            needed = _put(made, exercise.load(exercise_id, root / _EXERCISES), names)
+            made.instructors += [name for name in names if name not in needed]
+        else:
+            made.files.update({name: root / name for name in names})
+    made.unwanted += [name for name in added if name in without]
+    for task in (exercise.load(name) for name in added if name not in without):
+        _put(made, task, carried_exercises.files(task))
+        made.added[task.id] = task.folder
+    made.files["README.md"] = README
+    return made
 
 
-class _Planner:
-    """Puts each file of a course where it belongs in a plan."""
-
-    def __init__(self, root: Path, found: CourseFiles) -> None:
-        self._root = root
-        self._found = found
-        self._parts = read_parts()
-        self._made = EditionPlan(git=found.git)
-
-    def plan(self, without: Collection[str]) -> EditionPlan:
-        of_exercises: dict[str, list[str]] = {}
-        for name in sorted(self._found.known | self._found.new):
-            owner = self._parts.owner(name)
-            if owner is Owner.INSTRUCTORS:
-                self._made.instructors.append(name)
-            elif owner is Owner.UNDECIDED:
-                self._made.undecided.append(name)
-            elif name not in self._found.known:
-                self._made.untracked.append(name)
-            elif exercise_id := _exercise_of(name):
-                of_exercises.setdefault(exercise_id, []).append(name)
-            else:
-                self._made.files[name] = self._root / name
-        added = carried_exercises.added()
-        _require_all(without, {*of_exercises, *added})
-        changed = sorted(name for name in self._found.changed if self._parts.owner(name) is Owner.STUDENTS)
-        _require_pristine([name for name in changed if name.startswith(f"{_EXERCISES}/")], without)
-        for exercise_id, names in of_exercises.items():
-            if exercise_id in without:
-                self._made.of_exercises += names
-                self._made.unwanted.append(exercise_id)
-            elif any(name.endswith(f"/{exercise_id}/{exercise_folders.TOML}") for name in names):
-                self._put_exercise(exercise.load(exercise_id, self._root / _EXERCISES), names)
-            else:
-                self._made.files.update({name: self._root / name for name in names})
-        for exercise_id in added:
-            self._put_added(exercise_id, is_wanted=exercise_id not in without)
-        self._made.files["README.md"] = README
-        self._made.changed = changed
-        return self._made
-
-    def _put_exercise(self, task: Exercise, names: list[str]) -> None:
-        needed = carried_exercises.files(task)
-        self._made.files.update({name: path for name, path in needed.items() if name in names})
-        self._made.instructors += [name for name in names if name not in needed]
-        (self._made.drills if task.practice else self._made.exercises).append(task.id)
-        self._made.solutions[task.id] = task.solution
-
-    def _put_added(self, exercise_id: str, *, is_wanted: bool) -> None:
-        """An exercise of another folder, whose files there are what students get."""
-        if not is_wanted:
-            self._made.unwanted.append(exercise_id)
-            return
-        task = exercise.load(exercise_id)
-        self._made.exercises.append(exercise_id)
-        self._made.added[exercise_id] = task.folder
-        self._made.solutions[exercise_id] = task.solution
-        self._made.files.update(carried_exercises.files(task))
-        self._made.of_exercises += carried_exercises.left_behind(task)
+def _put(made: EditionPlan, task: Exercise, names: Collection[str]) -> dict[str, Path]:
+    """Put an exercise in, of these files those that it is known to need; returns all of the latter."""
+    needed = carried_exercises.files(task)
+    made.files.update({name: path for name, path in needed.items() if name in names})
+    (made.drills if task.practice else made.exercises).append(task.id)
+    made.solutions[task.id] = task.solution
+    return needed
 
 
 def _exercise_of(name: str) -> str:
@@ -191,3 +166,54 @@ def _require_pristine(changed: list[str], without: Collection[str]) -> None:
             f"Git calls exercises changed, and students would get them as they are: {', '.join(wrong)}. "
             "Take the changes back with git restore, commit them, or leave the exercise out with --without."
         )
+
+
+_GENERATED = {
+    ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
+    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist", "PKG-INFO",
+    environment.LEARNER_FOLDER,
+}  # fmt: skip
+_GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
+
+
+@dataclass(frozen=True)
+class CourseFiles:
+    """The files of a course's folder, as paths relative to it."""
+
+    known: frozenset[str]  # those that git knows and that are there; without git all that nobody generated
+    new: frozenset[str] = frozenset()  # those that git has not been told of, and would not ignore
+    changed: frozenset[str] = frozenset()  # those that differ from the last commit, also those that are gone
+    git: str = ""  # why git could not be asked; empty where it answered
+
+
+def look(root: Path) -> CourseFiles:
+    """The files of the course in `root`, by git where this is a clone."""
+    there = frozenset(_walk(root))
+    if not (root / ".git").exists():
+        return CourseFiles(there, git="this folder is no clone")
+    try:
+        known = _git(root, "ls-files")
+        new = _git(root, "ls-files", "--others", "--exclude-standard")
+        changed = _git(root, "diff", "--name-only", "HEAD")
+    except FileNotFoundError:
+        return CourseFiles(there, git="git is not installed")
+    except subprocess.CalledProcessError as problem:
+        said = problem.stderr.decode(errors="replace").strip().partition("\n")[0]
+        return CourseFiles(there, git=said.removeprefix("fatal: ") or "git failed")
+    return CourseFiles(frozenset(name for name in known if (root / name).is_file()), new & there, changed)
+
+
+def _git(root: Path, *arguments: str) -> frozenset[str]:
+    """The names that git lists."""
+    listed = subprocess.run(["git", *arguments, "-z"], cwd=root, capture_output=True, check=True)
+    return frozenset(name for name in os.fsdecode(listed.stdout).split("\0") if name)
+
+
+def _walk(root: Path) -> Iterator[str]:
+    """What nobody generated; a folder that is a course itself is an edition that was made before."""
+    for folder, folders, files in os.walk(root):
+        inner = Path(folder)
+        folders[:] = [name for name in folders if name not in _GENERATED and not (inner / name / "course_kit").is_dir()]
+        for name in files:
+            if name not in _GENERATED and not name.endswith(_GENERATED_ENDINGS):  # .venv is a link
+                yield (inner / name).relative_to(root).as_posix()

@@ -6,17 +6,19 @@ the starter. The starter's docstring and the notebook are made from them, and ma
 
 from __future__ import annotations
 
+import json
 import keyword
 import os
 import re
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from course_kit.authoring import exercise_notebook, task_text
+from course_kit.authoring import task_text
 from course_kit.environment import write_atomically
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,6 +31,24 @@ _ENDING = ".in"  # keeps linters and pytest from taking a template for something
 _NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
 _LONGEST = 40
 _IN_PLACE_OF_NAME, _IN_PLACE_OF_CLASS = "@ID@", "@CLASS@"
+
+_TITLE, _ANSWER = "title", "answer"  # the cells that are made anew; that of the task is filled by `task_text`
+_QUOTES = '"""'
+_MAIN = "\ndef main("
+_METADATA = {
+    "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
+    "language_info": {"name": "python"},
+}
+_YOURS = (
+    "## Your node\n\nThe first line marks the cell as your answer: leave it where it is. You may use several such "
+    "cells; they are joined in order. Running the cell defines the class, nothing more."
+)
+_TRY = "## Try it\n\nStart your node. Run this cell again after each change: the new node replaces the old one."
+_GRADING = (
+    "## Grade it\n\nWhat you last ran in the cell above is graded. The grader starts your node in a process of its "
+    "own, on a graph of its own: without a `main` that is called it makes `{class_name}()`, without arguments, and "
+    "spins it on a `MultiThreadedExecutor`. Stuck? `%hint {id}` in a cell of its own gives one hint more."
+)
 
 
 def create(name: str, kind: str, folder: Path) -> Exercise:
@@ -49,25 +69,25 @@ def create(name: str, kind: str, folder: Path) -> Exercise:
             (made / path).parent.mkdir(parents=True, exist_ok=True)
             (made / path).write_text(text, encoding="utf-8")
         task = exercise.read(made)
-        (made / task.notebook).write_text(exercise_notebook.new(task), encoding="utf-8")
+        (made / task.notebook).write_text(_new_notebook(task), encoding="utf-8")
         refresh(task)
         made.rename(target)
     return exercise.read(target)
 
 
 def refresh(task: Exercise) -> list[Path]:
-    """Write the sentences of an exercise anew into its starter and its notebook, and the starter into the notebook."""
-    if not exercise_folders.is_added(task.folder):
-        raise GradingError(
-            f"{task.id} belongs to the course. Write its task anew with: python -m course_kit.authoring.task_text "
-            f"{task.id}, and its notebook by hand."
-        )
+    """Write the sentences of an exercise anew into its starter and its notebook; returns what has changed.
+
+    Of an exercise that is not the course's own, title, points and starter are written into the notebook, too.
+    """
     program, notebook = task.folder / task.starter, task.folder / task.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (program, notebook)}
-    starter = _titled(task_text.in_starter(before[program], task), task)
-    with_starter = exercise_notebook.renewed(before[notebook], task, starter)
-    after = {program: starter, notebook: task_text.in_notebook(with_starter, task)}
-    changed = [path for path in after if after[path] != before[path]]
+    starter, cells = task_text.in_starter(before[program], task), before[notebook]
+    if exercise_folders.is_added(task.folder):
+        starter = _titled(starter, task)
+        cells = _renewed_notebook(cells, task, starter)
+    after = {program: starter, notebook: task_text.in_notebook(cells, task)}
+    changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])
     return changed
@@ -81,11 +101,9 @@ def _titled(starter: str, task: Exercise) -> str:
 def _require_usable(name: str) -> None:
     if _NAME.match(name) and len(name) <= _LONGEST and not keyword.iskeyword(name):
         return
-    other = re.sub(r"[^a-z0-9]+", "_", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()).strip("_")
-    proposal = f", such as {other}" if _NAME.match(other) and not keyword.iskeyword(other) else ""
     raise GradingError(
         f"'{name}' cannot be the name of an exercise. Write up to {_LONGEST} small letters, digits and _, a letter "
-        f"first{proposal[:_LONGEST]}."
+        "first, such as my_exercise."
     )
 
 
@@ -99,3 +117,50 @@ def _files(name: str, kind: str) -> Iterator[tuple[Path, str]]:
         text = path.read_text(encoding="utf-8")
         filled_in = text.replace(_IN_PLACE_OF_NAME, name).replace(_IN_PLACE_OF_CLASS, class_name)
         yield Path(names.get(inside, inside)), filled_in
+
+
+def _new_notebook(task: Exercise) -> str:
+    """The notebook of a new exercise; the sentences of its task and its starter are not in it yet."""
+    cells = [
+        _cell(_TITLE, "markdown", ""),
+        _cell("task", "markdown", "## The task\n\n- "),
+        _cell("load", "code", "%load_ext course_kit"),
+        _cell("yours", "markdown", _YOURS),
+        _cell(_ANSWER, "code", ""),
+        _cell("try", "markdown", _TRY),
+        _cell("start", "code", f"from course_kit import lab\n\nlab.start({task.class_name})"),
+        _cell("grading", "markdown", _GRADING.format(class_name=task.class_name, id=task.id)),
+        _cell("grade", "code", f"%grade {task.id}"),
+    ]
+    return _as_text({"cells": cells, "metadata": _METADATA, "nbformat": 4, "nbformat_minor": 5})
+
+
+def _renewed_notebook(text: str, task: Exercise, starter: str) -> str:
+    """A notebook with the title, the points and the starter of its exercise as they are now."""
+    try:
+        notebook = json.loads(text)
+        by_id = {cell.get("id"): cell for cell in notebook["cells"]}
+    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+        raise GradingError(f"{task.folder / task.notebook} is not a notebook: {problem}.") from None
+    title = f"# {task.title}\n\n{in_points(task.points)}, {task.pass_mark:g} to pass."
+    for name, source in ((_TITLE, title), (_ANSWER, f"%%submission {task.id}\n{_class_of(starter)}")):
+        if name not in by_id:
+            raise GradingError(f"{task.folder / task.notebook} has no cell with the id '{name}'. Put it back.")
+        by_id[name]["source"] = source.splitlines(keepends=True)
+    return _as_text(notebook)
+
+
+def _class_of(starter: str) -> str:
+    """A starter without its docstring, which is the task, and without its `main`, which the lab stands for."""
+    parts = starter.split(_QUOTES, 2)
+    program = parts[2] if not parts[0].strip() and len(parts) > 2 else starter  # noqa: PLR2004 - what follows it
+    return program.partition(_MAIN)[0].strip()
+
+
+def _cell(name: str, kind: str, source: str) -> dict[str, Any]:
+    more: dict[str, Any] = {"execution_count": None, "outputs": []} if kind == "code" else {}
+    return {"cell_type": kind, "id": name, "metadata": {}, **more, "source": source.splitlines(keepends=True)}
+
+
+def _as_text(notebook: dict[str, Any]) -> str:
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"

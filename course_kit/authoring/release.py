@@ -48,21 +48,17 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
     """Make the student edition and say what it is."""
     try:
         path, planned = make(Path(target), without)
+        print("\n".join([f"The student edition is in {path}.", *describe(planned)]))
+        if left_out_file is not None:
+            listed = "".join(f"{name}\n" for name in planned.left_out)
+            environment.write_atomically(Path(left_out_file), os.fsencode(listed))
     except AnswersFoundError as problem:
-        cannot(problem)
+        tell(problem)
         return ANSWERS_FOUND
     except (ReleaseError, GradingError) as problem:
         return cannot(problem)
     except OSError as problem:
-        where = f" ({problem.filename})" if problem.filename else ""
-        return cannot(f"the student edition could not be written: {problem.strerror}{where}.")
-    print("\n".join([f"The student edition is in {path}.", *describe(planned)]))
-    if left_out_file is not None:
-        try:
-            listed = "".join(f"{name}\n" for name in planned.left_out)
-            environment.write_atomically(Path(left_out_file), os.fsencode(listed))
-        except OSError as problem:
-            return cannot(f"the list of what was left out could not be written: {problem.strerror} ({left_out_file}).")
+        return cannot(f"{problem.filename or target} could not be written: {problem.strerror}.")
     return 0
 
 

@@ -6,7 +6,6 @@ sentence's checks fails; one that grants a freedom by a right program that makes
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading import exercise_job
@@ -18,18 +17,6 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
     from course_kit.grading.checks.check import Check
     from course_kit.grading.exercise import Exercise
-    from course_kit.grading.sentences import Sentence
-
-
-@dataclass(frozen=True)
-class ProvenSentence:
-    """A sentence of a task and what stands behind it."""
-
-    sentence: Sentence  # the sentence
-    checks: tuple[str, ...]  # the ids of the checks that name it
-    # the submissions that do not keep it, each with those of its checks that failed
-    red: tuple[tuple[ProofSubmission, tuple[str, ...]], ...]
-    right: ProofSubmission | None  # the right program that makes use of the freedom it grants, if it got full marks
 
 
 def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
@@ -55,27 +42,8 @@ def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
     return found
 
 
-def proven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> list[ProvenSentence]:
-    """What a proof run has shown of each sentence."""
-    seeds = {submission.seed for submission in sets.submissions} | {None}
-    checks = {seed: checks_of(sets.task, seed) for seed in seeds}
-    found = []
-    for one in sets.task.sentences:
-        own = {seed: tuple(check.id for check in made if one.id in check.proves) for seed, made in checks.items()}
-        red = [
-            (submission, failed)
-            for submission in sets.submissions
-            if one.id in submission.breaks and (failed := _failed(reports[submission], own[submission.seed]))
-        ]
-        right = next((each for each in sets.submissions if _is_right(each) and _name(each) == one.freedom), None)
-        if right is not None and reports[right].score < reports[right].max_score:
-            right = None
-        found.append(ProvenSentence(one, own[None], tuple(red), right))
-    return found
-
-
 def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterator[str]:
-    """The sentences that nothing proves, and what submissions break that no sentence is; arguments as of `proven`."""
+    """The sentences that nothing proves, and what submissions break that no sentence is."""
     known = {one.id for one in sets.task.sentences}
     yield from (
         f"{one.kind} {one.name} breaks the sentence '{name}', which exercise.toml does not have."
@@ -83,12 +51,24 @@ def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterato
         for name in one.breaks
         if name not in known
     )
-    for one in proven(sets, reports):
-        name, freedom = one.sentence.id, one.sentence.freedom
-        if freedom and one.right is None:
-            yield f"the sentence '{name}' grants a freedom, and there is no right program '{freedom}' with full marks."
-        if not freedom and not one.red:
-            yield f"no submission that breaks the sentence '{name}' fails one of its checks ({', '.join(one.checks)})."
+    checks = {seed: checks_of(sets.task, seed) for seed in {one.seed for one in sets.submissions} | {None}}
+    right = {_name(one) for one in sets.submissions if _is_right(one) and reports[one].score >= reports[one].max_score}
+    for sentence in sets.task.sentences:
+        own = {seed: [one.id for one in made if sentence.id in one.proves] for seed, made in checks.items()}
+        red = any(
+            check.status == "failed" and check.id in own[one.seed]
+            for one in sets.submissions
+            if sentence.id in one.breaks
+            for check in reports[one].checks
+        )
+        if sentence.freedom and sentence.freedom not in right:
+            yield (
+                f"the sentence '{sentence.id}' grants a freedom, and there is no right program '{sentence.freedom}' "
+                "with full marks."
+            )
+        if not sentence.freedom and not red:
+            named = ", ".join(own[None])
+            yield f"no submission that breaks the sentence '{sentence.id}' fails one of its checks ({named})."
 
 
 def _is_right(submission: ProofSubmission) -> bool:
@@ -98,7 +78,3 @@ def _is_right(submission: ProofSubmission) -> bool:
 
 def _name(submission: ProofSubmission) -> str:
     return submission.name if submission.kind == "slip" else submission.path.stem
-
-
-def _failed(report: Report, checks: Sequence[str]) -> tuple[str, ...]:
-    return tuple(one.id for one in report.checks if one.id in checks and one.status == "failed")

@@ -7,7 +7,6 @@ test says when this was forgotten.
 from __future__ import annotations
 
 import json
-import sys
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import known_starters
@@ -32,12 +31,6 @@ def renew(target: Path, root: Path) -> dict[str, list[str]]:
     return result
 
 
-def main() -> int:
-    """Renew the one of the package."""
-    for name, identities in renew(known_starters.FILE, exercise.exercises_folder().parent).items():
-        print(f"{name}: {len(identities)} starters")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    for identifier, known in renew(known_starters.FILE, exercise.exercises_folder().parent).items():
+        print(f"{identifier}: {len(known)} starters")

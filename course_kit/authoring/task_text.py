@@ -1,25 +1,20 @@
 """Puts the sentences of an exercise into its notebook and its starter.
 
-`python -m course_kit.authoring.task_text [EXERCISE ...]` does it. They are written once, in exercise.toml. In a
-notebook's cell and in the starter's docstring they stand where the lines are that begin with "- " or "|"; whatever is
-written before the first and after the last of those stays as it is.
+They are written once, in exercise.toml. In a notebook's cell and in the starter's docstring they stand where the lines
+are that begin with "- " or "|"; whatever is written before the first and after the last of those stays as it is.
 """
 
 from __future__ import annotations
 
 import itertools
 import json
-import sys
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from pathlib import Path
 
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.sentences import Sentence
@@ -82,36 +77,6 @@ def replaced(text: str, block: str, where: str) -> str:
     return "\n".join([*lines[: marked[0]], block, *lines[last + 1 :]]) + end
 
 
-def write(task: Exercise) -> list[Path]:
-    """Put the sentences of an exercise where learners read them; returns the files that have changed."""
-    changed = []
-    for name, put in ((task.starter, in_starter), (task.notebook, in_notebook)):
-        path = task.folder / name
-        before = path.read_text(encoding="utf-8")
-        after = put(before, task)
-        if after.split() != before.split():  # a file that wraps its lines elsewhere may do so
-            path.write_text(after, encoding="utf-8")
-            changed.append(path)
-    return changed
-
-
-def main(arguments: Sequence[str]) -> int:
-    """The command: the exercises that are named, else all."""
-    try:
-        changed = [
-            path
-            for name in arguments or [*exercise.ids(), *exercise_folders.drills()]
-            for path in write(exercise.load(name))
-        ]
-    except GradingError as problem:
-        return cannot(problem)
-    except OSError as problem:
-        return cannot(f"{problem.filename} could not be written: {problem.strerror}.")
-    for path in changed:
-        print(path)
-    return 0
-
-
 def _grouped(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
     table = 0
 
@@ -148,7 +113,3 @@ def _table(rows: Sequence[Sentence]) -> str:
     if header:
         lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
     return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

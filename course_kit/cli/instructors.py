@@ -234,9 +234,9 @@ def _refresh(options: argparse.Namespace) -> int:
 
 def _bundle(options: argparse.Namespace) -> int:
     from course_kit.authoring import wheel_bundle
-    from course_kit.dev import pythons
+    from course_kit.dev import lock
 
-    root, known = environment.checkout(), pythons.wanted()
+    root, known = environment.checkout(), lock.PYTHONS
     if root is None:
         return cannot("the list of packages belongs to the course's folder; run this in a clone of it.")
     asked = options.python or [".".join(platform.python_version_tuple()[:2])]

@@ -11,6 +11,7 @@ import itertools
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,15 +21,17 @@ else:
     import tomli as tomllib
 
 from course_kit import environment
-from course_kit.authoring import lock_file
-from course_kit.dev import pythons
+from course_kit.authoring import wheel_bundle
+from course_kit.dev import suite
+from course_kit.grading.errors import GradingError
 from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
-    from course_kit.authoring.lock_file import LockedPackage
+    from course_kit.authoring.wheel_bundle import LockedPackage
 
+PYTHONS = ("3.10", "3.11", "3.12", "3.13", "3.14")  # that the course is for
 EXTRAS = ("ros", "test-ros", "test")
 # Beside pyproject.toml's: hatchling asks for `editables`, hatch_build.py for `ziglang` where there is no C compiler;
 # `empy`, which ROS needs, comes as source, for which pip takes setuptools and older ones `wheel`.
@@ -54,10 +57,6 @@ _SYSTEMS = ("Linux", "Darwin")  # a Mac with a ROS 2 of RoboStack's
 _DEADLINE_S = 600.0
 
 
-class ResolveError(RuntimeError):
-    """uv could not resolve what the course needs; the text is for the user."""
-
-
 def main(arguments: Sequence[str]) -> int:
     """Write the lock anew; 0 when that went well, else 2."""
     parser = argparse.ArgumentParser(
@@ -68,111 +67,81 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--upgrade", action="store_true", help="take the newest version of each package that fits")
     options = parser.parse_args(arguments)
     root = environment.checkout()
-    uv = pythons.find_uv()
+    uv = suite.find_uv()
     if root is None:
         return cannot("the lock belongs to the course's folder; run this in a clone of it.")
     if uv is None:
         return cannot("there is no uv, which resolves for all Pythons at once. `./course test` installs it.")
     try:
-        before = {} if options.upgrade else _current(root)
-        # Of two versions for one Python only the newer one is a preference.
-        parts = resolve(root, uv, [one for name in before if name != "numpy-1" for one in before[name]])
-    except ResolveError as problem:
+        there = [name for name in _HEADERS if name != "numpy-1" and (root / wheel_bundle.LOCK / f"{name}.txt").exists()]
+        before = [] if options.upgrade else wheel_bundle.read_lock(root, there)
+        parts = resolve(root, uv, before)
+    except GradingError as problem:
         return cannot(problem)
     except (OSError, ValueError) as problem:
         return cannot(f"the lock could not be read: {problem} `course-kit dev lock --upgrade` does not need it.")
     for name, packages in parts.items():
-        environment.write_atomically(root / lock_file.FOLDER / f"{name}.txt", text_of(name, packages), durable=False)
-    for line in changes(before, parts):
-        print(line)
-    print(f"course: {sum(map(len, parts.values()))} lines in {lock_file.FOLDER}. Now run ./course test.")
+        environment.write_atomically(root / wheel_bundle.LOCK / f"{name}.txt", text_of(name, packages), durable=False)
+    print(
+        f"course: {sum(map(len, parts.values()))} lines in {wheel_bundle.LOCK}. See git diff, then run ./course test."
+    )
     return 0
 
 
 def resolve(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[str, list[LockedPackage]]:
-    """The packages of each file of the lock.
-
-    Args:
-        root: the course's folder.
-        uv: the program.
-        before: packages whose versions stay where they fit.
-
-    Raises:
-        ResolveError: it cannot be done; the text is for the user.
-    """
+    """The packages of each file of the lock; the versions of those `before` stay where they fit."""
     build = [*tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["build-system"]["requires"], *_BUILD_TOOLS]
-    with tempfile.TemporaryDirectory() as folder:
-        resolver = _Resolver(root, uv, Path(folder))
-        everything = resolver.resolve(EXTRAS, [*build, _UV, _PIP], prefer=before)
-        course = resolver.resolve((), [], within=everything)
-        extras = {extra: _without(course, resolver.resolve((extra,), [], within=everything)) for extra in EXTRAS}
-        return {
-            "uv": resolver.resolve(None, [_UV], within=everything),
-            "pip": resolver.resolve(None, [_PIP], within=everything),
-            "course": [one for one in course if one.name != "numpy"],
-            "numpy": [one for one in course if one.name == "numpy"],
-            "numpy-1": resolver.resolve(None, _NUMPY_1),
-            **extras,
-            "test-ros": _without(extras["ros"], extras["test-ros"]),
-            "build": resolver.resolve(None, build, within=everything),
-        }
+    compiled = partial(_compile, root, uv)
+    everything = compiled(EXTRAS, [*build, _UV, _PIP], prefer=before)
+    course = compiled((), [], within=everything)
+    extras = {extra: _without(course, compiled((extra,), [], within=everything)) for extra in EXTRAS}
+    return {
+        "uv": compiled(None, [_UV], within=everything),
+        "pip": compiled(None, [_PIP], within=everything),
+        "course": [one for one in course if one.name != "numpy"],
+        "numpy": [one for one in course if one.name == "numpy"],
+        "numpy-1": compiled(None, _NUMPY_1),
+        **extras,
+        "test-ros": _without(extras["ros"], extras["test-ros"]),
+        "build": compiled(None, build, within=everything),
+    }
 
 
 def text_of(name: str, packages: Sequence[LockedPackage]) -> str:
-    """A file of the lock.
-
-    Args:
-        name: of the file, without its ending.
-        packages: what it holds.
-    """
+    """A file of the lock."""
     header = f"# {_HEADERS[name][0].upper()}{_HEADERS[name][1:]}. `course-kit dev lock` writes this file.\n"
     return header + "".join(f"{package.line()}\n" for package in packages)
 
 
-def changes(before: Mapping[str, Sequence[LockedPackage]], now: Mapping[str, Sequence[LockedPackage]]) -> list[str]:
-    """What a new lock changes, one package a line."""
-    old, new = (
-        {f"{one.name} {one.version}" for packages in parts.values() for one in packages} for parts in (before, now)
-    )
-    return [*(f"- {one}" for one in sorted(old - new)), *(f"+ {one}" for one in sorted(new - old))]
-
-
-class _Resolver:
-    """Calls uv in a folder of its own."""
-
-    def __init__(self, root: Path, uv: str, folder: Path) -> None:
-        self._root, self._uv, self._folder = root, uv, folder
-
-    def resolve(
-        self,
-        extras: Sequence[str] | None,
-        requirements: Sequence[str],
-        *,
-        prefer: Sequence[LockedPackage] = (),
-        within: Sequence[LockedPackage] = (),
-    ) -> list[LockedPackage]:
-        """The packages that are needed for some extras of pyproject.toml (None: not even for the course) and more."""
-        more, known, target = (self._folder / name for name in ("more.in", "known.txt", "resolved.txt"))
+def _compile(  # noqa: PLR0913 - what uv is asked
+    root: Path,
+    uv: str,
+    extras: Sequence[str] | None,
+    requirements: Sequence[str],
+    *,
+    prefer: Sequence[LockedPackage] = (),
+    within: Sequence[LockedPackage] = (),
+) -> list[LockedPackage]:
+    """The packages that are needed for some extras of pyproject.toml (None: not even for the course) and more."""
+    with tempfile.TemporaryDirectory() as folder:
+        more, known, target = (Path(folder, name) for name in ("more.in", "known.txt", "resolved.txt"))
         more.write_text("\n".join(requirements))
         known.write_text("\n".join([*_CONSTRAINTS, *(package.line() for package in within)]))
         target.write_text("\n".join(package.line() for package in prefer))
         wanted = [] if extras is None else ["pyproject.toml", *(f"--extra={extra}" for extra in extras)]
         command = [
-            self._uv,
-            *("pip", "compile", "--quiet", "--universal", "--generate-hashes", "--no-header", "--no-annotate"),
+            *(uv, "pip", "compile", "--quiet", "--universal", "--generate-hashes", "--no-header", "--no-annotate"),
             *("--no-emit-index-url", "--no-emit-find-links"),  # neither is the same for everybody
-            *("--python-version", pythons.wanted()[0], "--constraints", str(known), "--output-file", str(target)),
+            *("--python-version", PYTHONS[0], "--constraints", str(known), "--output-file", str(target)),
             *(*wanted, str(more)),
         ]
         try:
-            done = subprocess.run(
-                command, cwd=self._root, capture_output=True, text=True, timeout=_DEADLINE_S, check=False
-            )
+            done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=_DEADLINE_S, check=False)
         except (OSError, subprocess.TimeoutExpired) as problem:
-            raise ResolveError(f"uv did not come to an end: {problem}") from problem
+            raise GradingError(f"uv did not come to an end: {problem}") from problem
         if done.returncode:
-            raise ResolveError(f"uv could not resolve what the course needs:\n{done.stderr.strip()}")
-        return [package for package in lock_file.parse(target.read_text(encoding="utf-8")) if _places(package)]
+            raise GradingError(f"uv could not resolve what the course needs:\n{done.stderr.strip()}")
+        return [package for package in wheel_bundle.parse_lock(target.read_text(encoding="utf-8")) if _places(package)]
 
 
 def _without(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -> list[LockedPackage]:
@@ -183,10 +152,5 @@ def _without(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -
 
 def _places(package: LockedPackage) -> list[tuple[str, str]]:
     """The Pythons and systems on which a package is installed, of those that the course is for."""
-    every = itertools.product(pythons.wanted(), _SYSTEMS)
+    every = itertools.product(PYTHONS, _SYSTEMS)
     return [(python, system) for python, system in every if package.is_for(python, system)]
-
-
-def _current(root: Path) -> dict[str, list[LockedPackage]]:
-    names = [name for name in _HEADERS if (root / lock_file.FOLDER / f"{name}.txt").exists()]
-    return {name: lock_file.read(root, [name]) for name in names}

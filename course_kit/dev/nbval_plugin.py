@@ -1,7 +1,7 @@
 """Makes nbval end kernels as Jupyter does, and notice at once when one has died.
 
 nbval kills its kernels, so that nothing they registered for their end would run; and it waits the whole cell
-timeout for a kernel that is no more. Loaded with `-p course_kit.dev.nbval_plugin`.
+timeout for a kernel that is no more. The course's `conftest.py` loads it.
 
 It also leaves pictures out of the comparison, as nbval itself does those in PNG: the HTML of panels, diagrams and time
 lines holds style sheets and measured times. The words that each brings along, as text/plain, are compared.
@@ -9,7 +9,10 @@ lines holds style sheets and measured times. The words that each brings along, a
 
 from __future__ import annotations
 
+import os
 import sys
+import time
+from queue import Empty
 from typing import TYPE_CHECKING
 
 import nbval.kernel
@@ -21,10 +24,47 @@ from course_kit.ros import compat
 if TYPE_CHECKING:
     from collections.abc import Generator
 
+CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
 _PICTURE = "text/html"
+_POLL_S = 1.0
 _found = compat.check([compat.NOTEBOOK_TESTS])
 if _found.has(compat.NOTEBOOK_TESTS):
-    from course_kit.dev.nbval_kernel import CourseKernel
+
+    class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has no types
+        """A kernel that is asked to end, and whose death ends the wait for it."""
+
+        def __init__(self, *arguments: object, **options: object) -> None:
+            # Inherited by the kernel, it would silence what its native libraries print.
+            current = os.environ.pop("PYTEST_CURRENT_TEST", None)
+            try:
+                super().__init__(*arguments, **options)
+            finally:
+                if current is not None:
+                    os.environ["PYTEST_CURRENT_TEST"] = current
+
+        def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
+            """Wait for the reply in short steps, looking each time whether the kernel still lives."""
+            deadline = None if timeout is None else time.monotonic() + timeout
+            while not self._replied(msg_id):
+                if not self.is_alive():
+                    raise RuntimeError("The kernel has died while it ran this cell.")
+                if deadline is not None and time.monotonic() > deadline:
+                    raise Empty
+
+        def _replied(self, msg_id: str) -> bool:
+            try:
+                super().await_reply(msg_id, timeout=_POLL_S)
+            except Empty:
+                return False
+            return True
+
+        def stop(self) -> None:
+            """Ask the kernel to end; only one that does not is killed."""
+            self.kc.stop_channels()
+            try:
+                self.km.shutdown_kernel(now=False)
+            finally:
+                del self.km
 
     nbval.kernel.RunningKernel = CourseKernel
     nbval.plugin.RunningKernel = CourseKernel

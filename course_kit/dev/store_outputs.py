@@ -22,11 +22,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 def run(path: Path) -> None:
-    """Execute one notebook in its own folder and write it back with its outputs.
-
-    Raises:
-        nbclient.exceptions.CellExecutionError: a cell failed that is not tagged `raises-exception`.
-    """
+    """Execute one notebook in its own folder and write it back with its outputs."""
     notebook = nbformat.read(path, as_version=4)
     client = NotebookClient(notebook, timeout=CELL_TIMEOUT_S, resources={"metadata": {"path": str(path.parent)}})
     client.execute()

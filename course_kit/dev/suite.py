@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from course_kit import environment
-from course_kit.dev import browser, notebooks
+from course_kit.dev import notebooks
 
 # Tests wait for nodes more than they compute. Files stay together, for their fixtures are dear, and begin in the order
 # of `tests/sizes.py`, the long ones first: xdist by itself begins those with few tests last, and the longest are these.
@@ -25,6 +25,8 @@ SIDE_BY_SIDE = [
 QUICK, ALL = "--quick", "--all"
 MARKS = {QUICK: ["-m", "not weekly and not slow and not browser"], ALL: ["-m", ""]}
 FIRST_LESSONS = "0[1-3]_*.ipynb"
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
 def main(arguments: list[str]) -> int:
@@ -40,7 +42,7 @@ def main(arguments: list[str]) -> int:
     # The tests start thousands of Pythons; each would compile the course anew.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     try:
-        chromium = None if size == QUICK else browser.find_or_install()
+        chromium = None if size == QUICK else find_or_install_browser()
         environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
         marks = MARKS.get(size, [])
         if chosen:
@@ -60,10 +62,38 @@ def main(arguments: list[str]) -> int:
 
 def _run_sessions(*names: str) -> int:
     """Run sessions of `noxfile.py`; uv fetches nox."""
-    uv = shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    uv = find_uv()
     if uv is None or not Path("noxfile.py").is_file():  # the student edition has none
         return 0
     return subprocess.run([uv, "tool", "run", "nox", "--sessions", *names], check=False).returncode
+
+
+def find_uv() -> str | None:
+    """The uv of this environment, or the one on PATH; None where there is none."""
+    return shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+
+
+def find_browser() -> str | None:
+    """The path of a Chromium on this machine, or None. COURSE_BROWSER wins."""
+    names = (os.environ["COURSE_BROWSER"],) if os.environ.get("COURSE_BROWSER") else BROWSERS
+    return next((path for name in names if (path := shutil.which(name))), None)
+
+
+def find_or_install_browser() -> str | None:
+    """Like `find_browser`, but a machine where we are root and apt-get is at hand gets Debian's Chromium first."""
+    path = find_browser()
+    if path or os.geteuid() != 0 or not shutil.which("apt-get"):
+        return path
+    print("course: installing Chromium for the browser tests (apt-get)", file=sys.stderr)
+    environ = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+    for command in (
+        ["apt-get", "update", "-qq"],
+        ["apt-get", "install", "-y", "-qq", "--no-install-recommends", "chromium"],
+    ):
+        done = subprocess.run(command, env=environ, stdout=subprocess.DEVNULL, check=False)
+        if done.returncode:
+            break
+    return find_browser()
 
 
 def pytest(arguments: list[str], environ: dict[str, str]) -> int:

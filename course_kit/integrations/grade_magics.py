@@ -57,7 +57,7 @@ class GradeMagics(Magics):
     def __init__(self, shell: InteractiveShell) -> None:
         super().__init__(shell)
         self._submissions = SubmissionCells()
-        self._reports: dict[tuple[str, int | None], Report] = {}
+        self._reports: dict[tuple[str, int | None], Report | None] = {}
         self._within_cell = False  # IPython tells of the rest of a %%submission cell as of a cell
         shell.events.register("pre_run_cell", self._before_cell)
         shell.events.register("post_run_cell", self._after_cell)
@@ -135,10 +135,7 @@ class GradeMagics(Magics):
         """As `grade_cells`, but who asks again gets the same report until a `%%submission` cell is run again."""
         key = exercise, seed
         if key not in self._reports:
-            report = self.grade_cells(exercise, seed)
-            if report is None:
-                return None
-            self._reports[key] = report
+            self._reports[key] = self.grade_cells(exercise, seed)
         return self._reports[key]
 
     def _say_what_was_graded(self, exercise: str) -> None:

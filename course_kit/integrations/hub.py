@@ -83,8 +83,7 @@ def _is_made_ready(root: Path, folder: Path) -> bool:
     """Make the learner's folder, or bring it up to date, and tell whether that could be done."""
     try:
         jupyter.make_ready(root, folder)
-    except OSError as problem:
-        what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
-        tell(f"The folder for the lessons could not be made: {what}.")
+    except jupyter.LabStartError as problem:
+        tell(problem)
         return False
     return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from contextlib import suppress
@@ -13,7 +12,6 @@ from jupyter_core import paths
 
 from course_kit import environment
 from course_kit.grading import exercise_folders
-from course_kit.integrations import terminals
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell
@@ -49,13 +47,9 @@ def run_lab(arguments: Sequence[str]) -> int:
             return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
         command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)
+        make_ready(root, folder)  # only where JupyterLab can start
     except (LabStartError, environment.DomainError) as problem:
         return cannot(problem)
-    try:
-        make_ready(root, folder)  # only where JupyterLab can start
-    except OSError as problem:
-        what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
-        return cannot(f"Your folder for the lessons could not be made: {what}.")
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
 
@@ -71,7 +65,6 @@ def lab_command(
         *environment.trusted_python("jupyterlab.labapp", "main"),
         *server_options(root),
         f"--LabApp.default_url={opens}",
-        *_terminals(),
         *as_root,
         *arguments,
     ]
@@ -88,7 +81,12 @@ def server_options(root: Path) -> list[str]:
 
 def server_variables(folder: Path) -> dict[str, str]:
     """What its environment has beside the settings of ROS."""
-    found = {**_folders(), **_interfaces(), **terminals.variables(), environment.paths.FOLDER_VARIABLE: str(folder)}
+    found = {**replacements(), environment.paths.FOLDER_VARIABLE: str(folder)}
+    if len(found) > 1:
+        spare = environment.state_dir()
+        tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
+    if path := exercise_folders.interface_path():  # by which programs in terminals find the types that exercises bring
+        found[PATH_VARIABLE] = path
     before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
     found[_CONFIG_PATH] = os.pathsep.join(filter(None, (before, str(_CONFIG))))
     found[_WORKSPACES] = os.environ.get(_WORKSPACES) or str(_workspaces(folder))
@@ -112,8 +110,12 @@ def make_ready(root: Path, folder: Path) -> None:
     """Bring a learner's folder up to date; the course's own folder, which an author opens, stays as it is."""
     if folder.resolve() == root:
         return
-    is_new = not folder.exists()
-    workspace.make_copy(root, folder)
+    try:
+        is_new = not folder.exists()
+        workspace.make_copy(root, folder)
+    except OSError as problem:
+        what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
+        raise LabStartError(f"Your folder for the lessons could not be made: {what}.") from problem
     prepare(_workspaces(folder))
     if environment.checkout() is not None and environment.paths.is_shared(root):
         tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
@@ -126,41 +128,6 @@ def _workspaces(folder: Path) -> Path:
     return folder / ".course" / "workspaces"
 
 
-def _interfaces() -> dict[str, str]:
-    """The variable by which programs in terminals find the types that exercises bring, where any do."""
-    path = exercise_folders.interface_path()
-    return {PATH_VARIABLE: path} if path else {}
-
-
-def _folders() -> dict[str, str]:
-    """What is put in place of Jupyter's own folders; says so when there are any."""
-    found = replacements()
-    if found:
-        spare = environment.state_dir()
-        tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
-    return found
-
-
-def _terminals() -> list[str]:
-    """Bash in the terminals, whatever the user's own shell is: it completes `ros2`."""
-    command = terminals.shell_command()
-    if command is None:
-        return []
-    settings = {"shell_command": command}
-    return [f"--ServerApp.terminado_settings={settings}"]
-
-
-_WORKSPACE = "default"
-_LEFT = ("filebrowser", "running-sessions", "@jupyterlab/toc:plugin", "extensionmanager.main-view")
-_CONTENTS = "@jupyterlab/toc:plugin"
-_LAYOUT = {
-    "main": {"dock": {"type": "tab-area", "currentIndex": 0, "widgets": []}},
-    "left": {"collapsed": False, "visible": True, "current": _CONTENTS, "widgets": list(_LEFT)},
-    "right": {"collapsed": True, "visible": True, "widgets": []},
-    "relativeSizes": [0.2, 0.8, 0],
-}
-
-
 def prepare(workspaces: Path) -> None:
     """Write the first workspace of a folder, unless it has one; where that fails, Jupyter's own default counts."""
     with suppress(OSError):
@@ -169,8 +136,7 @@ def prepare(workspaces: Path) -> None:
         from jupyterlab_server.workspaces_handler import WorkspacesManager  # takes half a second
 
         workspaces.mkdir(parents=True, exist_ok=True)
-        data = {"layout-restorer:data": _LAYOUT, "file-browser-filebrowser:cwd": {"path": "notebooks"}}
-        WorkspacesManager(str(workspaces)).save(_WORKSPACE, json.dumps({"data": data, "metadata": {"id": _WORKSPACE}}))
+        WorkspacesManager(str(workspaces)).save("default", (_CONFIG / "workspace.json").read_text(encoding="utf-8"))
 
 
 def _ipython_dir() -> str:

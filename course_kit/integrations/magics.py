@@ -126,10 +126,7 @@ def hint_line(line: str) -> None:
     """Show one more hint for what failed last: `%hint EXERCISE`; `--again` repeats those given so far."""
     from course_kit.learner import hints
 
-    try:
-        words = shlex.split(line)
-    except ValueError:
-        words = []
+    words = line.split()
     again = "--again" in words
     names = [word for word in words if word != "--again"]
     if len(names) != 1 or names[0].startswith("-"):

@@ -17,10 +17,8 @@ from course_kit.text.console import WIDTH, cannot
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
 
     from course_kit.grading import Report
-    from course_kit.grading.checks.check import Check
 
 _HEAD = """\
 # Made by: course-kit otter {command}
@@ -66,29 +64,18 @@ def feedback(report: Report, name: str) -> str:
 
 def case_file(exercise: str, seed: int | None = None) -> str:
     """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
-    more = {} if seed is None else {"seed": seed}
-    command = " ".join([exercise, *(f"--{option} {value}" for option, value in more.items())])
-    cases = [
-        _CASE.format(
-            title=one.title,
-            points=one.points,
-            id=one.id,
-            arguments=", ".join([repr(exercise), repr(one.id), *(f"{name}={value}" for name, value in more.items())]),
-        )
-        for one in _checks(exercise, seed)
-    ]
-    return "".join([_HEAD.format(command=command, name=exercise), *cases])
-
-
-def _checks(exercise: str, seed: int | None) -> Sequence[Check]:
-    """The checks in the order they are run."""
     from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.exercise import load
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0
-    return in_order(exercise_job.checks_of(task, drawn))
+    command, more = (exercise, "") if seed is None else (f"{exercise} --seed {seed}", f", seed={seed}")
+    cases = [
+        _CASE.format(title=one.title, points=one.points, id=one.id, arguments=f"{exercise!r}, {one.id!r}{more}")
+        for one in in_order(exercise_job.checks_of(task, drawn))
+    ]
+    return "".join([_HEAD.format(command=command, name=exercise), *cases])
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

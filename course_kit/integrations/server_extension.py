@@ -1,7 +1,8 @@
 """An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`.
 
-A hub or an editor starts the server itself, without the course's folder of programs on PATH. It exports notebooks as
-`export` says. Installed with the package, and enabled by `jupyter_server_config.d/ros2_course_kit.json`.
+A hub or an editor starts the server itself, without the course's folder of programs on PATH. Terminals complete `ros2`
+with Tab, and notebooks are exported as `export` says. Installed with the package, and enabled by
+`jupyter_server_config.d/ros2_course_kit.json`.
 """
 
 from __future__ import annotations
@@ -9,17 +10,22 @@ from __future__ import annotations
 import copy
 import json
 import os
+import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.integrations import terminals
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jupyter_server.serverapp import ServerApp
     from traitlets.config import Config
 
+START_FILE = Path(__file__).with_name("terminal.bash")  # a login shell's own files set PATH anew: it comes after them
+_SCRIPTS = "COURSE_KIT_SCRIPTS"  # what the start file reads
+_LIKE_BASH = ("", "sh", "bash", "dash")  # whose users are at home in bash
 _EXPORTS = Path(__file__).parents[1] / "jupyter_config" / "jupyter_nbconvert_config.json"
 
 
@@ -31,14 +37,20 @@ def _jupyter_server_extension_points() -> list[dict[str, str]]:
 def _link_jupyter_server_extension(server: ServerApp) -> None:
     """Called before any extension is loaded, so before the one that starts terminals reads its settings."""
     environment.paths.put_scripts_first()
-    os.environ.update(terminals.variables())
+    os.environ[_SCRIPTS] = str(environment.paths.scripts_folder())
     set_exports(server.config)
-    settings = server.terminado_settings
-    if "shell_command" in settings or not terminals.prefers_bash():
+    settings, bash = server.terminado_settings, shutil.which("bash")
+    if "shell_command" in settings or bash is None or not prefers_bash():
         return
-    # As Jupyter Server itself decides it: who starts it without a terminal, as a hub does, has not logged in.
-    if command := terminals.shell_command(login=not sys.stdout.isatty()):
-        server.terminado_settings = {**settings, "shell_command": command}
+    command = [bash, "--rcfile", str(START_FILE)]
+    if not sys.stdout.isatty():  # as Jupyter Server decides it: who starts it so, as a hub does, has not logged in
+        command = [bash, "-l", "-c", 'exec "$0" --rcfile "$1"', bash, str(START_FILE)]
+    server.terminado_settings = {**settings, "shell_command": command}
+
+
+def prefers_bash(environ: Mapping[str, str] = os.environ) -> bool:
+    """Whether terminals are bash, which completes `ros2`: those of the course's own server, else by SHELL."""
+    return environment.paths.FOLDER_VARIABLE in environ or Path(environ.get("SHELL", "")).name in _LIKE_BASH
 
 
 def set_exports(config: Config) -> None:

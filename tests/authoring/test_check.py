@@ -34,7 +34,7 @@ def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         shutil.copy(ROOT / "tests" / "broken" / EXERCISE / f"{name}.py", broken)
     variants = tmp_path / "tests" / "grading" / "correct" / EXERCISE
     variants.mkdir(parents=True)
-    for number in range(rules.FEWEST_VARIANTS):
+    for number in range(8):
         shutil.copy(solution(tmp_path), variants / f"copy_{number}.py")
     for name in ("checkout", "course_files"):
         monkeypatch.setattr(environment, name, lambda: tmp_path)
@@ -55,8 +55,11 @@ def test_a_course_that_is_right_is_proven(course: Path, capsys: pytest.CaptureFi
     del course
     code, out, err = run(capsys, EXERCISE, "--seed", "5")
     assert code == 0
-    assert "✓ 8" in out
-    assert "PROVEN. 14 submissions graded once, 14 gradings in" in out
+    assert [line.split() for line in out.splitlines()[:2]] == [
+        ["exercise", "starter", "solution", "variants", "broken", "slips", "checks", "sentences"],
+        [EXERCISE, "2", "1", "8", "3", "-", "1", "-"],
+    ]
+    assert "PROVEN. 14 submissions graded in" in out
     assert "[14/14] pattern_choice" in err
     assert max(map(len, out.splitlines())) <= 120
 
@@ -68,7 +71,6 @@ def test_a_wrong_solution_is_named(course: Path, capsys: pytest.CaptureFixture[s
     assert code == 1
     assert "pattern_choice solution pattern_choice.py: it should get full marks" in " ".join(out.split())
     assert "NOT PROVEN" in out
-    assert "✗ 1 of 1" in out
 
 
 def test_a_code_without_submission_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,16 +81,6 @@ def test_a_code_without_submission_is_named(course: Path, capsys: pytest.Capture
     named = set(re.findall(r"✗ ([\w.]+): no broken program and no slip is named after it", said))
     assert named == set(catalogue()) - set(BROKEN)
     assert f"NOT PROVEN: {len(named)} faults." in said
-
-
-def test_a_verdict_that_changes_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = course / "exercises" / EXERCISE / "exercise.toml"
-    path.write_text(path.read_text().replace("\nseed = 1 ", "\n# "))  # now each time draws other scenarios
-    code, out, _ = run(capsys, EXERCISE, "--repeat", "2", "--seed", "1")
-    said = " ".join(out.split())
-    assert code == 1
-    for name in ("solution pattern_choice.py", "broken quiz.malformed"):
-        assert f"pattern_choice {name}: a different verdict in run 2 (seed 2)" in said
 
 
 def test_a_slip_is_judged_by_what_it_says(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,7 +98,6 @@ new = 'answer = {{'
     code, out, _ = run(capsys, EXERCISE)
     assert code == 1
     assert "pattern_choice slip odd: a message should say 'unicorn'" in " ".join(out.split())
-    assert "✗ 1 of 2" in out
     path.write_text(text.format(name="odd", says="").replace("answers = {'", "no such text'"))
     code, out, err = run(capsys, EXERCISE)
     assert (code, out) == (2, "")
@@ -141,7 +132,7 @@ def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[st
     assert code == 2
     assert "There is no exercise 'unicorn'" in err
     with pytest.raises(SystemExit):
-        run(capsys, EXERCISE, "--repeat", "0")
+        run(capsys, EXERCISE, "--workers", "0")
     shutil.rmtree(course / "tests")
     assert run(capsys, EXERCISE)[0] == 2
 
@@ -171,14 +162,6 @@ def test_a_check_that_nothing_turns_red_is_named() -> None:
     reports = {right: made_report(right), wrong: made_report(wrong, other=None)}
     said = texts("checks", made_sets(right, wrong), reports)
     assert said == "temperature_service: no submission makes the check 'fine' fail."
-
-
-def test_missing_variants_are_named() -> None:
-    loaded = corpus.load("temperature_service", ROOT)
-    (right,) = loaded.of("solution")
-    kept = [one for one in loaded.of("variant") if one.name in ("class_only", "main_guarded")]
-    said = texts("variants", made_sets(right, *kept), {one: made_report(one) for one in (right, *kept)})
-    assert "there are 2 right programs in other styles; at least 8" in said
 
 
 @pytest.mark.parametrize(
@@ -214,11 +197,3 @@ def test_starter_that_passes_or_has_no_hint_of_its_own_is_named() -> None:
     assert "starter temperature_service.py: it should be graded and not passed" in said
     assert "starter temperature_service.ipynb: its first failed check, answers, has no hint from the ladder" in said
     assert "different verdicts" in said
-
-
-def test_verdict_is_what_must_not_change() -> None:
-    (one,) = corpus.load("temperature_service", ROOT).of("solution")
-    report = made_report(one)
-    assert rules.verdict(report) == rules.verdict(replace(report, duration_s=9.0, stdout="x"))
-    for changed in ({"score": 3.0}, {"status": "crashed"}, {"checks": made_report(one, fine=None).checks}):
-        assert rules.verdict(report) != rules.verdict(replace(report, **changed))

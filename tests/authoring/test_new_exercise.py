@@ -37,8 +37,7 @@ def test_what_is_made_is_proven_by_its_own_set(kind: str, mine: Path) -> None:
     task = make(mine, kind, f"my_{kind}")
     found = check.check(ROOT, [task.id])
     assert [str(one) for one in found.faults] == []
-    (run,) = found.runs
-    scores = {(one.kind, one.name): report.score / task.points for one, report in run.reports.items()}
+    scores = {(one.kind, one.name): report.score / task.points for one, report in found.reports.items()}
     assert {purpose for purpose, _ in scores} == {"starter", "solution", "variant", "broken", "slip"}
     for (purpose, name), share in scores.items():
         if purpose in ("solution", "variant"):
@@ -101,21 +100,10 @@ def test_the_command_says_what_to_do_next(tmp_path: Path, capsys: pytest.Capture
     assert "are as its exercise.toml says" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("name", "proposed"),
-    [
-        ("Dead-Band", "such as dead_band."),
-        ("DeadBand", "such as dead_band."),
-        ("3d", "a letter first."),
-        ("", "a letter first."),
-        ("class", "a letter first."),
-        ("../up", "such as up."),
-        ("a" * 41, "up to 40 small letters"),
-    ],
-)
-def test_a_bad_name_is_a_sentence(name: str, proposed: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("name", ["Dead-Band", "3d", "", "class", "../up", "a" * 41])
+def test_a_bad_name_is_a_sentence(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "exercise", name, "--topic", "--in", str(tmp_path)]) == 2
-    assert proposed in capsys.readouterr().err
+    assert "Write up to 40 small letters, digits and _, a letter first" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -148,14 +136,6 @@ def test_what_cannot_be_written_anew_is_a_sentence(  # noqa: PLR0913, PLR0917 - 
     path.write_text(path.read_text().replace(old, new))
     assert main(["new", "exercise", "dead_band", "--refresh", "--in", str(tmp_path)]) == 2
     assert sentence in capsys.readouterr().err
-
-
-def test_an_exercise_of_the_course_is_left_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = ROOT / "exercises" / "temperature_service"
-    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
-    assert main(["new", "exercise", "temperature_service", "--refresh", "--in", str(tmp_path)]) == 2
-    assert "temperature_service belongs to the course." in capsys.readouterr().err
-    assert {path: path.read_bytes() for path in before} == before
 
 
 def test_an_unknown_one_cannot_be_refreshed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import corpus, task_text
-from course_kit.grading import GradingError, exercise
+from course_kit.authoring import corpus, new_exercise, task_text
+from course_kit.grading import GradingError, exercise, exercise_folders
 from course_kit.grading.sentences import Sentence
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def test_nothing_is_left_to_write(name: str) -> None:
     task = exercise.load(name)
     for file, put in ((task.starter, task_text.in_starter), (task.notebook, task_text.in_notebook)):
         before = (task.folder / file).read_text()
-        assert words(put(before, task)) == words(before), f"run python -m course_kit.authoring.task_text {name}"
+        assert words(put(before, task)) == words(before), f"run ./course new exercise {name} --refresh"
 
 
 def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
@@ -84,7 +84,8 @@ def test_a_row_of_another_length_is_named() -> None:
         task_text.blocks([ROW, Sentence("d", "| y |")])
 
 
-def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path) -> None:
+def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exercise_folders, "is_added", lambda _folder: False)
     folder = tmp_path / "temperature_service"
     folder.mkdir()
     for path in (ROOT / "exercises" / folder.name).iterdir():
@@ -93,6 +94,6 @@ def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path) -> 
     toml = folder / "exercise.toml"
     toml.write_text(toml.read_text().replace("Any human language will do.", "Latin will do."))
     task = exercise.load(folder.name, tmp_path)
-    assert task_text.write(task) == [folder / task.starter, folder / task.notebook]
+    assert new_exercise.refresh(task) == [folder / task.starter, folder / task.notebook]
     assert all("Latin will do." in path.read_text() for path in (folder / task.starter, folder / task.notebook))
-    assert task_text.write(task) == []
+    assert new_exercise.refresh(task) == []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring import wheel_bundle
-from course_kit.authoring.lock_file import LockedPackage
+from course_kit.authoring.wheel_bundle import LockedPackage
 from course_kit.cli.main import main
 from tests.course_copy import REPOSITORY
 

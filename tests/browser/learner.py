@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from course_kit import environment
-from course_kit.dev import browser
+from course_kit.dev import suite
 from tests import jupyter_server
 from tests.course_copy import REPOSITORY, copy_with_notebooks
 
@@ -231,7 +231,7 @@ def write_settings(folder: Path) -> None:
 def chromium() -> Iterator[Browser]:
     """A new Chromium."""
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        started = playwright.chromium.launch(executable_path=suite.find_browser(), args=CHROMIUM_FLAGS)
         yield started
         started.close()
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from packaging.requirements import Requirement
 
-from course_kit.authoring import lock_file
-from course_kit.dev import lock, pythons
+from course_kit.authoring import wheel_bundle
+from course_kit.dev import lock, suite
 from tests.course_copy import REPOSITORY
 
 if sys.version_info >= (3, 11):
@@ -21,7 +21,7 @@ else:
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-FILES = sorted(path.stem for path in (REPOSITORY / lock_file.FOLDER).glob("*.txt"))
+FILES = sorted(path.stem for path in (REPOSITORY / wheel_bundle.LOCK).glob("*.txt"))
 INSTALLED_TOGETHER = {
     "wheels": ["pip", "course", "numpy", "ros"],
     "wheels with tests": ["pip", "course", "numpy", "ros", "test-ros", "test"],
@@ -35,12 +35,12 @@ NOT_INSTALLED = {"lark-parser"}  # the old name of lark: see [tool.uv] in pyproj
 def test_no_start_of_jupyter_waits_for_a_grammar_to_be_compiled() -> None:
     """It takes a second at each import of nbformat; see `lock`'s constraints. When a newer one does not, take that."""
     for name in FILES:
-        assert "rfc3987-syntax" not in {package.name for package in lock_file.read(REPOSITORY, [name])}
+        assert "rfc3987-syntax" not in {package.name for package in wheel_bundle.read_lock(REPOSITORY, [name])}
 
 
 def versions(names: list[str], python: str) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
-    for package in lock_file.read(REPOSITORY, names):
+    for package in wheel_bundle.read_lock(REPOSITORY, names):
         if package.is_for(python):
             found.setdefault(package.name, set()).add(package.version)
     return found
@@ -65,7 +65,7 @@ def flattened(extras: dict[str, list[str]], names: Iterable[str]) -> Iterator[st
 
 
 @pytest.mark.parametrize("part", [part for part in INSTALLED_TOGETHER if "sourced" not in part])
-@pytest.mark.parametrize("python", pythons.wanted())
+@pytest.mark.parametrize("python", lock.PYTHONS)
 def test_it_has_what_pyproject_asks_for(part: str, python: str) -> None:
     """Red when a dependency was added or changed; `course-kit dev lock` then renews it."""
     locked = versions(INSTALLED_TOGETHER[part], python)
@@ -81,7 +81,7 @@ def test_it_has_what_pyproject_asks_for(part: str, python: str) -> None:
 
 @pytest.mark.parametrize("part", INSTALLED_TOGETHER)
 def test_what_is_installed_together_has_one_version_of_each_package(part: str) -> None:
-    for python in pythons.wanted():
+    for python in lock.PYTHONS:
         several = {name: found for name, found in versions(INSTALLED_TOGETHER[part], python).items() if len(found) > 1}
         if python == "3.11":
             several.pop("soupsieve", None)  # 3.11.4 and 3.11.5 get different ones
@@ -113,25 +113,20 @@ def test_everything_that_its_packages_ask_for_is_in_it() -> None:
 
 @pytest.mark.parametrize("name", FILES)
 def test_its_files_are_as_the_command_writes_them_and_name_no_host(name: str) -> None:
-    text = (REPOSITORY / lock_file.FOLDER / f"{name}.txt").read_text("utf-8")
-    assert text == lock.text_of(name, lock_file.parse(text))
+    text = (REPOSITORY / wheel_bundle.LOCK / f"{name}.txt").read_text("utf-8")
+    assert text == lock.text_of(name, wheel_bundle.parse_lock(text))
     assert "://" not in text
     assert "sha256:" in text
 
 
 def test_a_line_that_is_no_version_with_hashes_is_named() -> None:
     with pytest.raises(ValueError, match="no version with hashes: numpy>=1"):
-        lock_file.parse("numpy>=1 --hash=sha256:0\n")
-
-
-def test_a_new_lock_says_what_it_changes() -> None:
-    before, now = (lock_file.parse(f"a==1 --hash=sha256:0\nb=={version} --hash=sha256:0\n") for version in "12")
-    assert lock.changes({"course": before}, {"course": now}) == ["- b 1", "+ b 2"]
+        wheel_bundle.parse_lock("numpy>=1 --hash=sha256:0\n")
 
 
 def test_without_uv_the_command_says_how_to_get_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(pythons, "find_uv", lambda: None)
+    monkeypatch.setattr(suite, "find_uv", lambda: None)
     assert lock.main([]) == 2
     assert "there is no uv" in capsys.readouterr().err

@@ -21,8 +21,8 @@ from playwright.sync_api import sync_playwright
 
 from course_kit import interfaces, lab, panels
 from course_kit.authoring import corpus
-from course_kit.dev import browser, notebooks
-from course_kit.dev.site import command, sources
+from course_kit.dev import notebooks, suite
+from course_kit.dev.site import command
 from tests.browser.learner import CHROMIUM_FLAGS
 from tests.browser.pictures import require_no_findings
 from tests.course_copy import REPOSITORY
@@ -150,7 +150,7 @@ def test_the_pages_ask_no_other_host_and_are_readable_by_everybody(site: Path) -
     asked: set[str] = set()
     failed: list[str] = []
     with served(site) as address, sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=browser.find(), args=CHROMIUM_FLAGS)
+        chromium = playwright.chromium.launch(executable_path=suite.find_browser(), args=CHROMIUM_FLAGS)
         for scheme in ("light", "dark"):
             page = chromium.new_page(viewport={"width": 400, "height": 900}, color_scheme=scheme)
             page.on("request", lambda request: asked.add(urllib.parse.urlsplit(request.url).netloc))
@@ -178,7 +178,7 @@ def test_a_notebook_is_made_readable() -> None:
     view = {"model_id": "m", "version_major": 2, "version_minor": 0}
     shown = new_output("display_data", {WIDGET: view, "text/html": "<b>a picture</b>", "text/plain": "words"})
     text = "[see](01_services.ipynb#7.4-A-deadlock) <details><summary>Why?</summary>\n\nSo. </details>"
-    made = sources.for_reading(new_notebook(cells=[new_markdown_cell(text), new_code_cell("x", outputs=[shown])]))
+    made = command.for_reading(new_notebook(cells=[new_markdown_cell(text), new_code_cell("x", outputs=[shown])]))
     assert "(01_services.ipynb#74-a-deadlock)" in made.cells[0].source
     assert made.cells[0].source.endswith("So.\n\n</details>")
     assert list(made.cells[1].outputs[0].data) == ["text/html", "text/plain"]

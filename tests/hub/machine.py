@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import psutil
 
 from course_kit import environment
-from course_kit.authoring import course_files
+from course_kit.authoring import edition_plan
 from course_kit.ros2cli import cli
 from tests.hub import guide
 from tests.jupyter_server import wait_until_up
@@ -110,7 +110,7 @@ def install(folder: Path) -> Path:
     root = environment.checkout()
     assert root is not None
     course = Path(guide.moved(guide.COURSE, folder))
-    found = course_files.look(root)
+    found = edition_plan.look(root)
     for name in sorted(found.known | found.new):  # what `git clone` would bring, and what is not committed yet
         (course / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, course / name)

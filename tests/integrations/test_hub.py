@@ -132,7 +132,7 @@ def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
     _, command, environ = started.value.args
     assert command[-1] == "--allow-root"
     assert environ["JUPYTERHUB_DEFAULT_URL"] == "/lab"
-    assert "The folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
+    assert "Your folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
 
 
 def test_users_of_one_installation_have_domains_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.integrations import terminals
+from course_kit.integrations import server_extension
 from tests.jupyter_server import allow_root, started
 
 if TYPE_CHECKING:
@@ -86,9 +86,7 @@ def test_course_kit_lab_without_the_door_has_it_too_also_with_a_middleware_that_
     assert "the course uses rmw_fastrtps_cpp" in told[0]
 
 
-@pytest.mark.parametrize(
-    ("shell", "bash"),
-    [("", True), ("/bin/sh", True), ("/usr/bin/bash", True), ("/bin/zsh", False), ("/usr/bin/fish", False)],
-)
-def test_bash_is_for_those_who_have_no_other_favourite(shell: str, bash: bool) -> None:
-    assert terminals.prefers_bash({"SHELL": shell}) is bash
+def test_bash_is_for_those_who_have_no_other_favourite_and_for_the_courses_own_server() -> None:
+    found = [server_extension.prefers_bash({"SHELL": shell}) for shell in ("", "/usr/bin/bash", "/usr/bin/fish")]
+    assert found == [True, True, False]
+    assert server_extension.prefers_bash({"SHELL": "/bin/zsh", environment.FOLDER_VARIABLE: "my-course"})

@@ -55,16 +55,14 @@ def sample(one: corpus.Corpus) -> corpus.Corpus:
 )
 def proofs(request: pytest.FixtureRequest) -> Proofs:
     whole = [corpus.load(name, ROOT) for name in (*EXERCISES, *DRILLS)]
-    if request.param == SAMPLE:
-        chosen, run = [sample(one) for one in whole], check.Run(1, {})
-    else:
-        chosen, run = whole, check.Run(request.param, {})
+    is_sample = request.param == SAMPLE
+    chosen = [sample(one) for one in whole] if is_sample else whole
     with Gradings([one.task for one in chosen]) as pool:
-        check._grade(pool, chosen, [run])
+        reports = check.grade(pool, chosen, 1 if is_sample else request.param)
     found = [
         fault
         for one in chosen
-        for fault in rules.faults(one, run.reports)
-        if request.param != SAMPLE or fault.submission  # what holds of all together needs all
+        for fault in rules.faults(one, reports)
+        if not is_sample or fault.submission  # what holds of all together needs all
     ]
-    return Proofs(whole, run.reports, found)
+    return Proofs(whole, reports, found)

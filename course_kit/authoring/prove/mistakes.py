@@ -23,18 +23,8 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.Pow: ast.Mult,
 }
 _EDGES: dict[type[ast.cmpop], type[ast.cmpop]] = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
-_REVERSED: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    ast.Lt: ast.GtE,
-    ast.LtE: ast.Gt,
-    ast.Gt: ast.LtE,
-    ast.GtE: ast.Lt,
-    ast.Eq: ast.NotEq,
-    ast.NotEq: ast.Eq,
-    ast.In: ast.NotIn,
-    ast.NotIn: ast.In,
-    ast.Is: ast.IsNot,
-    ast.IsNot: ast.Is,
-}
+_OPPOSITES = ((ast.Lt, ast.GtE), (ast.Gt, ast.LtE), (ast.Eq, ast.NotEq), (ast.In, ast.NotIn), (ast.Is, ast.IsNot))
+_REVERSED: dict[type[ast.cmpop], type[ast.cmpop]] = {**dict(_OPPOSITES), **{two: one for one, two in _OPPOSITES}}
 _MIXED_UP = {"min": "max", "max": "min", "all": "any", "any": "all", "isfinite": "isnan", "isnan": "isinf"}
 _SLIGHTLY = 1e-3  # of a number
 _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
@@ -123,11 +113,6 @@ def _formatted(node: ast.JoinedStr) -> Iterator[Mutation]:
             yield Mutation("another text", part, ast.Constant(f"{part.value!s}_"), at=node)
         elif len(node.values) > 1:
             yield Mutation("value left out of a text", part, None, at=node)
-    values = [place for place, part in enumerate(node.values) if isinstance(part, ast.FormattedValue)]
-    if len(values) > 1:
-        parts = list(node.values)
-        parts[values[0]], parts[values[1]] = parts[values[1]], parts[values[0]]
-        yield Mutation("arguments swapped", node, ast.JoinedStr(parts))
 
 
 def elements(program: ParsedProgram) -> Iterator[Mutation]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -29,17 +29,12 @@ class Mutation:
     also: tuple[ast.AST, New] | None = None  # a second place
 
 
-@dataclass
 class ParsedProgram:
-    """A program that can be parsed."""
+    """A program that can be parsed; one that need not start its node is started by a grader, its `main` unseen."""
 
-    source: str
-    # whether it has to start its node; else a grader starts the class, and nobody sees its `main`
-    starts_itself: bool = True
-    tree: ast.Module = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.tree = ast.parse(self.source)
+    def __init__(self, source: str, *, starts_itself: bool = True) -> None:
+        self.tree = ast.parse(source)
+        self.starts_itself = starts_itself
 
     @cached_property
     def _places(self) -> dict[ast.AST, tuple[ast.AST, str]]:

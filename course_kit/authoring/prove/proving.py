@@ -141,11 +141,7 @@ def _read_solution(solution: Path) -> str:
         source = solution.read_text(encoding="utf-8")
         compile(source, solution.name, "exec", dont_inherit=True)
     except FileNotFoundError:
-        raise GradingError(
-            f"There is no solution {solution}: without one there are no mistakes to make in it."
-        ) from None
-    except SyntaxError as problem:
-        raise GradingError(f"{solution} is not Python: line {problem.lineno}: {problem.msg}.") from None
-    except (OSError, ValueError) as problem:
-        raise GradingError(f"{solution} cannot be read: {problem}.") from None
+        raise GradingError(f"There is no solution {solution}, in which mistakes could be made.") from None
+    except (OSError, SyntaxError, ValueError) as problem:
+        raise GradingError(f"{solution} is no program: {problem}.") from None
     return source

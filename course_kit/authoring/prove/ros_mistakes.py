@@ -16,11 +16,9 @@ if TYPE_CHECKING:
 # By what makes an endpoint: where its name and its quality of service stand, and another type.
 _ENDPOINTS = {
     "create_service": (1, None, "std_srvs.srv.Trigger"),
-    "create_client": (1, None, ""),
     "create_publisher": (1, 2, "std_msgs.msg.String"),
     "create_subscription": (1, 3, "std_msgs.msg.String"),
     "ActionServer": (2, None, "example_interfaces.action.Fibonacci"),
-    "ActionClient": (2, None, ""),
 }
 _NAMES, _QOS_NAME = ("srv_name", "topic", "action_name"), "qos_profile"
 _QOS = "__import__('rclpy').qos"
@@ -52,7 +50,7 @@ def endpoints(program: ParsedProgram) -> Iterator[Mutation]:
             if isinstance(name, ast.Constant) and isinstance(name.value, str):
                 for text in (f"{name.value}s", f"~/{name.value.lstrip('/')}"):
                     yield Mutation("endpoint's name", name, ast.Constant(text))
-        if other and len(call.args) >= at_name and not other.endswith(f".{ast.unparse(call.args[at_name - 1])}"):
+        if len(call.args) >= at_name and not other.endswith(f".{ast.unparse(call.args[at_name - 1])}"):
             module, _, kind = other.rpartition(".")
             new = expression(f"__import__({module!r}, fromlist=['*']).{kind}")
             yield Mutation("another type", call.args[at_name - 1], new)

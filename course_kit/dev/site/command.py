@@ -1,12 +1,14 @@
 """`course-kit dev site`: makes the site to read before installing, or to publish.
 
 Whatever Sphinx warns of is an error. The pages need no network and fetch nothing from another host. The folder is
-replaced only by a site that is complete.
+replaced only by a site that is complete. README is the front page. What is read is put into one folder, as it lies in
+the course's, so that the links between pages hold.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -15,9 +17,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import nbformat
+
 from course_kit import environment
-from course_kit.dev.site import sources
-from course_kit.grading import GradingError
+from course_kit.dev import notebooks
+from course_kit.grading import GradingError, exercise
+from course_kit.integrations import export
+from course_kit.ros2cli import parser as ros2_parser
 from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
@@ -26,6 +32,23 @@ if TYPE_CHECKING:
 _USUAL = "artifacts/site"  # in the course's folder; git ignores it
 _SIGN = ".buildinfo"  # Sphinx writes it into what it has made
 NEEDS = ("sphinx", "myst_nb", "furo", "sphinx_argparse_cli")
+
+_PAGES = Path(__file__).parent / "pages"
+_FRONT_END = "end_of_index.md"
+_MARKDOWN = (
+    "CHANGELOG.md",
+    "CODE_OF_CONDUCT.md",
+    "CONTRIBUTING.md",
+    "SECURITY.md",
+    "course_kit/authoring/AUTHORING.md",
+    "course_kit/classroom/PRIVACY.md",
+    "course_kit/grading/LIMITS.md",
+    "course_kit/launch/OWN_PACKAGE.md",
+)
+_FOLDERS = ("course_kit/guides", "notebooks/pictures")
+_LEXER = "lesson"  # see `conf`
+_ANCHOR = re.compile(r"(\.ipynb#)([^)\s]+)")
+_END_OF_FOLDED = re.compile(r"[ \t]*\n*</details>")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -66,7 +89,7 @@ def _build(root: Path, target: Path) -> int:
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as work:
         gathered, made = Path(work, "sources"), Path(work, "made")
-        sources.gather(root, gathered)
+        gather(root, gathered)
         if code := _run_sphinx(gathered, made):
             return code
         if target.exists():
@@ -82,3 +105,59 @@ def _run_sphinx(gathered: Path, made: Path) -> int:
     cached = ["-d", str(gathered.parent / "doctrees")]
     command = [sys.executable, "-m", "sphinx", *words, *cached, str(gathered), str(made)]
     return min(1, abs(subprocess.run(command, check=False).returncode))
+
+
+def gather(root: Path, folder: Path) -> None:
+    """Put together what Sphinx reads in an empty folder."""
+    own = folder / "exercises"
+    for name in _FOLDERS:
+        shutil.copytree(root / name, folder / name)
+    for name in _MARKDOWN:
+        _write(folder / name, (root / name).read_text(encoding="utf-8"))
+    _write(folder / "index.md", (root / "README.md").read_text("utf-8") + (_PAGES / _FRONT_END).read_text("utf-8"))
+    lists = {"exercises": _in_order(root / own.name), "drills": _in_order(root / own.name / "drills")}
+    for page in sorted(_PAGES.rglob("*.md")):
+        if page.name != _FRONT_END:
+            _write(folder / page.relative_to(_PAGES), _filled_in(page.read_text("utf-8"), root, lists))
+    for path in [*notebooks.with_outputs(root, drills=False), *(path for found in lists.values() for path in found)]:
+        _write(folder / path.relative_to(root), nbformat.writes(for_reading(nbformat.read(path, as_version=4))))
+
+
+def _in_order(folder: Path) -> list[Path]:
+    """The notebooks of the exercises in a folder, in the course's order."""
+    tasks = sorted((exercise.load(name, folder) for name in exercise.ids(folder)), key=lambda task: task.order)
+    return [folder / task.id / task.notebook for task in tasks]
+
+
+def _filled_in(text: str, root: Path, lists: dict[str, list[Path]]) -> str:
+    for name, paths in lists.items():
+        documents = (path.relative_to(root).with_suffix("").as_posix() for path in paths)
+        text = text.replace(f"{{{{ {name} }}}}", "\n".join(documents))
+    return text
+
+
+def for_reading(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
+    """A notebook as the site shows it: panels are pictures, answers folded, and links lead to the site's headings."""
+    notebook.metadata.setdefault("language_info", {})["pygments_lexer"] = _LEXER
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            cell.source = _ANCHOR.sub(
+                lambda found: found[1] + anchor(found[2]), _END_OF_FOLDED.sub("\n\n</details>", cell.source)
+            )
+        export.show_pictures(cell)
+    return notebook
+
+
+def anchor(heading: str) -> str:
+    """A heading's anchor as GitHub and the site make it, out of JupyterLab's: `7.4-A-deadlock` is `74-a-deadlock`."""
+    return re.sub(r"[^\w-]", "", heading).lower()
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def ros2() -> ros2_parser.Parser:
+    """The parser of `ros2` with the verbs of all commands; a command line that is run has only those it needs."""
+    return ros2_parser.build(list(ros2_parser.COMMANDS))

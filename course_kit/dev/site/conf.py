@@ -1,12 +1,14 @@
-"""How Sphinx makes the site out of what `sources` has put together."""
+"""How Sphinx makes the site out of what `command` has put together."""
 
 from __future__ import annotations
 
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from course_kit.dev.site.lexer import LessonLexer
+from pygments.lexer import bygroups, inherit, using
+from pygments.lexers.python import PythonLexer
+from pygments.token import Keyword, Operator, Text
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -41,6 +43,24 @@ html_js_files = ["site.js"]
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
+
+
+class LessonLexer(PythonLexer):
+    """Python with magics; IPython's own lexer does not know the course's, and has no colours below them."""
+
+    name = "a lesson of the course"
+    aliases: ClassVar[list[str]] = ["lesson"]
+    tokens: ClassVar[dict[str, list[Any]]] = {
+        "root": [
+            (
+                r"(?s)(%%)(submission|ros_script)([^\n]*\n)(.*)",
+                bygroups(Operator, Keyword, Text, using(PythonLexer)),
+            ),
+            (r"(?s)(%%)(\w+)(.*)", bygroups(Operator, Keyword, Text)),
+            (r"^([%!])(\w+)([^\n]*\n)", bygroups(Operator, Keyword, Text)),
+            inherit,
+        ],
+    }
 
 
 def setup(app: Sphinx) -> None:

@@ -46,13 +46,6 @@ def test_something_found(known: Tiny, capsys: pytest.CaptureFixture[str]) -> Non
     assert "NOT PROVEN." in out
 
 
-def test_what_cannot_be_tried(known: Tiny, capsys: pytest.CaptureFixture[str]) -> None:
-    known.declare("[[equivalent]]\n")
-    code, out, err = run(capsys)
-    assert (code, out) == (2, "")
-    assert "equivalent.toml cannot be used: entry 1 of [[equivalent]] has no 'lines'." in err
-
-
 def test_ctrl_c_stops_it(known: Tiny, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: object, **_more: object) -> None:
         raise KeyboardInterrupt
