@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import check, corpus, new_exercise
+from course_kit.authoring import check, new_exercise
 from course_kit.cli.main import main
 from course_kit.grading import exercise
 from course_kit.grading.exercise_folders import VARIABLE
@@ -78,12 +78,6 @@ def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(
     assert cells["answer"].startswith("%%submission dead_band\nimport rclpy\n")
     assert cells["answer"].endswith("# Yours.")
     assert new_exercise.refresh(exercise.read(task.folder)) == []
-
-
-def test_the_program_of_the_notebook_is_that_of_the_starter(mine: Path) -> None:
-    (program, notebook) = corpus.load(make(mine).id, ROOT).of("starter")
-    cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.path.read_text())["cells"]}
-    assert cells["answer"].partition("\n")[2] in program.path.read_text()
 
 
 def test_the_command_says_what_to_do_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -190,14 +190,10 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path, capsys
         assert command.main(["--to", str(place)]) == 2
         assert f"{place} is no site that this command has made" in capsys.readouterr().err
     assert [one.name for one in tmp_path.iterdir()] == ["thesis.tex"]
-
-
-def test_a_checkout_of_a_published_site_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / ".git").mkdir()
-    (tmp_path / command._SIGN).touch()
-    assert command.main(["--to", str(tmp_path)]) == 2
-    assert "is no site that this command has made" in capsys.readouterr().err
-    assert (tmp_path / ".git").is_dir()
+    published = tmp_path / "published"
+    (published / ".git").mkdir(parents=True)
+    (published / command._SIGN).touch()
+    assert command.main(["--to", str(published)]) == 2
 
 
 def test_without_sphinx_it_says_how_to_get_it(

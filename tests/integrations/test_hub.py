@@ -135,22 +135,6 @@ def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
     assert "Your folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
 
 
-def test_users_of_one_installation_have_domains_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As many as a large class: the kernel is asked for each user's, one after the other."""
-    from course_kit.environment.domains import Leases
-
-    leases = Leases(f"class {os.getpid()}")
-    held = []
-    for user in range(60):
-        monkeypatch.setattr(os, "getuid", lambda user=user: 10_000 + user)
-        held.append(leases.share(f"{user}:/opt/ros2-course"))
-    try:
-        assert len({lease.domain_id for lease in held}) == len(held)
-    finally:
-        for lease in held:
-            lease.release()
-
-
 def test_the_configuration_of_the_guide_starts_what_the_guide_installs() -> None:
     configured = ast.parse(guide.block("Configure the hub", "python"))
     settings = {ast.unparse(one.targets[0]): one.value for one in configured.body if isinstance(one, ast.Assign)}

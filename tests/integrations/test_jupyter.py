@@ -33,10 +33,6 @@ def test_who_decides_it_themselves_is_left_alone(own: str) -> None:
     assert jupyter.root_arguments([own], 0, "") == []
 
 
-def test_nobody_else_is_asked() -> None:
-    assert jupyter.root_arguments([], 1000, "") == jupyter.root_arguments([], 1000, "/.dockerenv") == []
-
-
 def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -122,7 +118,7 @@ def test_the_first_lines_of_other_commands_stand_without_a_home(tmp_path: Path) 
     course = Course(tmp_path)
     variables = course.environ(COURSE_KIT_PROGRESS="off")
     environ = {name: value for name, value in variables.items() if name not in ("HOME", "XDG_STATE_HOME")}
-    for arguments, code in ((["list"], 0), (["hint", "move_robot"], 0), (["quiz"], 0), (["doctor"], 0)):
+    for arguments, code in ((["hint", "move_robot"], 0), (["doctor"], 0)):
         done = subprocess.run(
             as_somebody("env", "-u", "ROS_LOG_DIR", *course.command(*arguments)), cwd=course.root, env=environ,
             capture_output=True, text=True, timeout=100, check=False,

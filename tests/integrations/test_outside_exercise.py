@@ -57,12 +57,3 @@ def test_the_commands_of_a_learner_know_it(tmp_path: Path, capsys: pytest.Captur
     cases = capsys.readouterr().out
     assert "The service is there" in cases
     assert "It adds" in cases
-
-
-@pytest.mark.usefixtures("domain")
-def test_in_a_kernel_without_such_exercises_nothing_is_looked_for(tmp_path: Path) -> None:
-    with Kernel(cwd=tmp_path) as kernel:
-        assert kernel.run("%load_ext course_kit").ok
-        told = kernel.run("import os\nprint(os.environ.get('COURSE_KIT_INTERFACE_PATH', 'none'))")
-        assert told.stdout == "none\n"
-        assert "ModuleNotFoundError" in kernel.run("import three_interfaces").error
