@@ -82,9 +82,7 @@ def main(arguments: Sequence[str]) -> int:
         return cannot(f"the lock could not be read: {problem} `course-kit dev lock --upgrade` does not need it.")
     for name, packages in parts.items():
         environment.write_atomically(root / wheel_bundle.LOCK / f"{name}.txt", text_of(name, packages), durable=False)
-    print(
-        f"course: {sum(map(len, parts.values()))} lines in {wheel_bundle.LOCK}. See git diff, then run ./course test."
-    )
+    print(f"course: the lock is in {wheel_bundle.LOCK}. See git diff, then run ./course test.")
     return 0
 
 
@@ -152,5 +150,4 @@ def _without(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -
 
 def _places(package: LockedPackage) -> list[tuple[str, str]]:
     """The Pythons and systems on which a package is installed, of those that the course is for."""
-    every = itertools.product(PYTHONS, _SYSTEMS)
-    return [(python, system) for python, system in every if package.is_for(python, system)]
+    return [place for place in itertools.product(PYTHONS, _SYSTEMS) if package.is_for(*place)]

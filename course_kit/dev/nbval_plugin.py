@@ -9,9 +9,11 @@ lines holds style sheets and measured times. The words that each brings along, a
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
+from contextlib import suppress
 from queue import Empty
 from typing import TYPE_CHECKING
 
@@ -44,19 +46,18 @@ if _found.has(compat.NOTEBOOK_TESTS):
 
         def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
             """Wait for the reply in short steps, looking each time whether the kernel still lives."""
-            deadline = None if timeout is None else time.monotonic() + timeout
+            ends = math.inf if timeout is None else time.monotonic() + timeout
             while not self._replied(msg_id):
                 if not self.is_alive():
                     raise RuntimeError("The kernel has died while it ran this cell.")
-                if deadline is not None and time.monotonic() > deadline:
+                if time.monotonic() > ends:
                     raise Empty
 
         def _replied(self, msg_id: str) -> bool:
-            try:
+            with suppress(Empty):
                 super().await_reply(msg_id, timeout=_POLL_S)
-            except Empty:
-                return False
-            return True
+                return True
+            return False
 
         def stop(self) -> None:
             """Ask the kernel to end; only one that does not is killed."""

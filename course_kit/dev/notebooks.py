@@ -34,11 +34,9 @@ def main(arguments: Sequence[str]) -> int:
     root = environment.checkout()
     if root is None:
         return cannot("the notebooks belong to the course's folder; run this in a clone of it.")
-    paths = [Path(name).resolve() for name in arguments]
+    paths = [Path(os.path.relpath(name, root)) for name in arguments]
     os.chdir(root)
-    return run(
-        environment.child_environment(COURSE_KIT_PROGRESS="off"), [Path(os.path.relpath(path)) for path in paths]
-    )
+    return run(environment.child_environment(COURSE_KIT_PROGRESS="off"), paths)
 
 
 def with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
@@ -49,10 +47,10 @@ def with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
 
 
 def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
-    """Run nbval, strict, over notebooks (all when none is named), three at a time; 0 when every output was as stored."""
-    paths = sorted(paths or with_outputs(Path()), key=lambda path: path.stat().st_size, reverse=True)  # long ones first
+    """Run nbval, strict, over notebooks (all when none is named), side by side; 0 when every output was as stored."""
+    longest_first = sorted(paths or with_outputs(Path()), key=lambda path: path.stat().st_size, reverse=True)
     with ThreadPoolExecutor(_AT_ONCE) as threads:
-        return max(threads.map(lambda path: _run_one(path, environ), paths), default=2)
+        return max(threads.map(lambda path: _run_one(path, environ), longest_first), default=2)
 
 
 def _run_one(path: Path, environ: Mapping[str, str]) -> int:
