@@ -97,7 +97,6 @@ def test_it_holds_the_course_and_no_answers(installed: Installed) -> None:
 def test_a_learner_works_in_a_folder_of_their_own(installed: Installed) -> None:
     folder = installed.folder / "my robots"
     assert "There is no temperature_service.py of yours here." in installed.run("grade", TEMPERATURE, code=2)
-    assert "there is no folder" in installed.run("update", str(folder), code=2)
     assert f"are in {folder}" in installed.run("copy", str(folder))
     (folder / "course").unlink()
     (folder / "course").mkdir()  # a package of the learner's
@@ -117,14 +116,13 @@ def test_an_update_of_the_package_brings_new_lessons_and_leaves_what_is_the_lear
     folder = installed.folder / "updated"
     installed.run("copy", str(folder))
     (folder / MINE).write_text("# mine\n")
-    assert installed.run("update", cwd=folder) == f"{folder} is up to date.\n"
     given = installed.packages / "course_kit" / "course"
     new = {given / MINE: "# a new starter\n", given / "notebooks" / "07_new.ipynb": "{}"}
     before = {path: path.read_bytes() for path in new if path.exists()}
     try:
         for path, text in new.items():
             path.write_text(text)
-        said = installed.run("update", cwd=folder)
+        said = installed.run("copy", cwd=folder)
     finally:
         for path in new:
             path.write_bytes(before[path]) if path in before else path.unlink()

@@ -37,7 +37,8 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
         _copy(path, handed_over / _STUDENT)
         found = _find(handed_over, task, Path(made, "unpacked"))
         if found is None:
-            report = engine.unreadable(task, path.name, _nothing(task))
+            why = "There is no program for this exercise in what was handed in. "
+            report = engine.unreadable(task, path.name, f"{why}Hand in {task.starter} or {task.notebook}.")
             return _record(task, path.name, report, seed)
         report = engine.grade(task.id, found, seed=seed, require_isolation=require_isolation)
         return _record(task, found.name, report, seed)
@@ -49,10 +50,6 @@ def _record(task: Exercise, source: str, report: Report, seed: int) -> Record:
         raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
     entry = Entry("", task.id, source)
     return Record(entry, "", 0, seed, report.to_mapping(), title=task.title, isolation=report.isolation)
-
-
-def _nothing(task: Exercise) -> str:
-    return f"There is no program for this exercise in what was handed in. Hand in {task.starter} or {task.notebook}."
 
 
 def _find(handed_over: Path, task: Exercise, workspace: Path) -> Path | None:

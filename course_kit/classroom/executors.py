@@ -72,14 +72,12 @@ class Local:
         self._turns = Turns(self._pool.grade, usual, idle, most_that_wait=waiting)
 
     def submit(self, task: Task) -> Future[Report]:
-        """See `Executor`."""
         return self._turns.submit(task)
 
     def require_reachable(self) -> None:
         """See `Executor`; workers of this machine that end are replaced."""
 
     def close(self) -> None:
-        """See `Executor`."""
         self._turns.end()
         self._pool.close()
         self._turns.join()
@@ -110,7 +108,6 @@ class Cluster:
         self._futures: Any = self._client.get_executor(retries=_RETRIES, pure=False)
 
     def submit(self, task: Task) -> Future[Report]:
-        """See `Executor`."""
         self.require_reachable()
         future: Future[Report] = self._futures.submit(grade_on_cluster, task)
         return future
@@ -121,7 +118,6 @@ class Cluster:
             raise SchedulerLostError(f"The Dask scheduler at {self._address} has ended or cannot be reached any more.")
 
     def close(self) -> None:
-        """See `Executor`."""
         self._futures.shutdown(wait=False)  # cancels what has not come back
         self._client.close(timeout=_CLOSE_S)
 

@@ -1,6 +1,8 @@
-"""What is known of one submission of a class, and the folder that keeps it: one file each, written atomically.
+"""What is known of the submissions of a class, and the folder that keeps it: one file each, written atomically.
 
-The folder is the journal of a run. Whatever ends the run, a record is either there as a whole or not at all.
+The folder is the journal of a run. Whatever ends the run, a record is either there as a whole or not at all. What
+counts of a submission stands in its record, and nowhere else: `score`, `passed`, `has_grade`, `is_late` and `remarks`
+are those after lateness, penalty and the instructor's override; `graded_score` is that of the checks.
 """
 
 from __future__ import annotations
@@ -8,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
+    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.readings import Readings
+
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html
 SUPERSEDED = "superseded"  # beside it, results that no longer count: superseded/<student>/<exercise>.<number>.json
@@ -29,9 +35,6 @@ _LONGEST_NAME = 120  # bytes; a file system takes 255
 _LONGEST_PLAIN = 80  # characters
 _MARK = 16  # hexadecimal digits
 _MARKED = re.compile(rf"-[0-9a-f]{{{_MARK}}}\Z")
-_DEVICES = frozenset(
-    {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(10))}
-)
 
 
 @dataclass(frozen=True)
@@ -227,8 +230,73 @@ def safe_name(student: str) -> str:
     """A folder's name for a student: readable, legal everywhere, and different for different students."""
     plain = _UNSAFE.sub("_", student).strip("._")[:_LONGEST_PLAIN]
     plain = plain.encode(errors="replace")[:_LONGEST_NAME].decode(errors="ignore")
-    # Nobody may be called like somebody else's name with its mark; nor like a device, where Windows reads the results.
-    legal = not _MARKED.search(plain) and plain.partition(".")[0] not in _DEVICES
-    if plain == student and plain.lower() == plain and legal:
+    # Nobody may be called like somebody else's name with its mark.
+    if plain == student and plain.lower() == plain and not _MARKED.search(plain):
         return plain
     return f"{plain}-{hashlib.sha256(student.encode(errors='surrogatepass')).hexdigest()[:_MARK]}"
+
+
+@dataclass(frozen=True)
+class Gradebook:
+    """The results of a class run."""
+
+    exercises: tuple[Exercise, ...]  # the exercises that were set, in the order of the course
+    records: tuple[Record, ...]  # one for each student and exercise that was handed in, by student and exercise
+    missing: tuple[tuple[str, str], ...] = ()  # student and exercise of those who handed in something else only
+    left: tuple[tuple[str, str], ...] = ()  # path and reason of each file that is no submission
+    layout: str = ""  # the layout the submissions were in
+    seed: int = 0  # what the checks drew from
+    complete: bool = True  # whether every submission has its record; False after Ctrl-C
+    root: Path | None = None  # the folder the entries' sources are relative to; None where they are not at hand
+    readings: Readings | None = None  # who has read them, and remembers; None where nobody has
+    odd: tuple[tuple[str, str], ...] = ()  # student and reason of those whose entry does not fit the layout
+    # student and reason of those who handed in something of which nothing could be graded, or not all
+    dropped: tuple[tuple[str, str], ...] = ()
+    # identifier and name of those on the roster who handed in nothing; they are among `missing`, too
+    absent: tuple[tuple[str, str], ...] = ()
+    unknown: tuple[tuple[str, str], ...] = ()  # student and reason of those who do not match the roster
+    earlier: frozenset[str] = (
+        frozenset()
+    )  # ids of the exercises that an earlier run has graded: their files are elsewhere
+    canvas_assignments: tuple[str, ...] = ()  # see `Roster`
+    others: tuple[Entry, ...] = ()  # who has no submission at all, in entries without exercise and source
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """What everybody handed in, and who handed in nothing."""
+        return (*(record.entry for record in self.records), *self.others)
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The names of those without a submission, by student."""
+        return {one.student: one.name for one in self.others if one.name}
+
+    @property
+    def students(self) -> list[str]:
+        """Everybody who handed in anything, sorted."""
+        return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
+
+    def graded(self, exercise_id: str | None = None) -> list[Record]:
+        """The records that hold a grade, of one exercise or of all; see `Record.has_grade`."""
+        of = self.records if exercise_id is None else self.of(exercise_id)
+        return [record for record in of if record.has_grade]
+
+    @property
+    def not_graded(self) -> list[Record]:
+        """The records of submissions that have to be graded again, as the grader itself failed."""
+        return [record for record in self.records if not record.has_grade]
+
+    def of(self, exercise_id: str) -> list[Record]:
+        """The records of one exercise, by student."""
+        return [record for record in self.records if record.entry.exercise == exercise_id]
+
+    def tally(self) -> Counter[str]:
+        """How many passed, did not pass, crashed, were unreadable, or met an error of the grader."""
+        return Counter(outcome(record) for record in self.records)
+
+
+def outcome(record: Record) -> str:
+    """A record in a word or two: passed, not passed, crashed, unreadable or error."""
+    if record.status == "graded" or record.passed or record.adjustment.override is not None:
+        return "passed" if record.passed else "not passed"
+    return record.status

@@ -10,24 +10,19 @@ import shutil
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import submissions, versions
-from course_kit.classroom.concurrency import early
-from course_kit.classroom.exports.results import score
-from course_kit.classroom.exports.texts import csv_text, number
-from course_kit.classroom.gradebook import outcome
-from course_kit.classroom.grading_loop import GradingLoop
-from course_kit.classroom.records import Records
+from course_kit.classroom import submissions
+from course_kit.classroom.exports.texts import csv_text, lines_of_table, number, score
+from course_kit.classroom.grading_loop import GradingLoop, versions_of
+from course_kit.classroom.records import Records, outcome
 from course_kit.environment import write_atomically
-from course_kit.grading.reading import ReadingStoppedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
     from pathlib import Path
 
     from course_kit.classroom.executors import Executor
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.grading_loop import Watcher
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.grading_loop import RunProgress
+    from course_kit.classroom.records import Gradebook, Record
     from course_kit.classroom.run import ClassRun
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.readings import Readings
@@ -88,10 +83,10 @@ def _told(record: Record) -> str:
 class Regrade:
     """One regrade of a class run's results."""
 
-    def __init__(self, run: ClassRun, out: Path, exercises: Collection[str], watcher: Watcher) -> None:
+    def __init__(self, run: ClassRun, out: Path, exercises: Collection[str], progress: RunProgress) -> None:
         self._run = run
         self._out = out
-        self._watcher = watcher
+        self._progress = progress
         book = run.as_it_is()
         self._exercises = {one.id: one for one in book.exercises}
         # A score for nothing handed in stays.
@@ -103,7 +98,7 @@ class Regrade:
 
     def grade(self, start: Callable[[], Executor], stops: Callable[[], int]) -> list[GradeChange]:
         """Grade; what differs is returned and written into the table, and nothing else is written yet."""
-        loop = GradingLoop(self._staging, self._watcher, stops, self._run.hidden_folders)
+        loop = GradingLoop(self._staging, self._progress, stops, self._run.hidden_folders)
         groups = self._take_stock(stops)
         if groups:
             executor = start()
@@ -150,21 +145,13 @@ class Regrade:
 
     def _take_stock(self, stops: Callable[[], int]) -> list[list[Handed]]:
         """Read what is graded again; identical ones together."""
-        groups: dict[tuple[str, str, int], list[Handed]] = {}
-        now = {one.id: versions.of(one) for one in self._exercises.values()}
-        try:
-            with self._run.readings.remembered(lambda: stops() > 0) as readings:
-                for record in self._chosen:
-                    staged = self._staged(record, now)
-                    one = self._read(record, readings, staged)
-                    if staged is not None and one.has_result(staged):
-                        self._new.append(staged)
-                    else:
-                        groups.setdefault(one.key, []).append(one)
-        except ReadingStoppedError:
-            groups = {}
-        self._watcher.begin(len(self._chosen), self._new)
-        return early(groups.values(), lambda group: group[0].urgency)
+        now = {one.id: versions_of(one) for one in self._exercises.values()}
+        found = ((record, self._staged(record, now)) for record in self._chosen)
+        with self._run.readings.remembered(lambda: stops() > 0) as readings:
+            ready, groups = submissions.sort_out((self._read(one, readings, staged), staged) for one, staged in found)
+        self._new += [staged for _, staged in ready]
+        self._progress.begin(len(self._chosen), self._new)
+        return groups
 
     def _staged(self, record: Record, now: dict[str, dict[str, str]]) -> Record | None:
         """What an earlier regrade has found, by the rules of now."""
@@ -183,18 +170,16 @@ def _key(record: Record) -> tuple[str, str]:
 
 def table(changes: Sequence[GradeChange]) -> Iterator[str]:
     """The table for a terminal, line by line."""
-    header = [name for name in HEADER if name != "name"]
-    rows = [header, *([cell for name, cell in zip(HEADER, one.row, strict=True) if name != "name"] for one in changes)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(header))]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    name = HEADER.index("name")
+    rows: list[Sequence[str]] = [HEADER, *(change.row for change in changes)]
+    return lines_of_table([[*row[:name], *row[name + 1 :]] for row in rows])
 
 
 def graded_otherwise(book: Gradebook) -> dict[str, int]:
     """How many results of each exercise were graded by another kit, exercise or grader than those of now."""
     found = {}
     for exercise in book.exercises:
-        now = versions.of(exercise)
+        now = versions_of(exercise)
         others = [one for one in book.of(exercise.id) if one.entry.source and one.versions != now]
         found.update({exercise.id: len(others)} if others else {})
     return found

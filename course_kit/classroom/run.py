@@ -13,25 +13,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom import run_note, submissions
-from course_kit.classroom.concurrency import early
-from course_kit.classroom.gradebook import Gradebook
+from course_kit.classroom import run_folder, submissions
 from course_kit.classroom.grading_loop import GradingLoop
 from course_kit.classroom.intake import collecting, table
-from course_kit.classroom.preconditions import WORKSPACE, require_folders_apart, require_submissions
-from course_kit.classroom.records import Records
+from course_kit.classroom.records import Gradebook, Records
 from course_kit.classroom.rules import instructor
-from course_kit.classroom.rules.people import People
+from course_kit.classroom.rules.tables import People
 from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading import ReadingStoppedError
 from course_kit.grading.readings import Readings
+from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from course_kit.classroom.executors import Executor
-    from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.records import Entry, Record
@@ -39,34 +37,31 @@ if TYPE_CHECKING:
     from course_kit.classroom.submissions import Handed
     from course_kit.grading.exercise import Exercise
 
+WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
+_NAMED = 3  # things that are there where there is no submission
+
 
 @dataclass(frozen=True)
 class Plan:
     """What to grade."""
 
-    source: Path  # a folder or a zip
+    sources: tuple[Path, ...]  # folders and zips of one class
     out: Path  # the folder for all results
     exercises: tuple[Exercise, ...]  # what was set
     seed: int | None = None  # what all checks draw from; drawn once for the run when None
     seeds: Seeds | None = None  # a seed for each student, where each is to be asked other questions
     layout: str = "auto"  # a layout's name, or "auto"
     resume: bool = False  # go on where an earlier run into the same folder has ended
-    more: tuple[Path, ...] = ()  # further ones of the same class
     roster: Roster | None = None  # who is in the class
     require_isolation: bool = False  # no submission runs where it is not fully isolated
-
-    @property
-    def sources(self) -> tuple[Path, ...]:
-        """All folders and zips."""
-        return (self.source, *self.more)
 
 
 class ClassRun:
     """One run over a class."""
 
-    def __init__(self, plan: Plan, watcher: Watcher, stops: Callable[[], int] = lambda: 0) -> None:
+    def __init__(self, plan: Plan, progress: RunProgress, stops: Callable[[], int] = lambda: 0) -> None:
         self._plan = plan
-        self._watcher = watcher
+        self._progress = progress
         self._stops = stops
         self.readings = Readings(self._stopped)
         self._records = Records(plan.out)
@@ -83,11 +78,11 @@ class ClassRun:
         table.write(self.intake, plan.out)
         require_submissions(self.intake, plan.sources, plan.exercises)
         self._apply_to_class()
-        run_note.write(plan, self.seed)
+        run_folder.write(plan, self.seed)
         # No submission may see these: one student's program must not read another's, nor the results.
         self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
         self._loop = GradingLoop(
-            self._records, watcher, stops, self.hidden_folders, require_isolation=plan.require_isolation
+            self._records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
         )
         self._kept: list[Record] = []
         self.gone: list[str] = []
@@ -123,7 +118,7 @@ class ClassRun:
     def _choose_seed(self) -> int:
         """The run's seed: that of the earlier run when it is gone on with."""
         asked = self._plan.seed
-        before = run_note.seed_of(self._plan.out)
+        before = run_folder.seed_of(self._plan.out)
         if not self._plan.resume and (before is not None or any(self._records)):
             raise GradingError(
                 f"{self._plan.out} holds the results of an earlier run. Add --resume to continue it, or name "
@@ -137,7 +132,7 @@ class ClassRun:
         """Those of which there are results already, and which are not graded now: their grades stay as they are."""
         named = {one.id for one in self._plan.exercises}
         there = {record.entry.exercise for record in self._records} - named
-        return tuple(run_note.exercise_of(self._plan.out, one) for one in sorted(there))
+        return tuple(run_folder.exercise_of(self._plan.out, one) for one in sorted(there))
 
     def _earlier_records(self) -> list[Record]:
         """The results of exercises that are not graded now."""
@@ -162,20 +157,13 @@ class ClassRun:
 
     def _take_stock(self) -> list[list[Handed]]:
         """Read all submissions; returns those without a result, identical ones together."""
-        groups: dict[tuple[str, str, int], list[Handed]] = {}
-        try:
-            with self.readings:
-                for entry in self.intake.entries:
-                    known = self._records.find(entry)
-                    one = self._read(entry, known)
-                    if known is not None and one.has_result(known):
-                        self._keep(one.kept_record(known), known)
-                    else:
-                        groups.setdefault(one.key, []).append(one)
-        except ReadingStoppedError:
-            groups = {}
-        self._watcher.begin(len(self.intake.entries), self._kept)
-        return early(groups.values(), lambda group: group[0].urgency)
+        found = ((entry, self._records.find(entry)) for entry in self.intake.entries)
+        with self.readings:
+            ready, groups = submissions.sort_out((self._read(entry, known), known) for entry, known in found)
+        for one, known in ready:
+            self._keep(one.kept_record(known), known)
+        self._progress.begin(len(self.intake.entries), self._kept)
+        return groups
 
     def _keep(self, record: Record, known: Record) -> None:
         here = {entry.student for entry in self.intake.entries}
@@ -241,7 +229,36 @@ def stored_gradebook(out: Path) -> Gradebook:
     if not records:
         raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
     found = sorted(
-        (run_note.exercise_of(out, one) for one in {record.entry.exercise for record in records}),
+        (run_folder.exercise_of(out, one) for one in {record.entry.exercise for record in records}),
         key=lambda one: one.order,
     )
     return Gradebook(tuple(found), records)
+
+
+def require_submissions(found: Intake, sources: Sequence[Path], exercises: Sequence[Exercise]) -> None:
+    """See that there is anything to grade."""
+    if found.entries:
+        return
+    seen = [*found.dropped, *found.left][:_NAMED]
+    wanted = ", ".join(exercise.id for exercise in exercises)
+    raise GradingError(
+        f"{', '.join(map(str, sources))} holds no submission for {wanted}, read with the layout "
+        f"'{found.layout}'. It holds: "
+        f"{'; '.join(f'{one_line(what)} ({one_line(why)})' for what, why in seen) or 'nothing'}. "
+        "Name the right exercise with --exercise, or the layout with --layout."
+    )
+
+
+def require_folders_apart(sources: Sequence[Path], out: Path) -> None:
+    """See that results are not taken for submissions, and that nothing handed in is written over."""
+    for given in sources:
+        try:
+            source, results = given.resolve(), out.resolve()
+        except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
+            continue
+        if source == results or source in results.parents:
+            raise GradingError(
+                f"The results would lie among the submissions in {given}. Name another folder with --out."
+            )
+        if results in source.parents and (given.is_dir() or results / WORKSPACE in source.parents):
+            raise GradingError(f"{given} lies in {out}, the folder for the results. Name another folder with --out.")

@@ -7,14 +7,16 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.concurrency import Urgency
+from course_kit.classroom.concurrency import Urgency, early
 from course_kit.classroom.records import Record
 from course_kit.grading import engine
 from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
+from course_kit.grading.reading import ReadingStoppedError
 from course_kit.grading.submission import Copy, Facts, UnreadableError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
     from course_kit.classroom.records import Entry
@@ -94,9 +96,9 @@ class Handed:
             problem=own(report.problem),
         )
 
-    def has_result(self, record: Record | None) -> bool:
+    def has_result(self, record: Record) -> bool:
         """Whether a record is of this submission as it is now, wherever it lies; a grader's error gets another try."""
-        if record is None or record.status == "error" or (record.digest, record.seed) != (self.digest, self.seed):
+        if record.status == "error" or (record.digest, record.seed) != (self.digest, self.seed):
             return False
         return bool(self.digest) or record.entry.source == self.entry.source
 
@@ -107,6 +109,23 @@ class Handed:
         return replace(record, entry=self.entry, report={**record.report, "submission": self.entry.source})
 
 
+def sort_out(
+    read: Iterable[tuple[Handed, Record | None]],
+) -> tuple[list[tuple[Handed, Record]], list[list[Handed]]]:
+    """Those that have a result, with it; and the others: identical ones together, what may last early."""
+    ready: list[tuple[Handed, Record]] = []
+    groups: dict[tuple[str, str, int], list[Handed]] = {}
+    try:
+        for one, known in read:
+            if known is not None and one.has_result(known):
+                ready.append((one, known))
+            else:
+                groups.setdefault(one.key, []).append(one)
+    except ReadingStoppedError:
+        groups = {}
+    return ready, early(groups.values(), lambda group: group[0].urgency)
+
+
 def read(  # noqa: PLR0913 - what a submission is read for
     entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Readings, *, known: Record | None = None
 ) -> Handed:
@@ -115,7 +134,7 @@ def read(  # noqa: PLR0913 - what a submission is read for
     try:
         with Copy(path) as copy:
             one = Handed(entry, exercise, seed, copy.digest, copy.size)
-            if one.has_result(known):
+            if known is not None and one.has_result(known):
                 return one
             text = reader.read(copy, exercise)
             return replace(one, text=text, size=len(text.source.encode(errors="replace")))

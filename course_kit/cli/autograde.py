@@ -19,23 +19,22 @@ FORMATS = ("gradescope", "classroom50")
 def run(options: argparse.Namespace) -> int:
     """Grade a file or folder, and print the result or write it to a file."""
     from course_kit.classroom import autograder
-    from course_kit.classroom.exports import classroom50
-    from course_kit.classroom.exports.formats import gradescope
+    from course_kit.classroom.exports import autograder_results
     from course_kit.classroom.exports.texts import json_text
     from course_kit.grading import GradingError
 
     if options.path is None or options.attach or options.exec_command is not None:
         raise GradingError(f"--format {options.format} grades what was handed in. Name the file or folder.")
     if options.format == "classroom50":  # before the grading: it would be for nothing
-        classroom50.require_runner(os.environ)
+        autograder_results.require_runner(os.environ)
     try:
         record = autograder.grade(
             options.exercise, Path(options.path), seed=options.seed, require_isolation=options.require_isolation
         )
         if options.format == "gradescope":
-            text = json_text(gradescope.results(record))
+            text = json_text(autograder_results.gradescope_result(record))
         else:
-            text = json_text(classroom50.result(record, os.environ, datetime.now(timezone.utc)))
+            text = json_text(autograder_results.classroom50_result(record, os.environ, datetime.now(timezone.utc)))
         if options.to is None:
             streams.print_json(text)
         else:

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.classroom.executors import Executor
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Entry
+    from course_kit.classroom.records import Entry, Gradebook
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.run import Plan
     from course_kit.grading.exercise import Exercise
@@ -144,8 +143,7 @@ def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
     from course_kit.classroom.run import Plan
 
     return Plan(
-        source=options.submissions[0],
-        more=tuple(options.submissions[1:]),
+        sources=tuple(options.submissions),
         roster=roster.read(options.roster) if options.roster else None,
         out=options.out,
         exercises=tuple(sorted(exercises, key=lambda one: one.order)),
@@ -158,22 +156,21 @@ def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
 
 
 def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> int:
-    from course_kit.classroom import run_lock
-    from course_kit.classroom.preconditions import require_folders_apart
-    from course_kit.classroom.progress import RunProgress
+    from course_kit.classroom import run_folder
+    from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.records import SUPERSEDED
-    from course_kit.classroom.run import ClassRun
+    from course_kit.classroom.run import ClassRun, require_folders_apart
 
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
-    with run_lock.hold(plan.out):
+    with run_folder.hold(plan.out):
         with interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
             book = grading.grade(lambda: early or executor(options, plan.exercises))
             if options.again and book.complete:
                 book = grade_again(options, grading, tally, lambda: executor(options, plan.exercises), stops) or book
         tally.end()
-        say_of_intake(grading.intake)
+        say_of_intake(grading.intake, plan.exercises)
         if grading.gone:
             say(
                 f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
@@ -199,14 +196,13 @@ def _practised(book: Gradebook, task: Exercise, seeds: Seeds | None) -> list[str
 def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
     from course_kit.classroom.intake import table
-    from course_kit.classroom.preconditions import require_submissions
-    from course_kit.classroom.run import look_only
+    from course_kit.classroom.run import look_only, require_submissions
     from course_kit.text.sanitize import printable
 
     with interrupts() as stops:
         found = look_only(plan, lambda: stops() > 0)
     print(printable(table.as_text(found)))
-    say_of_intake(found)
+    say_of_intake(found, plan.exercises)
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
@@ -250,7 +246,7 @@ def _notices(book: Gradebook) -> Iterator[str]:
     if others := regrade.graded_otherwise(book):
         counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
         yield (
-            f"Graded by another version of the kit, the exercise or its grader than today's: {counts}. "
+            f"Graded by another version of the kit or the exercise than today's: {counts}. "
             "To see what it would change, run the same command with --resume and --again EXERCISE."
         )
 

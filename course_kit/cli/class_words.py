@@ -12,15 +12,17 @@ from course_kit import environment
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from course_kit.classroom.executors import Executor
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.grading_loop import Watcher
+    from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
+    from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.intake.roster_matching import Fit
+    from course_kit.classroom.records import Gradebook
     from course_kit.classroom.regrade import GradeChange
     from course_kit.classroom.run import ClassRun
+    from course_kit.grading.exercise import Exercise
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -87,19 +89,20 @@ def interrupts() -> Iterator[Callable[[], int]]:
         signal.signal(signal.SIGINT, before)
 
 
-def say_of_intake(found: Intake) -> None:
+def say_of_intake(found: Intake, exercises: Iterable[Exercise]) -> None:
     """Tell what somebody should look at."""
-    for sentence in _sentences(found):
+    for sentence in _sentences(found, exercises):
         say(sentence)
 
 
-def _sentences(found: Intake) -> Iterator[str]:
+def _sentences(found: Intake, exercises: Iterable[Exercise]) -> Iterator[str]:
     called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
     doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
     if doubtful:
         yield f"Look at the choice of file in intake.csv: {some(doubtful)}."
     if found.roster is not None:
         yield from _of_roster(found.roster, called)
+        yield from _of_canvas(found.roster.roster, exercises)
 
 
 def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
@@ -113,17 +116,31 @@ def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
         yield f"Not matched with {fit.roster.called}: {some(unknown)}."
 
 
+def _of_canvas(roster: Roster, exercises: Iterable[Exercise]) -> Iterator[str]:
+    """Which exercises of Canvas's gradebook have no assignment: its import would make a new one without asking."""
+    from course_kit.classroom.exports.tables import CANVAS, canvas_assignment
+
+    named = roster.canvas_assignments
+    absent = [one.id for one in exercises if named and not canvas_assignment(one, named)]
+    if absent:
+        yield (
+            f"No assignment in {roster.called}, or more than one, is called like {', '.join(absent)}, so {CANVAS} has "
+            "a new column for it. To fill an existing one, put the exercise's name into its title in Canvas and export "
+            "the gradebook again."
+        )
+
+
 def grade_again(
     options: argparse.Namespace,
     class_run: ClassRun,
-    watcher: Watcher,
+    progress: RunProgress,
     start: Callable[[], Executor],
     stops: Callable[[], int],
 ) -> Gradebook | None:
     """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""
     from course_kit.classroom.regrade import Regrade
 
-    regrade = Regrade(class_run, options.out, options.again, watcher)
+    regrade = Regrade(class_run, options.out, options.again, progress)
     changes = regrade.grade(start, stops)
     if not regrade.complete:
         say("course-kit: stopped. No result was changed. The same command goes on.")

@@ -93,18 +93,9 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
     )
     lab.set_defaults(run=_lab, others=[])
 
-    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or complete it")
+    copy = verbs.add_parser("copy", help="make your folder of lessons and exercises, or bring it up to date")
     copy.add_argument("path", nargs="?", type=Path, help="the folder; if left out, the one that `lab` opens")
-    copy.set_defaults(run=_copy, restore=True)
-
-    update = verbs.add_parser(
-        "update",
-        help="bring your folder up to date with the course; what you have changed stays",
-        description="New versions of what you have not changed replace the old ones. A new version of what you have "
-        "changed is laid beside yours.",
-    )
-    update.add_argument("path", nargs="?", type=Path, help="your folder; if left out, the one that `lab` opens")
-    update.set_defaults(run=_copy, restore=False)
+    copy.set_defaults(run=_copy)
 
     hub = verbs.add_parser(
         "hub-singleuser",
@@ -227,7 +218,7 @@ def _lab(options: argparse.Namespace) -> int:
 def _copy(options: argparse.Namespace) -> int:
     from course_kit.learner import workspace
 
-    return workspace.copy(options.path, restore=options.restore)
+    return workspace.copy(options.path)
 
 
 def _hub(options: argparse.Namespace) -> int:
@@ -253,7 +244,7 @@ def _quiz(options: argparse.Namespace) -> int:
 def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
     from course_kit.learner import progress, workspace
-    from course_kit.learner.next_step import next_step
+    from course_kit.learner.course_list import next_step
     from course_kit.text.console import wrapped
 
     if options.format in autograde.FORMATS:
@@ -304,12 +295,12 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _drills(options: argparse.Namespace) -> int:
-    from course_kit.learner import drills
+    from course_kit.learner import course_list
 
     if options.drill is not None:
-        print(drills.begin(options.drill))
+        print(course_list.begin_drill(options.drill))
         return 0
-    text, told = drills.listed(sys.stdout.encoding)
+    text, told = course_list.describe_drills(sys.stdout.encoding)
     print(text)
     for sentence in told:
         tell(sentence)

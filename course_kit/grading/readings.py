@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from array import array
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading.reading import Reader
 from course_kit.grading.reading_answers import Fingerprints
 from course_kit.process import Closing
+from course_kit.reader import fingerprints, text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,3 +93,13 @@ class Readings(Closing):
         if self._reader is None:
             self._reader = Reader(self._stopped)
         return self._reader
+
+
+def starter_identities(exercise: Exercise) -> frozenset[str]:
+    """Those of the programs that an exercise begins with: whoever hands one in as it was has not begun."""
+    found = set()
+    for name in (exercise.starter, exercise.notebook):
+        # One that is not there, or a notebook without a cell to fill in, was given to nobody.
+        with suppress(OSError, text.UnreadableTextError), (exercise.folder / name).open("rb") as file:
+            found.add(fingerprints.identity(text.program(name, file, exercise.id)[0]))
+    return frozenset(found)

@@ -95,7 +95,7 @@ class GradeMagics(Magics):
             return
         from course_kit import grading
         from course_kit.learner import progress
-        from course_kit.learner.next_step import next_step
+        from course_kit.learner.course_list import next_step
 
         if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
             complain(f"{advice[:1].upper()}{advice[1:]}")

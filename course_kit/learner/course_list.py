@@ -1,25 +1,31 @@
-"""`course-kit list`: the exercises in the course's order, and what was reached in each."""
+"""`course-kit list` and `drills`: what there is in the course's order, what was reached in each, and what is next.
+
+Drills are small repairs for practice, which count for nothing.
+"""
 
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.learner import progress, workspace
+from course_kit.grading.exercise import Exercise
+from course_kit.learner import progress, starters, workspace
 from course_kit.quiz import guesses
+from course_kit.ros.names import did_you_mean
 from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.grading.exercise import Exercise
     from course_kit.learner.progress import ProgressRecord
 
 FORMAT_VERSION = 1
+_INDENT = " " * 4
 _KINDS = {guesses.GUESS: "guesses", guesses.CHECK: "checks"}
 
 
@@ -59,14 +65,10 @@ def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Ro
     found_folders = exercise.find(folder)
     names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
     loaded = [_load(name, folder) for name in sorted(names)]
-    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in loaded if _is(task, practice)]
+    listed = [task for task in loaded if isinstance(task, Exercise) and task.practice == practice]
+    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in listed]
     told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
     return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
-
-
-def _is(task: Exercise | str, practice: bool) -> TypeGuard[Exercise]:
-    """Whether it was loaded, and is what is listed: an exercise, or a drill."""
-    return not isinstance(task, str) and task.practice == practice
 
 
 def _load(name: str, folder: Path | None) -> Exercise | str:
@@ -130,3 +132,86 @@ def tick(encoding: str | None) -> str:
     except (UnicodeEncodeError, LookupError):
         return "x"
     return "✓"
+
+
+def next_step(passed: str, root: Path | None = None) -> str:
+    """What to do after an exercise was passed: the next lesson and the next exercise; after a drill the next drill."""
+    drills, _ = rows(practice=True)
+    if (drill := next((row.task for row in drills if row.task.id == passed), None)) is not None:
+        left = next((row.task.id for row in drills if not row.known.passed and row.task is not drill), None)
+        way = f"Next: {environment.command()} drills {left}." if left else "That was the last drill."
+        return f"{way}{_comparison(drill)}"
+    root = root or environment.course_files()
+    tasks = [row.task for row in rows()[0]]
+    number = next((task.order for task in tasks if task.id == passed), 0)
+    following = next((task for task in tasks if task.order > number), None)
+    lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
+    steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
+    if following is not None:
+        steps.append(f"exercise {following.order}, {following.id}")
+    way = f"Next: {'; then '.join(steps)}." if steps else "That is the last exercise."
+    return f"{way}{_comparison(next((task for task in tasks if task.id == passed), None))}"
+
+
+def _comparison(task: Exercise | None) -> str:
+    """How to see our solution, where there is one; a student edition has none."""
+    if task is None or not task.solution.is_file():
+        return ""
+    where = f" --exercises {shlex.quote(str(task.folder))}" if exercise_folders.is_added(task.folder) else ""
+    return f" Compare yours with ours: {environment.command()} solution {task.id}{where}"
+
+
+def describe_drills(encoding: str | None, folder: Path | None = None) -> tuple[str, list[str]]:
+    """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files."""
+    found, told = rows(folder, practice=True)
+    lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
+    for row in found:
+        lines += _drill_lines(row, tick(encoding))
+    lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
+    following = next((row.task.id for row in found if not row.known.passed), None)
+    if following is not None:
+        lines.append(f"Next: {environment.command()} drills {following}")
+    return "\n".join(lines), told
+
+
+def begin_drill(drill_id: str, folder: Path | None = None) -> str:
+    """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
+    task = _drill(drill_id, folder)
+    place = workspace.exercise_folder(task) if folder is None else task.folder
+    if place is None:
+        raise workspace.no_files_of(task, "watch")
+    for missing in starters.changed(task, place):
+        if not missing.file.exists():
+            missing.carry_out()
+    command, program = environment.command(), workspace.shown(place / task.starter)
+    return "\n".join(
+        [
+            *wrapped(f"Drill {task.order}: {task.title}", "", _INDENT),
+            "",
+            *wrapped(task.symptom),
+            "",
+            f"The program:     {program}",
+            f"In a notebook:   {workspace.shown(place / task.notebook)}",
+            f"While you work:  {command} watch {task.id}",
+            f"Is it done?      {command} grade {task.id} {program}",
+            f"A hint:          {command} hint {task.id}",
+            f"Start again:     {command} reset {task.id}",
+        ]
+    )
+
+
+def _drill(drill_id: str, folder: Path | None) -> Exercise:
+    found = {row.task.id: row.task for row in rows(folder, practice=True)[0]}
+    if drill_id in found:
+        return found[drill_id]
+    if drill_id in exercise.ids(folder):
+        raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
+    guess = did_you_mean(drill_id, found)
+    raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(found) or 'none'}.")
+
+
+def _drill_lines(row: Row, mark: str) -> list[str]:
+    head = f"[{mark if row.known.passed else ' '}] {row.task.order} {row.task.id}" + (
+        ": done" if row.known.passed else ""
+    )
+    return [head, *wrapped(row.task.symptom, _INDENT, _INDENT)]

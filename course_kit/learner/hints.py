@@ -12,11 +12,10 @@ from course_kit.learner import progress
 from course_kit.text.console import wrapped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from course_kit.grading.exercise import Exercise
-    from course_kit.learner.progress import Failure, ProgressRecord
+    from course_kit.learner.progress import ProgressRecord
 
 _wrap = partial(wrapped, following="  ", whole_words=True)
 _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
@@ -63,17 +62,10 @@ def ladder(task: Exercise, known: ProgressRecord) -> HintLadder:
         return HintLadder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
     cause = task.diagnosis(failed.diagnosis)
     of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
-    rungs = _distinct((*of_cause, *task.ladder(failed.check)))
+    rungs = tuple(dict.fromkeys((*of_cause, *task.ladder(failed.check))))
     read_on = cause.link if cause and environment.paths.lesson(cause.notebook) else ""
-    return HintLadder(_key(failed), rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
-
-
-def _key(failed: Failure) -> str:
-    return f"{failed.check} {failed.diagnosis or ''}".rstrip()
-
-
-def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(texts))
+    key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
+    return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
 
 def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from course_kit.grading import CheckReport, Report
+    from course_kit.grading import Report
 
 FORMAT_VERSION = 1
 VARIABLE = environment.paths.PROGRESS_VARIABLE
@@ -35,10 +35,6 @@ _COUNTED = ("graded", "crashed")  # a file that cannot be read, and a fault of o
 
 class ProgressError(Exception):
     """The file cannot be used; the text is for the user."""
-
-
-class _BrokenError(ProgressError):
-    """It can be read, and holds something else."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +71,7 @@ def record(report: Report) -> str:
 
 
 def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
+    failed = (Failure(one.id, one.title, one.diagnosis) for one in report.checks if one.status == "failed")
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
     return replace(
         old,
@@ -82,12 +79,8 @@ def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
         tries=old.tries + 1,
         first_passed=old.first_passed or (now if report.passed else ""),
         last_try=now,
-        failed=next((_failure(check) for check in report.checks if check.status == "failed"), None),
+        failed=next(failed, None),
     )
-
-
-def _failure(check: CheckReport) -> Failure:
-    return Failure(check.id, check.title, check.diagnosis)
 
 
 def read() -> dict[str, ProgressRecord]:
@@ -114,29 +107,22 @@ def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | No
         if path is None:
             return ""
         with _locked(path):
-            return _update(path, exercise, change)
+            _update(path, exercise, change)
     except ProgressError as problem:
         return f"{problem} Nothing was recorded."
     except OSError as problem:
         return f"{_sentence(problem)} Nothing was recorded."
+    return ""
 
 
-def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
-    if path.exists() and not path.stat().st_mode & 0o200:  # replacing it would work, and is not what was meant
-        raise ProgressError(f"The progress file {path} is read-only.")
-    note = ""
-    try:
-        records = _read(path)
-    except _BrokenError as problem:
-        note = f"{problem} It was kept as {_put_aside(path)}, and a new one begun."
-        records = {}
-    changed = change(records.get(exercise, ProgressRecord()))
-    if changed is None:
-        records.pop(exercise, None)
-    else:
-        records[exercise] = changed
-    _write(path, records)
-    return note
+def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> None:
+    """Replace the file whole: a full disk leaves the old one."""
+    records = _read(path)
+    changed = change(records.pop(exercise, ProgressRecord()))
+    kept = records if changed is None else {**records, exercise: changed}
+    content = {"format_version": FORMAT_VERSION, "exercises": {name: asdict(one) for name, one in kept.items()}}
+    text = json.dumps(content, indent=1, ensure_ascii=False)
+    environment.write_atomically(path, text, mode=0o600)  # nobody else's business
 
 
 def _sentence(problem: OSError) -> str:
@@ -172,37 +158,12 @@ def _read(path: Path) -> dict[str, ProgressRecord]:
             raise ProgressError(f"The progress file {path} was written by a newer course kit.")
         return {exercise: _record(entry) for exercise, entry in content["exercises"].items()}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise _BrokenError(f"The progress file {path} is damaged.") from None
+        raise ProgressError(f"The progress file {path} is damaged. Rename it, and a new one is begun.") from None
 
 
 def _record(entry: dict[str, Any]) -> ProgressRecord:
-    """An entry as a record."""
-    failed = None if entry.get("failed") is None else Failure(**entry["failed"])
+    failed = entry.get("failed") and Failure(**entry["failed"])
     made = ProgressRecord(**{**entry, "failed": failed})
-    if not math.isfinite(made.best):
-        raise ValueError(made.best)
-    whole = (made.tries, *made.hints.values())
-    texts = [made.first_passed, made.last_try]
-    if failed is not None:
-        texts += [failed.check, failed.title, failed.diagnosis or ""]
-    if any(type(value) is not int for value in whole) or any(type(text) is not str for text in texts):
+    if not (math.isfinite(made.best) and isinstance(made.tries, int) and isinstance(made.hints, dict)):
         raise TypeError(entry)
     return made
-
-
-def _write(path: Path, records: dict[str, ProgressRecord]) -> None:
-    """Replace the file whole: a crash or a full disk leaves the old one."""
-    content = {
-        "format_version": FORMAT_VERSION,
-        "exercises": {exercise: asdict(entry) for exercise, entry in records.items()},
-    }
-    text = json.dumps(content, indent=1, ensure_ascii=False)
-    environment.write_atomically(path, text, mode=0o600)  # nobody else's business
-
-
-def _put_aside(path: Path) -> Path:
-    """Rename a damaged file: perhaps somebody can repair it."""
-    number = 1
-    while (aside := path.with_suffix(f".damaged-{number}.json")).exists():
-        number += 1
-    return path.rename(aside)

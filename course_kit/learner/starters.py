@@ -15,13 +15,11 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
-from course_kit.learner import handed_out, progress, workspace
-from course_kit.learner.workspace import read_starter, shown
+from course_kit.learner import learner_folder, progress, workspace
+from course_kit.learner.workspace import shown
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from course_kit.grading.exercise import Exercise
 
 
@@ -40,43 +38,34 @@ class Return:
             number += 1
         return free
 
-    def carry_out(self) -> Path | None:
-        """Save what is there, then put the starter in its place; returns the backup, None where nothing was there.
-
-        Raises:
-            OSError: that could not be done; the learner's file is as it was.
-        """
-        saved = None
-        if self.file.exists():
-            saved = self.backup
-            environment.files.write_new(saved, self.file.read_bytes())
-            shutil.copystat(self.file, saved)
-        environment.write_atomically(self.file, self.starter)
-        return saved
+    def carry_out(self) -> None:
+        """Save what is there, put the starter in its place, and say so; if that fails, the learner's file stays."""
+        kept = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
+        try:
+            if kept:
+                saved = self.backup
+                environment.files.write_new(saved, self.file.read_bytes())
+                shutil.copystat(self.file, saved)
+            environment.write_atomically(self.file, self.starter)
+        except OSError as problem:
+            raise GradingError(
+                f"{self.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
+            ) from problem
+        print(f"{shown(self.file)} is the starter{kept}.")
 
 
 def changed(task: Exercise, place: Path | None = None) -> list[Return]:
-    """The starter files of an exercise that the learner has changed, or that are not there.
-
-    Args:
-        task: the exercise.
-        place: the folder they are in, or one of the two files; the exercise's own folder when None.
-
-    Raises:
-        GradingError: a file cannot be read, or `place` is neither.
-    """
+    """The starter files of an exercise that the learner has changed, or that are not there."""
+    found = []
     try:
-        return list(_compare(task, _files(task, task.folder if place is None else place)))
+        for name, file in _files(task, task.folder if place is None else place).items():
+            starter = (task.folder / name).read_bytes()
+            content = starter if file.parent == task.folder else learner_folder.as_handed_out(name, starter)
+            if not file.exists() or file.read_bytes() not in (content, starter):
+                found.append(Return(file, content))
     except OSError as problem:
         raise GradingError(f"{problem.filename} cannot be read: {problem.strerror}. Nothing was changed.") from None
-
-
-def _compare(task: Exercise, files: Mapping[str, Path]) -> Iterator[Return]:
-    for name, file in files.items():
-        starter = read_starter(task.folder / name)
-        content = starter if file.parent == task.folder else handed_out.as_handed_out(name, starter)
-        if not file.exists() or file.read_bytes() not in (content, starter):
-            yield Return(file, content)
+    return found
 
 
 def _files(task: Exercise, place: Path) -> dict[str, Path]:
@@ -90,18 +79,7 @@ def _files(task: Exercise, place: Path) -> dict[str, Path]:
 
 
 def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None, folder: Path | None = None) -> int:
-    """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no.
-
-    Args:
-        exercise_id: which exercise.
-        yes: do not ask.
-        forget: forget its progress, too.
-        place: the learner's folder or file, which may not be there yet; found by `workspace` when None.
-        folder: the folder of exercises, the course's own when None.
-
-    Raises:
-        GradingError: it could not be done, or there is nobody to ask.
-    """
+    """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no."""
     task = exercise.load(exercise_id, folder)
     if place is None:
         place = task.folder if folder is not None else workspace.exercise_folder(task)
@@ -109,22 +87,20 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
         raise workspace.no_files_of(task, "reset")
     returns = [] if place is None else changed(task, place)
     if not returns and not forget and place is not None:
-        if place == task.folder:
-            where = environment.LEARNER_FOLDER
-            print(f"The files in {shown(place)} are the starters themselves. Learners work in {where}/.")
-        else:
-            print(f"{task.id} already matches the starter: {shown(place)}")
+        print(f"{task.id} already matches the starter: {shown(place)}")
         return 0
     nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
     if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
         print("Nothing was changed.")
         return 1
     for each in returns:
-        _carry_out(each)
+        each.carry_out()
     if returns:
         print("If it is open in JupyterLab: File > Reload from Disk.")
     if forget:
-        return _forget(task)
+        if trouble := progress.update(task.id, lambda _: None):
+            return cannot(trouble)
+        print(f"The progress of {task.id} is deleted.")
     return 0
 
 
@@ -147,37 +123,8 @@ def _agreed(returns: list[Return], *, forget: bool) -> bool:
         return False
 
 
-def _carry_out(each: Return) -> None:
-    try:
-        saved = each.carry_out()
-    except OSError as problem:
-        raise GradingError(
-            f"{each.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
-        ) from problem
-    print(f"{shown(each.file)} is the starter" + (f" again; yours is kept as {saved.name}." if saved else "."))
-
-
-def _forget(task: Exercise) -> int:
-    trouble = progress.update(task.id, lambda _: None)
-    if trouble:
-        return cannot(trouble)
-    print(f"The progress of {task.id} is deleted.")
-    return 0
-
-
 def solution(exercise_id: str, *, show: bool, copy: Path | None, folder: Path | None = None) -> int:
-    """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first.
-
-    Args:
-        exercise_id: which exercise.
-        show: without a pass, for instructors. A lock would be no use: the solutions lie in the clone; what must stay
-            secret is left out of the student edition.
-        copy: the file to write, or the folder to write it into.
-        folder: the folder of exercises, the course's own when None; solutions lie beside it.
-
-    Raises:
-        GradingError: there is none here, or it could not be written.
-    """
+    """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
     task = exercise.load(exercise_id, folder)
     source = task.solution
     if not source.is_file():

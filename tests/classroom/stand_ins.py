@@ -6,7 +6,7 @@ import io
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.progress import RunProgress
+from course_kit.classroom.grading_loop import RunProgress
 from course_kit.classroom.run import ClassRun, Plan
 from course_kit.grading import exercise
 from course_kit.grading.report import CheckReport, Report
@@ -14,7 +14,7 @@ from course_kit.grading.report import CheckReport, Report
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
     from course_kit.grading.engine import Task
 
 SERVICE = exercise.load("temperature_service")
@@ -50,7 +50,7 @@ class StandInForGrading:
 
 
 def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
-    plan = Plan(source, out, options.pop("exercises", (SERVICE,)), **options)
+    plan = Plan((source, *options.pop("more", ())), out, options.pop("exercises", (SERVICE,)), **options)
     return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import collecting, kit_copies
+from course_kit.classroom.intake import choosing, collecting
 from course_kit.grading import GradingError, exercise
 
 from .accidents import with_the_kit
@@ -148,7 +148,7 @@ def test_a_repository_with_the_whole_course_in_it_is_its_exercises_alone(tmp_pat
 def test_a_learners_folder_in_a_fork_has_lessons_of_ours_and_work_of_theirs() -> None:
     ours = ["f/course_kit/__init__.py", "f/exercises/a/exercise.toml", "f/my-course/notebooks/01_services.ipynb"]
     theirs = ["f/my-course/exercises/a/a.py", "f/my-course/notebooks/mine.ipynb"]
-    assert kit_copies.parts([*ours, *theirs]) == {ours[0], ours[2]}
+    assert choosing.parts_of_kit([*ours, *theirs]) == {ours[0], ours[2]}
 
 
 WRAPPED = {

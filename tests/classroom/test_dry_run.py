@@ -109,3 +109,14 @@ def test_everything_right_ends_with_0(tmp_path: Path) -> None:
     done = dry_run(tmp_path / "in")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
+
+
+def test_an_exercise_that_no_assignment_of_canvas_is_called_like_is_said(tmp_path: Path) -> None:
+    (tmp_path / "in/ann").mkdir(parents=True)
+    (tmp_path / "in/ann" / SERVICE.starter).write_bytes(program(1))
+    for title, is_said in (("Homework 3", True), ("Week 3: Temperature service", False)):
+        listed = f"Student,ID,SIS User ID,SIS Login ID,Section,{title} (811)\nAnn A,7,,ann,A,\n"
+        (tmp_path / "gradebook.csv").write_text(listed)
+        done = dry_run(tmp_path / "in", "--roster", tmp_path / "gradebook.csv")
+        said = f"No assignment in gradebook.csv, or more than one, is called like {SERVICE.id}"
+        assert (said in done.stderr) == is_said, done.stderr

@@ -207,7 +207,7 @@ def test_nobody_can_be_called_like_another_one_with_a_mark(tmp_path: Path) -> No
     marked = next(student for student in taken(first) if student != "jane")
     found = collect(lay_out(tmp_path / "in", [f"{marked}/{PROGRAM}"]))
     assert len(taken(found)) == 3
-    assert taken(found)[marked] == f"{marked}/{PROGRAM}"
+    assert taken(found)[marked] == f"jane /{PROGRAM}", "whose it was before"
 
 
 def test_a_lone_name_is_only_cleaned(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.classroom.intake import collecting, known_starters
+from course_kit.classroom.intake import collecting
 from course_kit.grading import GradingError, exercise
 from course_kit.grading.diagnosis import catalogue
 from tests.classroom.hostile_inboxes import Inbox, Maker
@@ -58,7 +58,7 @@ def collect(inbox: Inbox, home: Path, opened: Opened) -> collecting.Intake:
     assert any(path.startswith(str(inbox.source)) for path in paths)
     own_texts = SERVICE.folder.parent  # what else the course wants, to tell another exercise's program
     codes = Path(catalogue.__file__).with_name("diagnoses.toml")
-    ours = (home / "workspace", home / ".workspace_is_unpacked", known_starters.FILE, own_texts, codes, os.devnull)
+    ours = (home / "workspace", home / ".workspace_is_unpacked", own_texts, codes, os.devnull)
     places = (inbox.source, *ours, *PYTHONS_OWN)
     for path in paths:
         assert any(belongs(os.path.realpath(path), str(place)) for place in places), f"{path} was opened"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.exports.formats import moodle
+from course_kit.classroom import exports
 from course_kit.classroom.intake import roster
 from course_kit.classroom.rules import seeds
 from course_kit.grading import GradingError
@@ -17,8 +17,8 @@ from tests.classroom.stand_ins import SERVICE, StandInForGrading, run
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
     from course_kit.classroom.intake.roster import Roster
+    from course_kit.classroom.records import Gradebook
 
 WORKSHEET = (
     "Identifier,Full name,Email address\n"
@@ -47,7 +47,7 @@ def scores(book: Gradebook) -> dict[str, float]:
 
 
 def worksheet(book: Gradebook) -> dict[int, dict[str, str]]:
-    [(_, text)] = moodle.files(book)
+    [text] = [text for name, text in exports.files(book) if name.startswith("exports/moodle")]
     return rules.moodle(text)
 
 

@@ -111,7 +111,7 @@ def test_a_change_of_a_file_beside_the_checks_is_another_grader(mine: Path, hand
     assert run(mine, handed_in).returncode == 0
     (mine / "samples.py").write_text("SAMPLES = [(1, 2, 0)]\n")
     done = run(mine, handed_in, "--resume")
-    assert f"Graded by another version of the kit, the exercise or its grader than today's: 3 of {ID}" in done.stderr
+    assert f"Graded by another version of the kit or the exercise than today's: 3 of {ID}" in done.stderr
     again = run(mine, handed_in, "--resume", "--again", ID, "--write")
     assert again.returncode == 0, again.stderr
     assert scores(tmp_path / "out") == {"ann": 3.0, "ben": 3.0, "cem": 1.0}

@@ -87,7 +87,7 @@ def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course,
     (out / "overrides.csv").write_text(f"student,exercise,score,comment\ncem,{EXERCISE},6,Talked it over\n")
     mend_grader(course)
     said = class_run(course, inbox, out, "--resume")
-    assert f"Graded by another version of the kit, the exercise or its grader than today's: 4 of {EXERCISE}" in said
+    assert f"Graded by another version of the kit or the exercise than today's: 4 of {EXERCISE}" in said
     assert scores(out) == faulty, "that is for --again"
 
     looked = course.run(*again(inbox, out))

@@ -13,12 +13,12 @@ import pytest
 from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, Record
 from course_kit.classroom.rules import instructor
-from course_kit.classroom.rules.submission_times import submitted
+from course_kit.classroom.rules.deadlines import submitted
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
 
 BERLIN = 'timezone = "Europe/Berlin"\n'
 RULES = f"{BERLIN}grace_minutes = 10\npenalty_percent_per_day = 10\npenalty_at_most_percent = 50\n"
@@ -120,7 +120,7 @@ def test_a_double_of_whoever_is_gone_stands_by_itself(inbox: Path) -> None:
 def test_a_result_says_what_graded_it(inbox: Path) -> None:
     book, _ = again(inbox)
     for record in book.records:
-        assert set(record.versions) == {"kit", "exercise", "grader"}
+        assert set(record.versions) == {"kit", "exercise"}
         assert all(record.versions.values())
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import collecting, roster, roster_columns, table
+from course_kit.classroom.intake import collecting, roster, table
 from course_kit.grading import GradingError
 
 from .accidents import SERVICE, program
@@ -59,13 +59,6 @@ FRENCH = csv_of(
     ],
     ";",
 )
-GREEK = csv_of(
-    [
-        ["Name", "Όνομα χρήστη", "Τμήμα"],
-        *([f"{first} {last}", login, "A"] for last, first, login, _, _ in EVERYBODY),
-    ],
-    ";",
-)
 NO_HEADER = csv_of([[f"{login}@uni.example", f"x{login}"] for _, _, login, _, _ in EVERYBODY], "\t")
 
 
@@ -78,7 +71,6 @@ NO_HEADER = csv_of([[f"{login}@uni.example", f"x{login}"] for _, _, login, _, _ 
         ("github", OF_NBGRADER, "utf-8", {"id": "login"}),
         ("gradescope", OF_NBGRADER, "utf-16", {"id": "login"}),
         ("folders", FRENCH, "utf-8", {"Nom": "last name", "Prénom": "first name"}),
-        ("nbgrader", GREEK, "utf-8", {"Όνομα χρήστη": "login"}),
         ("folders", NO_HEADER, "ascii", {"column 1": "e-mail address"}),
     ],
 )
@@ -156,20 +148,3 @@ def test_a_list_of_something_else_is_said(tmp_path: Path, content: bytes, senten
         roster.read(tmp_path / "list.csv")
     with pytest.raises(GradingError, match="No such file"):
         roster.read(tmp_path / "nowhere.csv")
-
-
-@pytest.mark.parametrize(
-    ("header", "rows", "kinds"),
-    [
-        (["name", "?"], [["Ann Ng", "ann1"], ["Bo Li", "bo2"]], ["full name", "login"]),
-        (["name", "?"], [["Ann Ng", "400123"], ["Bo Li", "400124"]], ["full name", "student number"]),
-        (["name", "?"], [["Ann Ng", "1"], ["Bo Li", "2"]], ["full name", ""]),
-        (["name", "?"], [["Ann Ng", "room A"], ["Bo Li", "room B"]], ["full name", ""]),
-        (["name", "?"], [["Ann Ng", "east"], ["Bo Li", "east"]], ["full name", ""]),
-        (["name", "?", "login"], [["Ann Ng", "x", "a"], ["Bo Li", "y", "b"]], ["full name", "", "login"]),
-    ],
-)
-def test_an_identifier_is_told_by_its_cells_where_no_header_tells(
-    header: list[str], rows: list[list[str]], kinds: list[str]
-) -> None:
-    assert roster_columns.guess(header, rows) == kinds

@@ -8,7 +8,7 @@ import pytest
 
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules import seeds
-from course_kit.classroom.rules.people import People
+from course_kit.classroom.rules.tables import People
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import StandInForGrading, run

@@ -1,17 +1,19 @@
-"""The list of exercises."""
+"""The list of exercises, and what comes after one that was passed."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
+
+import pytest
 
 from course_kit.grading import exercise_folders
 from course_kit.learner import course_list
 from tests import outside_exercises
+from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
 
 def test_of_an_exercise_from_elsewhere_it_names_the_notebook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -22,3 +24,36 @@ def test_of_an_exercise_from_elsewhere_it_names_the_notebook(tmp_path: Path, mon
     (place,) = (number for number, line in enumerate(lines) if f" {made.name} " in line)
     assert lines[place + 2].strip() == str(made / f"{made.name}.ipynb")
     assert not any("notebook" in line or ".ipynb" in line for line in lines[:place])
+
+
+@pytest.mark.parametrize(
+    ("passed", "sentence"),
+    [
+        ("temperature_service", "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot."),
+        ("move_robot", "Next: lesson 3, notebooks/03_parameters.ipynb; then exercise 3, robot_parameters."),
+        ("robot_parameters", "Next: lesson 4, notebooks/04_choosing_a_pattern.ipynb; then exercise 4, pattern_choice."),
+        ("pattern_choice", "Next: lesson 5, notebooks/05_command_line.ipynb."),
+    ],
+)
+def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> None:
+    said = course_list.next_step(passed, REPOSITORY)
+    assert said.startswith(f"{sentence} Compare yours with ours: ")
+    assert said.endswith(f"solution {passed}")
+
+
+def test_after_a_drill_comes_the_next_one_that_is_not_solved() -> None:
+    said = course_list.next_step("empty_dashboard", REPOSITORY)
+    assert re.match(r"Next: \S+ drills deaf_to_cancel\. Compare yours with ours: \S+ solution empty_dashboard$", said)
+
+
+def test_after_the_last_one_it_says_so(tmp_path: Path) -> None:
+    assert course_list.next_step("pattern_choice", tmp_path).startswith("That is the last exercise.")
+
+
+def test_one_added_from_elsewhere_is_compared_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And nothing is said of a solution that is not there, as in a student edition."""
+    folder = outside_exercises.write(tmp_path / "my exercises")
+    monkeypatch.setenv(exercise_folders.VARIABLE, str(folder))
+    assert course_list.next_step(folder.name, REPOSITORY).endswith(f"solution {folder.name} --exercises '{folder}'")
+    (folder / "solution" / f"{folder.name}.py").unlink()
+    assert "Compare" not in course_list.next_step(folder.name, REPOSITORY)

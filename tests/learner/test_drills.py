@@ -11,7 +11,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import GradingError, exercise, exercise_folders
-from course_kit.learner import course_list, drills, workspace
+from course_kit.learner import course_list, workspace
 from course_kit.reader import text as reader
 from tests.course_copy import REPOSITORY, Course, copy_course
 
@@ -97,7 +97,7 @@ def test_a_program_that_is_gone_comes_back_and_one_that_was_begun_stays(course: 
 )
 def test_what_is_no_drill_is_said(typed: str, said: str) -> None:
     with pytest.raises(GradingError, match=said):
-        drills.begin(typed)
+        course_list.begin_drill(typed)
 
 
 def test_an_exercise_that_is_mistyped_may_be_meant_as_a_drill() -> None:
@@ -118,8 +118,6 @@ def test_a_drill_is_graded_hinted_and_recorded_like_an_exercise(course: Course) 
 
 
 def test_a_copy_of_a_shared_course_has_the_drills_without_their_solutions(tmp_path: Path) -> None:
-    from course_kit.learner import workspace
-
     workspace.make_copy(REPOSITORY, tmp_path / "mine")
     copied = tmp_path / "mine" / "exercises" / "drills" / DRILL
     assert {path.name for path in copied.iterdir()} == {"checks.py", "exercise.toml", f"{DRILL}.py", f"{DRILL}.ipynb"}
@@ -131,7 +129,7 @@ def test_drills_of_an_instructor_are_listed_and_no_exercises(tmp_path: Path, mon
     toml = (made / "exercise.toml").read_text()
     (made / "exercise.toml").write_text(toml.replace(f'id = "{DRILL}"', 'id = "my_lamp"'))
     monkeypatch.setenv(exercise_folders.VARIABLE, str(tmp_path))
-    assert "my_lamp" in drills.listed("utf-8")[0]
+    assert "my_lamp" in course_list.describe_drills("utf-8")[0]
     assert "my_lamp" not in [row.task.id for row in course_list.rows()[0]]
 
 

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.grading import GradingError, exercise
-from course_kit.learner import progress, starters, workspace
-from tests.authoring.conftest import git
+from course_kit.grading import GradingError
+from course_kit.learner import starters, workspace
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, copy_course
 
 if TYPE_CHECKING:
@@ -147,27 +146,6 @@ def test_an_exercise_whose_starter_is_gone_is_left_alone(course: Course, file: P
     assert file.read_text() == MINE
 
 
-def test_the_courses_own_files_are_the_starters(course: Course) -> None:
-    shutil.rmtree(course.root / environment.LEARNER_FOLDER)
-    done = course.run("reset", TEMPERATURE)
-    assert done.returncode == 0
-    assert "are the starters themselves. Learners work in my-course/." in done.stdout
-
-
-def test_what_somebody_did_in_a_clone_is_no_starter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    clone = copy_course(tmp_path).root
-    git(clone, "init", "-q")
-    git(clone, "add", "exercises")
-    git(clone, "commit", "-q", "-m", "The course")
-    monkeypatch.setattr(environment.paths, "PACKAGE", clone / "course_kit")
-    file = clone / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
-    starter = file.read_bytes()
-    file.write_text(MINE)
-    assert workspace.read_starter(file) == starter
-    file.unlink()
-    assert workspace.read_starter(file) == starter
-
-
 def test_a_link_is_replaced_and_what_it_leads_to_stays(course: Course, file: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(MINE)
     file.unlink()
@@ -213,9 +191,3 @@ def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> No
     assert "is not overwritten" in refused.stderr
     assert (tmp_path / "mine.py").read_text() == MINE
     assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "no" / "folder.py")).returncode == 2
-
-
-def test_every_exercise_can_be_reset() -> None:
-    for name in exercise.ids():
-        starters.changed(exercise.load(name))
-    assert progress.read() == {}

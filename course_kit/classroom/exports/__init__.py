@@ -1,40 +1,31 @@
-"""Files for others: a gradebook as learning platforms and people want it.
-
-Each module of `formats` is one format: its `files(book)` yields paths and texts. Adding a format means adding a module.
-"""
+"""Files for others: a gradebook as learning platforms and people want it."""
 
 from __future__ import annotations
 
-import importlib
-import json
-import pkgutil
 from contextlib import suppress
-from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports import (
     attention,
+    autograder_results,
     changes,
-    comparison,
     feedback,
-    formats,
     lookalikes,
     page,
+    tables,
 )
-from course_kit.classroom.exports.program_texts import ProgramTexts
-from course_kit.classroom.exports.results import headline
+from course_kit.classroom.exports.lookalikes import ProgramTexts
+from course_kit.classroom.exports.texts import headline
 from course_kit.classroom.records import Entry, Records
 from course_kit.environment import write_atomically
 from course_kit.grading import engine
 from course_kit.grading.render import html
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterator
     from pathlib import Path
-    from types import ModuleType
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
 
 PAGE = "index.html"
 
@@ -43,18 +34,15 @@ def get_ready() -> None:
     """Load all that writing takes, while there is something else to wait for."""
     page.get_ready()
     html.get_ready()
-    list(_formats())
 
 
 def write_all(book: Gradebook, out: Path) -> Path:
     """Write every export into a class run's output folder; returns the class page."""
     made = dict(files(book))
-    note_of_files = FilesWritten(out)
-    note_of_files.begin(made)
     for name, text in made.items():
         # Whatever a power cut takes of these is made again from the records, so that none waits for the disk.
         write_atomically(out / name, text, durable=False)
-    note_of_files.end(made)  # takes away those of students and grades that are gone
+    _remove_outdated(book, made, out)
     _write_notices(book, out)
     feedback.write_all(book, out)
     with ProgramTexts(book) as texts:
@@ -95,56 +83,25 @@ def _page(path: Path, record: Record, book: Gradebook) -> str:
 def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.LookAlikes, out: Path) -> None:
     """Write a page for each pair that looks alike, and take away those of an earlier run."""
     written = set()
-    for name, text in comparison.pages(texts, alike.pairs, attention.labels(book)):
+    for name, text in lookalikes.pages(texts, alike.pairs, attention.labels(book)):
         write_atomically(out / name, text, durable=False)
         written.add(out / name)
-    for old in set((out / comparison.FOLDER).glob("*.html")) - written:
+    for old in set((out / lookalikes.FOLDER).glob("*.html")) - written:
         old.unlink(missing_ok=True)
 
 
 def files(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """Path, relative to the output folder, and text of every file of every format."""
-    for module in _formats():
-        yield from module.files(book)
+    """Path, relative to the output folder, and text of every file for a platform."""
+    yield from tables.files(book)
+    yield from autograder_results.files(book)
 
 
-def _formats() -> Iterator[ModuleType]:
-    for found in sorted(pkgutil.iter_modules(formats.__path__), key=lambda one: one.name):
-        yield importlib.import_module(f"{formats.__name__}.{found.name}")
-
-
-_LIST = "exports/.files.json"
-
-
-class FilesWritten:
-    """The list of export files in an output folder."""
-
-    def __init__(self, out: Path) -> None:
-        self._out = out
-        self._before = _names(out)
-
-    def begin(self, names: Iterable[str]) -> None:
-        """Note what is going to be written, beside what is there: a run may end before `end`."""
-        self._note(self._before | set(names))
-
-    def end(self, names: Iterable[str]) -> None:
-        """Take away what was written once and is not among `names`."""
-        for name in self._before - set(names):
-            (self._out / name).unlink(missing_ok=True)
-            with suppress(OSError):  # one holds more
-                for folder in list(PurePosixPath(name).parents)[:-1]:  # but the output folder itself
-                    (self._out / folder).rmdir()
-        self._note(set(names))
-
-    def _note(self, names: set[str]) -> None:
-        write_atomically(self._out / _LIST, json.dumps(sorted(names), indent=0) + "\n", durable=False)
-
-
-def _names(out: Path) -> set[str]:
-    """What an earlier run has noted; nothing outside of `exports`, whatever stands in the list."""
-    try:
-        found = json.loads((out / _LIST).read_text(encoding="utf-8"))
-        paths = [PurePosixPath(name) for name in found]
-    except (OSError, ValueError, TypeError):
-        return set()
-    return {str(path) for path in paths if path.parts[:1] == ("exports",) and ".." not in path.parts}
+def _remove_outdated(book: Gradebook, made: Collection[str], out: Path) -> None:
+    """Take away the exports of students and grades that are gone."""
+    worksheets = (out / tables.MOODLE.format(exercise.id) for exercise in book.exercises)
+    for path in (*worksheets, *out.glob(autograder_results.GRADESCOPE.format("*", "*"))):
+        if path.relative_to(out).as_posix() not in made:
+            path.unlink(missing_ok=True)
+            for folder in path.parents[:2]:
+                with suppress(OSError):  # it holds more
+                    folder.rmdir()

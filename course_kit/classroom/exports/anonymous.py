@@ -10,9 +10,8 @@ import random
 import re
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.exports.results import by_student
-from course_kit.classroom.exports.texts import csv_text
-from course_kit.classroom.gradebook import outcome
+from course_kit.classroom.exports.texts import by_student, csv_text
+from course_kit.classroom.records import outcome
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.render.html import render_page
@@ -22,8 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
 
 _BETWEEN_WORDS = re.compile(r"[\W_]+")
 _SHORTEST = 3  # letters of a part of a name that is looked for; shorter ones are words of their own

@@ -6,15 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.classroom.exports.results import by_student, name_of, score
-from course_kit.classroom.exports.texts import number
-from course_kit.classroom.gradebook import outcome
+from course_kit.classroom.exports.texts import by_student, name_of, number, score
+from course_kit.classroom.records import outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
 
 _NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instructor wants to see first in front
 

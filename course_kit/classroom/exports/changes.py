@@ -6,17 +6,15 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.results import score
-from course_kit.classroom.exports.texts import number
-from course_kit.classroom.gradebook import outcome
+from course_kit.classroom.exports.texts import number, score
+from course_kit.classroom.records import outcome
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
 
 FILE = "last_run.json"
 FORMAT_VERSION = 1

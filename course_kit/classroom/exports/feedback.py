@@ -16,8 +16,7 @@ import re
 import zipfile
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.results import STATES, explained, headline, problem
-from course_kit.classroom.exports.texts import number
+from course_kit.classroom.exports.texts import STATES, explained, headline, number, problem
 from course_kit.classroom.records import Records
 from course_kit.environment import write_atomically
 from course_kit.text.console import in_points
@@ -27,8 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
 
     Packer = Callable[[Record, Path], tuple[str, str] | None]
 

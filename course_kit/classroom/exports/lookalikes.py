@@ -7,17 +7,28 @@ they were, and the work of a group, are alike by themselves and left out.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from contextlib import suppress
 from dataclasses import dataclass
+from difflib import SequenceMatcher
+from functools import lru_cache
+from itertools import zip_longest
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.program_texts import ProgramTexts
-from course_kit.classroom.intake import known_starters
+from course_kit.grading.errors import GradingError
+from course_kit.grading.reading_answers import Fingerprints
+from course_kit.grading.readings import Readings, starter_identities
+from course_kit.grading.render.program import LONGEST
+from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.process import Closing
+from course_kit.reader.fingerprints import shape
+from course_kit.text.templates import render
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.exports.attention import StudentLabel
+    from course_kit.classroom.records import Gradebook, Record
     from course_kit.grading.exercise import Exercise
 
 THRESHOLD = 0.7  # of the fingerprints of two programs together, those they share
@@ -25,6 +36,55 @@ _FEWEST = 10  # fingerprints; what is shorter is alike by itself
 _COMMON = 0.1  # of all different programs: what so many share is how one writes it
 _COMMON_AT_LEAST = 30  # programs
 _RARE = 40  # programs; only fingerprints that no more have bring two together, which bounds the work in large classes
+FOLDER = "lookalikes"
+MOST_PAIRS = 60
+_MOST_LINES = 400  # of each program; comparing takes the square of it
+_shape = lru_cache(maxsize=8192)(shape)  # a program is compared with many others, and much is alike
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+class ProgramTexts(Closing):
+    """The programs of a class: each is read when it is asked for, if nobody has read it yet; for one thread."""
+
+    def __init__(self, book: Gradebook) -> None:
+        self._root, self._elsewhere = book.root, book.earlier
+        self._exercises = {one.id: one for one in book.exercises}
+        self._readings = Readings() if book.readings is None else book.readings.remembered()
+        self._lines: dict[str, list[str]] = {}
+
+    @property
+    def are_at_hand(self) -> bool:
+        """Whether there is anything to read."""
+        return self._root is not None
+
+    def fingerprints(self, record: Record) -> Fingerprints:
+        """Those of a submission; none of what cannot be read."""
+        if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
+            return Fingerprints()
+        return self.of_file(self._root / record.entry.source, self._exercises[record.entry.exercise])
+
+    def of_file(self, path: Path, exercise: Exercise) -> Fingerprints:
+        """The fingerprints of any file that is read as a submission for an exercise."""
+        with suppress(UnreadableError, GradingError), Copy(path) as copy:
+            return self._readings.fingerprints(copy, exercise)
+        return Fingerprints()
+
+    def lines(self, record: Record) -> list[str]:
+        """A program's lines; none of what cannot be read."""
+        source = f"{record.entry.exercise}/{record.entry.source}"
+        if source not in self._lines:
+            self._lines[source] = self._read(record)
+        return self._lines[source]
+
+    def close(self) -> None:
+        """End the process that reads. Safe to call twice."""
+        self._readings.close()
+
+    def _read(self, record: Record) -> list[str]:
+        if self._root is not None and record.entry.exercise not in self._elsewhere:
+            with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
+                return self._readings.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
+        return []
 
 
 @dataclass(frozen=True)
@@ -89,7 +149,7 @@ def _programs(
     same: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         same[_file(record)].append(record)
-    starters = known_starters.of(exercise, known_starters.read())
+    starters = starter_identities(exercise)
     given: frozenset[int] = frozenset()
     for name in (exercise.starter, exercise.notebook) if texts.are_at_hand else ():
         given |= texts.of_file(exercise.folder / name, exercise).prints
@@ -153,3 +213,62 @@ def _similar(programs: Sequence[frozenset[int]]) -> Iterator[tuple[int, int]]:
 
 def _similarity(one: frozenset[int], other: frozenset[int]) -> float:
     return len(one & other) / len(one | other) if one != other else 1.0
+
+
+@dataclass(frozen=True)
+class LinePair:
+    """Two lines beside each other, with their numbers; a number is 0 where one side has no line."""
+
+    first: int
+    first_text: str
+    second: int
+    second_text: str
+    same: bool  # both lines are the same but for names, values, comments and layout
+
+
+def link(place: int) -> str:
+    """Where the page of the pair at a place of the list lies, seen from the class page."""
+    return f"{FOLDER}/{place + 1}.html"
+
+
+def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
+    """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand."""
+    if not texts.are_at_hand:
+        return
+    template = _TEMPLATES / "comparison.html"
+    for place, pair in enumerate(pairs[:MOST_PAIRS]):
+        sides = [[line[:LONGEST] for line in texts.lines(one)] for one in (pair.first, pair.second)]
+        rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
+        cut = any(len(lines) > _MOST_LINES for lines in sides)
+        names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
+        yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
+
+
+def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
+    """Rows for two programs; lines of the same shape stand beside each other, the others between them."""
+    at = at_other = 0
+    for one, other in [*_pairs(first, second), (len(first), len(second))]:
+        for left, right in zip_longest(range(at, one), range(at_other, other)):
+            yield _row(first, left, second, right, same=False)
+        if one < len(first):
+            yield _row(first, one, second, other, same=True)
+        at, at_other = one + 1, other + 1
+
+
+def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, int]]:
+    """Lines of the same shape, in order; blank lines and comments tell nothing."""
+    ours, theirs = (
+        [(place, found) for place, line in enumerate(lines) if (found := _shape(line))] for lines in (first, second)
+    )
+    matcher = SequenceMatcher(None, [one for _, one in ours], [one for _, one in theirs], autojunk=False)
+    for start, other, size in matcher.get_matching_blocks():
+        for step in range(size):
+            yield ours[start + step][0], theirs[other + step][0]
+
+
+def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> LinePair:
+    return LinePair(*_numbered(first, one), *_numbered(second, other), same)
+
+
+def _numbered(lines: Sequence[str], place: int | None) -> tuple[int, str]:
+    return (0, "") if place is None else (place + 1, lines[place])

@@ -5,27 +5,26 @@ What it says of a class is put together here, and `templates` write it down, eac
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections import Counter
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import mean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from course_kit.classroom.exports import attention, comparison, counts, lookalikes
-from course_kit.classroom.exports.results import by_student, name_of, problem, score, total
-from course_kit.classroom.exports.texts import number
-from course_kit.classroom.gradebook import outcome
-from course_kit.classroom.records import STUDENTS, safe_name
+from course_kit.classroom.exports import attention, lookalikes
+from course_kit.classroom.exports.texts import by_student, name_of, number, problem, score, total
+from course_kit.classroom.records import STUDENTS, outcome, safe_name
 from course_kit.grading.diagnosis import catalogue
 from course_kit.text.templates import load
 from course_kit.text.templates import render as fill_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.classroom.exports.changes import ResultChange
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
     from course_kit.grading.exercise import Exercise
 
 _TEMPLATES = Path(__file__).with_name("templates")
@@ -49,6 +48,33 @@ _LAYOUTS = {
     "files": "a file for each student",
 }
 _MOST_LISTED = 10  # of the slowest and of the largest
+_MOST_BARS = 21
+BANDS = ("under 25 %", "25 to 50 %", "50 to 75 %", "75 % and more")
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One bar of a distribution: from `low` points on, up to the next one's."""
+
+    low: float
+    label: str
+    count: int
+
+
+@dataclass
+class CheckCount:
+    """How often a check came out how: by its status, and whose it is that failed."""
+
+    id: str
+    title: str
+    points: float
+    by_status: Counter[str] = field(default_factory=Counter)
+    failed: list[Record] = field(default_factory=list)
+
+    @property
+    def run(self) -> int:
+        """How often it could be run at all."""
+        return self.by_status["passed"] + self.by_status["failed"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +82,7 @@ class Figure:
     """The scores of one exercise; `average` and `middle` are None where nobody has one."""
 
     exercise: Exercise
-    bars: Sequence[counts.Bar]
+    bars: Sequence[Bar]
     submissions: int
     passed: int
     average: float | None
@@ -98,8 +124,8 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
     if alike is None and book.records:
         alike = lookalikes.find(book)
     # The pairs themselves are what the groups hold.
-    comparable = alike.pairs[: comparison.MOST_PAIRS] if alike and book.root else []
-    comparison_links = {id(pair): comparison.link(place) for place, pair in enumerate(comparable)}
+    comparable = alike.pairs[: lookalikes.MOST_PAIRS] if alike and book.root else []
+    comparison_links = {id(pair): lookalikes.link(place) for place, pair in enumerate(comparable)}
     return {
         "book": book,
         "called": called,
@@ -109,7 +135,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
         "figures": [_figure(one, records) for one in book.exercises if (records := book.graded(one.id))],
-        "checks": [(one, found) for one in book.exercises if (found := counts.checks(book.of(one.id)))],
+        "checks": [(one, found) for one in book.exercises if (found := count_checks(book.of(one.id)))],
         "heat_maps": [one for one in _heat_maps(book) if one.rows],
         "diagnoses": catalogue.catalogue(),
         "alike": alike,
@@ -143,22 +169,78 @@ def _figure(exercise: Exercise, records: Sequence[Record]) -> Figure:
     points = [found for record in records if (found := score(record)) is not None]
     average, middle = (mean(points), median(points)) if points else (None, None)
     passed = sum(record.passed for record in records)
-    return Figure(exercise, counts.distribution(exercise, records), len(records), passed, average, middle)
+    return Figure(exercise, distribution(exercise, records), len(records), passed, average, middle)
 
 
 def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
     """Over the exercises, and for each over how well its submissions did."""
     if len(book.exercises) > 1:
         titles = [exercise.title for exercise in book.exercises]
-        having = counts.having_diagnoses(book.graded())
-        yield HeatMap("Submissions with a diagnosis, by exercise", titles, counts.diagnoses_by_exercise(book), having)
+        having = _having_diagnoses(book.graded())
+        yield HeatMap("Submissions with a diagnosis, by exercise", titles, diagnoses_by_exercise(book), having)
     for exercise in book.exercises:
         records = book.graded(exercise.id)
         title = f"{exercise.title}: submissions with a diagnosis, by score"
-        having = counts.having_diagnoses(records)
-        yield HeatMap(title, counts.BANDS, counts.diagnoses_by_band(records), having)
+        having = _having_diagnoses(records)
+        yield HeatMap(title, BANDS, diagnoses_by_band(records), having)
 
 
 def _many(count: int, one: str) -> str:
     """`1 student`, `2 students`."""
     return f"{count} {one if count == 1 else one + 's'}"
+
+
+def distribution(exercise: Exercise, records: Sequence[Record]) -> list[Bar]:
+    """How many have how many points: a bar for each point, or ten where there are many; the last is full marks."""
+    points = [found for record in records if (found := score(record)) is not None]
+    steps = int(exercise.points) if exercise.points == int(exercise.points) and exercise.points < _MOST_BARS else 10
+    width = exercise.points / steps
+    counts = Counter(min(steps, max(0, math.floor(one / width + 1e-9))) for one in points)
+    return [Bar(step * width, f"{step * width:g}", counts[step]) for step in range(steps + 1)]
+
+
+def count_checks(records: Sequence[Record]) -> list[CheckCount]:
+    """The checks of one exercise in the order they are run."""
+    found: dict[str, CheckCount] = {}
+    for record in records:
+        for check in record.report["checks"]:
+            one = found.setdefault(check["id"], CheckCount(check["id"], check["title"], float(check["max_points"])))
+            one.by_status[check["status"]] += 1
+            if check["status"] == "failed":
+                one.failed.append(record)
+    return list(found.values())
+
+
+def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
+    """For each diagnosis how many submissions of each exercise have it, the most frequent first."""
+    order = [exercise.id for exercise in book.exercises]
+    return _table(
+        ((code, order.index(record.entry.exercise)) for record in book.graded() for code in record.diagnoses),
+        len(order),
+    )
+
+
+def diagnoses_by_band(records: Sequence[Record]) -> dict[str, list[int]]:
+    """For each diagnosis how many submissions of each of `BANDS` have it, the most frequent first."""
+    return _table(((code, _band(record)) for record in records for code in record.diagnoses), len(BANDS))
+
+
+def _having_diagnoses(records: Sequence[Record]) -> dict[str, list[Record]]:
+    """For each diagnosis the records that have it."""
+    table: dict[str, list[Record]] = {}
+    for record in records:
+        for code in record.diagnoses:
+            table.setdefault(code, []).append(record)
+    return table
+
+
+def _band(record: Record) -> int:
+    reached = record.score / record.max_score if record.max_score else 0.0
+    return min(len(BANDS) - 1, int(reached * len(BANDS)))
+
+
+def _table(places: Iterable[tuple[str, int]], width: int) -> dict[str, list[int]]:
+    table: dict[str, list[int]] = {}
+    for code, column in places:
+        table.setdefault(code, [0] * width)[column] += 1
+    return dict(sorted(table.items(), key=lambda item: (-sum(item[1]), item[0])))

@@ -1,4 +1,4 @@
-"""Text of strangers on its way into CSV and JSON: it arrives, and it steers nothing."""
+"""Records in words and cells; text of strangers on its way into CSV and JSON arrives, and steers nothing."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
+from course_kit.text.console import in_points
 from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from course_kit.classroom.records import Gradebook, Record
 
 _DIGITS = 6
 # What spreadsheets take for a formula, the wide forms of East Asian keyboards included, after any blank or invisible
@@ -20,6 +23,13 @@ _FORMULA = re.compile(r"[\s\x00-\x1f\u00a0\u200b-\u200f\u2060\ufeff]*[=+\-@ï¼ï¼
 _NUMBER = re.compile(r"-?\d{1,15}(\.\d+)?")
 # What is read as text, a name or a number at worst, whatever sign it begins with: no call, no link, no other program.
 _HARMLESS = re.compile(r"[\w.@+-]*", re.ASCII)
+MISSING = "missing"
+STATES = {
+    "passed": "passed",
+    "failed": "not passed",
+    "skipped": "not run, because an earlier check did not pass",
+    "error": "could not be run: an error of the grader, not yours",
+}
 
 
 def number(value: float) -> str:
@@ -46,6 +56,13 @@ def cell(value: str | float | None) -> str:
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
+def lines_of_table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Rows for a terminal, their columns below one another."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
 def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False) -> str:
     r"""Rows as CSV after RFC 4180: commas, quotes where they are needed, \r\n."""
     file = io.StringIO(newline="")
@@ -64,3 +81,70 @@ def _printable(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _printable(one) for key, one in value.items()}
     return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
+def score(record: Record | None) -> float | None:
+    """The points; None where the grader itself failed, for that is no zero, and where nothing was handed in."""
+    return record.score if record is not None and record.has_grade else None
+
+
+def total(records: dict[str, Record]) -> float | None:
+    """A student's points together; None where one of the scores is still to come."""
+    scores = [score(record) for record in records.values()]
+    return None if None in scores else sum(one or 0.0 for one in scores)
+
+
+def by_student(book: Gradebook) -> dict[str, dict[str, Record]]:
+    """Each student's records by exercise, students sorted."""
+    table: dict[str, dict[str, Record]] = {student: {} for student in book.students}
+    for record in book.records:
+        table[record.entry.student][record.entry.exercise] = record
+    return table
+
+
+def name_of(records: dict[str, Record], otherwise: str = "") -> str:
+    """A student's own name, where one of the records tells it."""
+    return next((record.entry.name for record in records.values() if record.entry.name), otherwise)
+
+
+def platform_of(records: dict[str, Record], key: str) -> str:
+    """What a platform calls a student, see `Entry.platform`; empty when it is not known."""
+    return next((found for record in records.values() if (found := record.entry.platform.get(key))), "")
+
+
+def headline(record: Record) -> str:
+    """The result in one sentence."""
+    if not record.has_grade:
+        return "Not graded: the grader itself failed. Your work is not the cause, and it will be graded again."
+    points = f"{number(record.score)} of {in_points(record.max_score)}"
+    if record.status == "unreadable" and record.adjustment.override is None:
+        return f"{points}: the submission could not be read."
+    if record.status == "crashed" and record.adjustment.override is None:
+        return f"{points}: not passed yet, because the program ended before it could be checked."
+    return f"{points}: {'passed' if record.passed else 'not passed yet'}."
+
+
+def problem(record: Record) -> str:
+    """Why there is no grade; empty when there is one."""
+    return str(record.report["stderr"]).strip() if record.status in ("unreadable", "error") else ""
+
+
+def explained(check: dict[str, Any]) -> str:
+    """What a check has found, for the learner; empty when it passed."""
+    if check["status"] == "passed":
+        return ""
+    shown = [("We sent", "sent"), ("Expected", "expected"), ("We got", "got")]
+    parts = [f"{label}: {check[key]}" for label, key in shown if check[key]]
+    parts += [check["message"]] if check["message"] else []
+    parts += [f"Hint: {check['hint']}"] if check["hint"] else []
+    return "\n".join(parts) or STATES[check["status"]]
+
+
+def feedback(record: Record) -> list[str]:
+    """Result and reasons, one paragraph each: for platforms that have one field for everything."""
+    paragraphs = [headline(record), *record.remarks]
+    paragraphs += [text] if (text := problem(record)) else []
+    for check in record.report["checks"]:
+        if check["status"] != "passed":
+            paragraphs.append(f"{check['title']}: {check['message'] or STATES[check['status']]}")
+    return paragraphs

@@ -18,17 +18,16 @@ import time
 import zipfile
 import zlib
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Item
+from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Found, Item, look_through, moved
 from course_kit.grading.errors import GradingError
+from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
-    from types import TracebackType
-
-    from typing_extensions import Self
 
 MOST = 1_000_000  # members; each costs half a kilobyte of memory
 LARGEST = 16 * 1024**3  # bytes unpacked; 3,000 notebooks of 5 MB, most of it pictures
@@ -37,6 +36,8 @@ MOST_OF_ONE = 1000  # files unpacked of one student
 NAMES = 64 * 1024**2  # bytes of the list of names: half a million files
 NAMES_OF_ONE = 8 * 1024**2  # of a zip of one student's: 60,000 files, which takes half a second
 DEEPEST = 40  # parts of a path
+CONTENTS = ".contents"  # added to a student's zip's name, of the folder with what was in it
+MOST_ZIPS = 3  # of one student
 _LONGEST_PART = 255  # bytes of a part of a path: Linux's NAME_MAX
 _BLOCK = 1024 * 1024
 _ALSO_A_FOLDER = "the archive also holds a folder with this name"
@@ -61,7 +62,7 @@ class _NamesReader(io.BufferedReader):
         return super().read(size)
 
 
-class Archive:
+class Archive(Closing):
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
     def __init__(self, path: Path, workspace: Path | None, names: int = NAMES) -> None:
@@ -91,21 +92,12 @@ class Archive:
             self.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     def close(self) -> None:
         """Close the file."""
         self._zip.close()
         self._file.close()
 
     def children(self, folder: str, most: int | None = None) -> list[Item]:
-        """See `Listing`."""
         items = itertools.islice(self._folders.get(folder, {}).values(), most)
         return sorted(items, key=lambda item: item.path)
 
@@ -248,3 +240,25 @@ def make_empty(workspace: Path) -> None:
     mark.touch()
     shutil.rmtree(workspace)
     workspace.mkdir()
+
+
+def unpack_students_zip(root: Path, item: Item) -> Found:
+    """Open a zip that a student has handed in, beside itself; what goes wrong is theirs alone."""
+    folder = f"{item.path}{CONTENTS}"
+    try:
+        with Archive(root / item.path, root / folder, NAMES_OF_ONE) as archive:
+            found = look_through(archive, Item("", FOLDER))
+            wanted = [one for one in found.files if one.is_program or len(found.files) == 1]
+            problems = archive.fetch(wanted)
+            lost = [*found.unseen, *archive.lost]
+    except GradingError as problem:
+        return Found((), problem=str(problem))
+    except OSError as problem:
+        if problem.errno not in _ITS_NAMES_FAULT:
+            raise
+        return Found((), problem=f"it cannot be unpacked: {problem.strerror}")
+    return Found(
+        tuple(moved(replace(one, problem=one.problem or problems.get(one.path, "")), folder) for one in found.files),
+        tuple((f"{folder}/{path}", reason) for path, reason in found.tools),
+        tuple((f"{folder}/{path}" if path else folder, reason) for path, reason in lost),
+    )

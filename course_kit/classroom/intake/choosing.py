@@ -9,19 +9,21 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import candidates, kit_copies, known_starters, listing, nested_zip
+from course_kit import environment
+from course_kit.classroom.intake import archive, candidates, listing
 from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
 from course_kit.classroom.records import Entry
-from course_kit.classroom.rules.submission_times import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
+from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
 from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading_answers import Glance
+from course_kit.grading.readings import starter_identities
 from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.reader import text
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from course_kit.classroom.intake.candidates import Choice
@@ -31,14 +33,19 @@ if TYPE_CHECKING:
     from course_kit.grading.exercise import Exercise
     from course_kit.grading.readings import Readings
 
-_MOST_OPENED = 200  # files of one student into which is looked for what they are for
-_LONGEST_LOOK_S = 30.0  # at them together; 200 ordinary ones take 1 s
+_LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s
 _MOST_LISTED = 50  # files of one student that are listed one by one
 _MOST_TOLD = 3  # problems of one student in a sentence
 _MOST_OTHERS = 10  # of an entry
 _NOT_FOUND = "none of it belongs to these exercises"
 _NONE_OF_THESE = "it belongs to none of these exercises"
 _NO_TIME = "it was not looked into, because looking into this student's other files took too long"
+_OF_KIT = "a part of the course kit"
+_PACKAGE = "course_kit/__init__.py"
+_EXERCISE = re.compile(r"exercises/[^/]+/exercise\.toml")
+_FOLDERS = ("course_setup/", "solutions/", "tests/", "benchmarks/", "notebooks/demos/")
+_LESSON = re.compile(r"notebooks/\d\d_\w+\.ipynb")
+_MOST_COPIES = 10  # of the course in one student's work
 _AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second download
 
 
@@ -51,8 +58,7 @@ class Chooser:
         self._listing = opened.listing
         self._may_unpack = opened.is_copy
         self._exercises = exercises
-        known = known_starters.read()
-        self._starters = {one.id: known_starters.of(one, known) for one in exercises}
+        self._starters = {one.id: starter_identities(one) for one in exercises}
         self.entries: list[Entry] = []
         self.left: Left = []
         self.missing: list[tuple[str, str]] = []
@@ -139,11 +145,9 @@ class Chooser:
 
     def _without_kit(self, files: list[File]) -> list[File]:
         """A student's files but for the course's own, where they have handed in a copy of the whole course."""
-        own = kit_copies.parts(file.path for file in files)
+        own = parts_of_kit(file.path for file in files)
         if own and files:
-            self._leave(
-                files[0].unit.student, [(path, kit_copies.REASON) for path in sorted(own)], "parts of the course kit"
-            )
+            self._leave(files[0].unit.student, [(path, _OF_KIT) for path in sorted(own)], "parts of the course kit")
         return [file for file in files if file.path not in own]
 
     def _without_zips(self, files: list[File]) -> tuple[list[File], list[File]]:
@@ -156,7 +160,7 @@ class Chooser:
                 kept.append(file)
                 continue
             zips += 1
-            contents = self._open(file) if zips <= nested_zip.MOST else nested_zip.Contents(problem="one zip too many")
+            contents = self._open(file) if zips <= archive.MOST_ZIPS else listing.Found((), problem="one zip too many")
             if contents.problem or not (contents.files or contents.unseen):
                 kept.append(file)
                 self._leave(file.unit.student, [(file.path, contents.problem or "an empty zip")], "the same")
@@ -165,10 +169,10 @@ class Chooser:
             opened += self._without_kit([File(item, file.unit, item.problem) for item in contents.files])
         return kept, opened
 
-    def _open(self, file: File) -> nested_zip.Contents:
+    def _open(self, file: File) -> listing.Found:
         if problem := self._listing.fetch([file.item]).get(file.path):
-            return nested_zip.Contents(problem=problem)
-        return nested_zip.unpack(self._root, file.item)
+            return listing.Found((), problem=problem)
+        return archive.unpack_students_zip(self._root, file.item)
 
     def _entry(self, student: str, exercise: Exercise, choice: Choice, rest: list[str], chosen: set[str]) -> Entry:
         file = choice.best.file
@@ -196,10 +200,7 @@ class Chooser:
         programs = [file for file in for_it if file.item.is_program]
         told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
-        seen = {
-            file.path: self._glance(file, exercise) if place < _MOST_OPENED else Glance()
-            for place, file in enumerate(programs or for_it)
-        }
+        seen = {file.path: self._glance(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
         for file in programs or for_it:
             glance = seen[file.path]
@@ -300,3 +301,22 @@ def _changed(path: Path) -> float:
         return path.lstat().st_mtime
     except OSError:
         return 0.0
+
+
+def parts_of_kit(paths: Iterable[str]) -> set[str]:
+    """Those of a student's files that came with the course; the folder of exercises is where students work."""
+    all_paths = list(paths)
+    packages = [path.removesuffix(_PACKAGE) for path in all_paths if f"/{path}".endswith(f"/{_PACKAGE}")]
+    found: set[str] = set()
+    for root in packages[:_MOST_COPIES]:
+        below = [(path, path[len(root) :]) for path in all_paths if path.startswith(root)]
+        whole = any(_EXERCISE.fullmatch(inside) for _, inside in below)
+        found.update(path for path, inside in below if _is_the_kits(inside, whole=whole))
+    return found
+
+
+def _is_the_kits(path: str, *, whole: bool) -> bool:
+    if path.startswith("course_kit/"):
+        return True
+    path = path.removeprefix(f"{environment.LEARNER_FOLDER}/")  # `./course lab` copies lessons there
+    return whole and (path.startswith(_FOLDERS) or _LESSON.fullmatch(path) is not None or path == "hatch_build.py")

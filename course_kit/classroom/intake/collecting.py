@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import sources, students
+from course_kit.classroom.intake import layouts, sources
 from course_kit.classroom.intake.choosing import Chooser
+from course_kit.classroom.intake.recognition import AUTO
 from course_kit.classroom.intake.roster_matching import match
-from course_kit.classroom.intake.wrappers import AUTO
 from course_kit.grading.errors import GradingError
 from course_kit.grading.readings import Readings
 
@@ -60,7 +60,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
         chooser = Chooser(opened, exercises, stack.enter_context(readings or Readings()))
-        for student, units in students.by_name(opened.units, [one.id for one in exercises]).items():
+        for student, units in layouts.by_name(opened.units, [one.id for one in exercises]).items():
             chooser.take(student, units)
     found = Intake(
         opened.root,

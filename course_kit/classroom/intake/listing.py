@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from course_kit.reader.text import kind as kind_of_program
@@ -54,6 +54,11 @@ class Item:
         return self.kind == FILE and self.name.lower().endswith(ZIP)
 
 
+def moved(item: Item, folder: str) -> Item:
+    """An item as it is seen from the folder around its root."""
+    return replace(item, path=f"{folder}/{item.path}") if folder else item
+
+
 class Listing(Protocol):
     """A folder or an archive."""
 
@@ -71,7 +76,6 @@ class Folder:
         self._root = root
 
     def children(self, folder: str, most: int | None = None) -> list[Item]:
-        """See `Listing`."""
         start = f"{folder}/" if folder else ""
         with os.scandir(self._root / folder) as found:
             items = [Item(f"{start}{one.name}", _kind(one)) for one in itertools.islice(found, most)]
@@ -108,6 +112,7 @@ class Found:
     tools: tuple[tuple[str, str], ...] = ()  # path and reason of what is nobody's work
     # path and reason of what might have been a submission, and was not looked at
     unseen: tuple[tuple[str, str], ...] = ()
+    problem: str = ""  # why nothing of it can be had, as of a zip that cannot be opened
 
 
 def look_through(listing: Listing, top: Item) -> Found:

@@ -6,8 +6,8 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import roster_columns as columns
-from course_kit.classroom.intake.roster_columns import plain
+from course_kit.classroom.intake import roster as columns
+from course_kit.classroom.intake.roster import plain
 from course_kit.classroom.records import Entry
 
 if TYPE_CHECKING:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections import defaultdict
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition, students
-from course_kit.classroom.intake.archive import NAMES_OF_ONE, Archive, make_empty
-from course_kit.classroom.intake.combined_listing import CopiedFolder, Several, moved
+from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition
+from course_kit.classroom.intake.archive import LARGEST_OF_ONE, NAMES_OF_ONE, Archive, make_empty
 from course_kit.classroom.intake.gradescope_export import METADATA
 from course_kit.classroom.intake.layouts import CLONES, most
-from course_kit.classroom.intake.listing import FILE
-from course_kit.classroom.intake.recognition import entries, holds_clones
-from course_kit.classroom.intake.wrappers import AUTO, Download, enter
+from course_kit.classroom.intake.listing import FILE, FOLDER, Folder, Item, moved
+from course_kit.classroom.intake.recognition import AUTO, Download, enter, entries, holds_clones
 from course_kit.grading.errors import GradingError
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from contextlib import ExitStack
     from pathlib import Path
 
     from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Item, Left, Listing
+    from course_kit.classroom.intake.listing import Left, Listing
     from course_kit.grading.exercise import Exercise
 
 
@@ -48,8 +50,9 @@ def open_all(
         return _several(paths, workspace, exercises, layout, stack)
     [path] = paths
     download = _open(path, workspace, exercises, stack, copied=False)
-    opened = _opened(download, _arranged(path, download, layout), workspace if download.packed else path)
-    if not opened.is_copy and any(_has_zip(opened.listing, unit) for unit in opened.units):
+    opened = _read_download(path, download, layout, workspace if download.packed else path)
+    found = (one for unit in opened.units for one in listing.look_through(opened.listing, unit.item).files)
+    if not opened.is_copy and any(one.is_zip for one in found):
         copied = CopiedFolder(path, workspace)
         opened = replace(opened, root=workspace, listing=copied, is_copy=True)
     return opened
@@ -63,7 +66,7 @@ def _several(
     for path in paths:
         name = _name_for(path, parts)
         download = _open(path, workspace / name, exercises, stack, copied=True)
-        part = _opened(download, _arranged(path, download, layout), workspace / name)
+        part = _read_download(path, download, layout, workspace / name)
         about = _exercise_of(name, exercises)
         units = [replace(unit, item=moved(unit.item, name), download=name, exercise=about) for unit in part.units]
         parts[name] = replace(part, units=tuple(units))
@@ -83,27 +86,10 @@ def _joined(units: list[Unit], parts: dict[str, Opened], exercises: int) -> tupl
     return tuple(
         one
         for name in sorted({part.layout for part in parts.values()})
-        for one in students.across_downloads(
+        for one in layouts.across_downloads(
             [unit for unit in units if parts[unit.download].layout == name], name, exercises
         )
     )
-
-
-def _opened(download: Download, arranged: Arrangement, root: Path) -> Opened:
-    found = download.listing
-    units = arranged.units
-    if arranged.metadata is not None:
-        found.fetch([arranged.metadata])
-        try:
-            submissions = gradescope_export.read(root / arranged.metadata.path)
-        except OSError:
-            submissions = {}
-        units = tuple(gradescope_export.with_submitters(units, submissions))
-    packed = found if isinstance(found, Archive) else None
-    left = (*arranged.left, *(packed.left if packed else ()))
-    lost = tuple((one_line(path), reason) for path, reason in packed.lost) if packed else ()
-    is_copy = isinstance(found, (Archive, CopiedFolder))
-    return Opened(root, found, is_copy, arranged.layout, units, left, lost)
 
 
 def _open(path: Path, workspace: Path, exercises: Sequence[Exercise], stack: ExitStack, *, copied: bool) -> Download:
@@ -123,11 +109,37 @@ def _is_folder(path: Path) -> bool:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
 
 
-def _arranged(path: Path, download: Download, layout: str) -> Arrangement:
+def _read_download(path: Path, download: Download, layout: str, root: Path) -> Opened:
+    """Find the students' entries of one download, whose files lie below `root` once they are fetched."""
+    found = download.listing
+    left: Left = []
     try:
-        return arrange(download, layout)
+        layout, called, items = _enter_students(download, layout, left)
+        metadata = [one for one in items if layout == "gradescope" and one.name == METADATA and one.kind == FILE]
+        others = [one for one in items if one not in metadata]
+        read = list(_read_all(found, layout, others, called, left))
     except OSError as problem:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
+    left += [(item.path, f"its name does not follow the layout '{layout}'") for item, unit in read if unit is None]
+    units = layouts.of_groups([unit for _, unit in read if unit is not None])
+    if metadata:
+        found.fetch(metadata)
+        with suppress(OSError):
+            units = list(gradescope_export.with_submitters(units, gradescope_export.read(root / metadata[0].path)))
+    is_copy = isinstance(found, (Archive, CopiedFolder))
+    packed = found if isinstance(found, Archive) else None
+    left += packed.left if packed else []
+    lost = tuple((one_line(path), reason) for path, reason in packed.lost) if packed else ()
+    return Opened(root, found, is_copy, layout, tuple(units), tuple(left), lost)
+
+
+def _enter_students(download: Download, layout: str, left: Left) -> tuple[str, str, list[Item]]:
+    """Layout, name and entries of the folder in which the students are."""
+    if layout not in (AUTO, *layouts.LAYOUTS):
+        raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
+    folder, called = enter(download, layout)
+    items = entries(download.listing, folder, left)
+    return recognition.recognise(download.listing, items, called) if layout == AUTO else layout, called, items
 
 
 def _downloads(path: Path, exercises: Sequence[Exercise], layout: str) -> list[Path]:
@@ -185,39 +197,6 @@ def _name_for(path: Path, taken: dict[str, Opened]) -> str:
     return name
 
 
-def _has_zip(found: Listing, unit: Unit) -> bool:
-    return any(item.is_zip for item in listing.look_through(found, unit.item).files)
-
-
-@dataclass(frozen=True)
-class Arrangement:
-    """Where the students are."""
-
-    layout: str  # one of `layouts.LAYOUTS`
-    units: tuple[Unit, ...]  # what each has control of; one student may have several
-    left: tuple[tuple[str, str], ...]  # path and reason of what lies beside them
-    metadata: Item | None = None  # Gradescope's file that says whose each entry is
-
-
-def arrange(download: Download, layout: str) -> Arrangement:
-    """Find the students' entries."""
-    if layout not in (AUTO, *layouts.LAYOUTS):
-        raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
-    left: Left = []
-    listing = download.listing
-    folder, called = enter(download, layout)
-    items = entries(listing, folder, left)
-    found = recognition.recognise(listing, items, called) if layout == AUTO else layout
-    is_metadata = [item for item in items if found == "gradescope" and item.name == METADATA and item.kind == FILE]
-    units: list[Unit] = []
-    for item, unit in _read_all(listing, found, [item for item in items if item not in is_metadata], called, left):
-        if unit is None:
-            left.append((item.path, f"its name does not follow the layout '{found}'"))
-        else:
-            units.append(unit)
-    return Arrangement(found, tuple(layouts.of_groups(units)), tuple(left), next(iter(is_metadata), None))
-
-
 def _read_all(
     listing: Listing, layout: str, items: list[Item], called: str, left: Left
 ) -> Iterator[tuple[Item, Unit | None]]:
@@ -233,3 +212,65 @@ def _read_all(
     slug = recognition.slug(items, called) if layout == "github" else ""
     for item in items:
         yield item, layouts.read(layout, item, slug) or layouts.read_stray(layout, item)
+
+
+class CopiedFolder(Folder):
+    """A folder; what is fetched of it lies below the workspace afterwards, as with an archive."""
+
+    def __init__(self, root: Path, workspace: Path) -> None:
+        super().__init__(root)
+        self._source = root
+        self._workspace = workspace
+        make_empty(workspace)
+
+    def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
+        problems = {item.path: self._copy(item) for item in items}
+        return {path: problem for path, problem in problems.items() if problem}
+
+    def _copy(self, item: Item) -> str:
+        """Copy one file; the reason if that was not possible."""
+        source, target = self._source / item.path, self._workspace / item.path
+        if item.kind != FILE:
+            return "it is not an ordinary file"
+        try:
+            state = source.lstat()
+            if state.st_size > LARGEST_OF_ONE:
+                return f"it is too much: at most {LARGEST_OF_ONE // 1024**2} MB are read"
+            with open(source, "rb", opener=_not_through_a_link) as file:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with target.open("wb") as copy:
+                    shutil.copyfileobj(file, copy)
+            os.utime(target, ns=(state.st_atime_ns, state.st_mtime_ns))
+        except OSError as problem:
+            if problem.filename != os.fspath(source):
+                raise  # a full disk is nobody's fault
+            return f"it cannot be read: {problem.strerror}"
+        return ""
+
+
+def _not_through_a_link(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
+
+
+class Several:
+    """Several listings as one, each in a folder of its own."""
+
+    def __init__(self, parts: Mapping[str, Listing]) -> None:
+        self._parts = parts
+
+    def children(self, folder: str, most: int | None = None) -> list[Item]:
+        name, _, inside = folder.partition("/")
+        if not name:
+            return [Item(one, FOLDER) for one in sorted(self._parts)]
+        return [moved(item, name) for item in self._parts[name].children(inside, most)]
+
+    def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
+        asked: dict[str, list[Item]] = defaultdict(list)
+        for item in items:
+            name, _, inside = item.path.partition("/")
+            asked[name].append(replace(item, path=inside))
+        return {
+            f"{name}/{path}": problem
+            for name, of_one in asked.items()
+            for path, problem in self._parts[name].fetch(of_one).items()
+        }

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.texts import csv_text
+from course_kit.classroom.exports.texts import csv_text, lines_of_table
 from course_kit.environment import write_atomically
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from course_kit.classroom.intake.collecting import Intake
@@ -19,7 +18,6 @@ FILE = "intake.csv"
 HEADER = ("student", "name", "exercise", "file", "why", "also handed in", "late", "look at it")
 _NOTHING = "nothing was handed in for it"
 _WIDEST = (28, 24, 60, 90, 60)  # columns of the text
-_BETWEEN = "  "
 
 
 @dataclass(frozen=True)
@@ -78,18 +76,11 @@ def as_text(found: Intake) -> str:
     """The table for a terminal: students only, long cells cut."""
     header = ("student", "exercise", "file", "why", "also handed in")
     body = [(_who(row), row.exercise, row.file or "-", row.why, row.also) for row in rows(found) if row.student]
-    return "\n".join(_lines([header, *body]))
+    return "\n".join(lines_of_table([list(map(_cut, row, _WIDEST)) for row in (header, *body)]))
 
 
 def _who(row: IntakeRow) -> str:
     return f"{row.student} ({row.name})" if row.name and row.name != row.student else row.student
-
-
-def _lines(cells: Sequence[Sequence[str]]) -> Iterator[str]:
-    cut = [[_cut(cell, widest) for cell, widest in zip(row, _WIDEST, strict=True)] for row in cells]
-    widths = [max(len(row[place]) for row in cut) for place in range(len(_WIDEST))]
-    for row in cut:
-        yield _BETWEEN.join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
 def _cut(cell: str, widest: int) -> str:

@@ -6,18 +6,26 @@ Nothing is guessed about time zones: a date has its offset from UTC, or the file
 from __future__ import annotations
 
 import math
+import os
+import re
 import sys
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from course_kit.classroom.rules.adjustments import Adjustment
-from course_kit.classroom.rules.submission_times import comes_twice
 from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
 from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean
+
+if TYPE_CHECKING:
+    from datetime import tzinfo
+    from pathlib import Path
+
+    from course_kit.classroom.records import Entry
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -29,12 +37,17 @@ if TYPE_CHECKING:
     from datetime import tzinfo
     from pathlib import Path
 
-    from course_kit.classroom.rules.people import People
+    from course_kit.classroom.rules.tables import People
     from course_kit.grading.exercise import Exercise
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
 _NUMBERS = {"grace_minutes": 0.0, "penalty_percent_per_day": 0.0, "penalty_at_most_percent": float(_ALL)}
+STAMP = "timestamp.txt"
+SUBMITTED_AT, ASSIGNMENT = "submitted_at", "nbgrader_assignment"  # see `Entry.platform`
+_LONGEST_STAMP = 200  # bytes
+_STAMP = re.compile(r"(?P<time>\d{4}-\d\d-\d\d[ T]\d\d:\d\d(:\d\d(\.\d{1,9})?)?)\s*(?P<zone>[\w/+:-]*)", re.ASCII)
+_OFFSET = re.compile(r"[+-]\d\d:?\d\d\Z")
 
 
 @dataclass(frozen=True)
@@ -168,7 +181,7 @@ def _zone(name: Any) -> tzinfo:
 def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
     """A date and time with its zone."""
     try:
-        moment = value if isinstance(value, datetime) else datetime.fromisoformat(_iso(str(value)))
+        moment = value if isinstance(value, datetime) else datetime.fromisoformat(re.sub("Z$", "+00:00", str(value)))
     except ValueError:
         raise ValueError(f"{what}: '{value}' is no date with a time, such as 2026-11-20 23:59") from None
     if not isinstance(value, datetime) and ":" not in str(value):
@@ -181,11 +194,6 @@ def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
             f"at the top of {FILE}, or an offset such as +01:00 to the time"
         )
     return moment.replace(tzinfo=zone)
-
-
-def _iso(text: str) -> str:
-    """As Python 3.10 reads it, too."""
-    return f"{text[:-1]}+00:00" if text.endswith("Z") else text
 
 
 def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]) -> Deadlines:
@@ -209,3 +217,54 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
                 mistakes.add(row.line, f"{student} and {one} stand in line {found[student, one][1]} already")
             found[student, one] = (moment, row.line)
     return replace(rules, extensions=found, mistakes=mistakes)
+
+
+def submitted(entry: Entry, zone: tzinfo | None = None) -> datetime | None:
+    """When an entry was handed in; None where nothing tells. `zone` gives abbreviations such as CET their meaning."""
+    return parse_stamp(entry.platform.get(SUBMITTED_AT, ""), zone)
+
+
+def comes_twice(moment: datetime) -> bool:
+    """Whether clocks showed this time twice, and nothing tells which of the two is meant."""
+    return isinstance(moment.tzinfo, ZoneInfo) and moment.utcoffset() > moment.replace(fold=1).utcoffset()  # type: ignore[operator]
+
+
+def parse_stamp(text: str, zone: tzinfo | None = None) -> datetime | None:
+    """What nbgrader has noted: `2026-11-20 22:59:00.000000 UTC`; None where its zone is not known.
+
+    Without a zone it is UTC, as nbgrader takes it. A time that comes twice is the earlier, if its zone does not tell.
+    """
+    match = _STAMP.fullmatch(text.strip())
+    if match is None:
+        return None
+    try:
+        moment = datetime.fromisoformat(match["time"].partition(".")[0])  # whole seconds, as all Pythons read them
+    except ValueError:
+        return None
+    return _in_zone(moment, match["zone"], zone)
+
+
+def _in_zone(moment: datetime, name: str, zone: tzinfo | None) -> datetime | None:
+    if name in ("", "UTC", "GMT", "Z"):
+        return moment.replace(tzinfo=timezone.utc)
+    if _OFFSET.match(name):
+        return datetime.fromisoformat(f"{moment.isoformat()}{name[:3]}:{name[-2:]}")
+    zones = [zone] if zone is not None else []
+    with suppress(ZoneInfoNotFoundError, ValueError, OSError):
+        zones.append(ZoneInfo(name))
+    for one in zones:  # CET and CEST say which of two hours it is
+        for local in (moment.replace(tzinfo=one, fold=0), moment.replace(tzinfo=one, fold=1)):
+            if local.tzname() == name:
+                return local.astimezone(timezone(local.utcoffset(), name))  # type: ignore[arg-type]
+    return moment.replace(tzinfo=zones[-1]) if len(zones) > (zone is not None) else None
+
+
+def read_stamp(path: Path) -> str:
+    """The text of nbgrader's stamp; empty where there is none that is a small ordinary file."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (OSError, ValueError):
+        return ""
+    with os.fdopen(descriptor, "rb") as file, suppress(OSError):  # a folder, say
+        return file.read(_LONGEST_STAMP).decode(errors="replace").strip()
+    return ""

@@ -1,4 +1,8 @@
-"""What the instructor has laid into the folder of the results, read before anything is graded: rules and decisions."""
+"""What the instructor has laid into the folder of the results, read before anything is graded: rules and decisions.
+
+`overrides.csv` has scores set by hand, for an exercise or for one check, added points (`+1`), comments for students.
+No run writes these files, and each run reads them anew.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +10,25 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.records import Entry, Record
-from course_kit.classroom.rules import deadlines, overrides
-from course_kit.classroom.rules.submission_times import submitted
-from course_kit.classroom.rules.tables import require_none
+from course_kit.classroom.rules import deadlines
+from course_kit.classroom.rules.deadlines import submitted
+from course_kit.classroom.rules.tables import Mistakes, read_rows, require_none, to_number, unknown
 from course_kit.grading import engine
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
     from course_kit.classroom.rules.adjustments import Adjustment
     from course_kit.classroom.rules.deadlines import Deadlines
-    from course_kit.classroom.rules.overrides import Override, Overrides
-    from course_kit.classroom.rules.people import People
+    from course_kit.classroom.rules.tables import People
     from course_kit.grading.exercise import Exercise
+
 
 _NOTHING = "Nothing was handed in."
 _MOST_NAMED = 10
+OVERRIDES = "overrides.csv"
 
 
 @dataclass(frozen=True)
@@ -87,13 +92,13 @@ def _with_checks(adjustment: Adjustment, decided: Override, record: Record) -> A
     absent = [name for name, _ in decided.checks if name not in there]
     if not absent:
         return replace(adjustment, checks=changed)
-    warning = f"{overrides.FILE} sets points of {', '.join(absent)}, and the result has no such check"
+    warning = f"{OVERRIDES} sets points of {', '.join(absent)}, and the result has no such check"
     return replace(adjustment, checks=changed, warning="; ".join(filter(None, (adjustment.warning, warning))))
 
 
 def read(folder: Path, exercises: Sequence[Exercise]) -> Instructions:
     """Read the instructor's files in the folder of the results."""
-    return Instructions(deadlines.read(folder, exercises), overrides.read(folder / overrides.FILE, exercises))
+    return Instructions(deadlines.read(folder, exercises), read_overrides(folder / OVERRIDES, exercises))
 
 
 def warnings(book: Gradebook) -> Iterator[str]:
@@ -109,3 +114,76 @@ def warnings(book: Gradebook) -> Iterator[str]:
             f"{len(students)} submission{'s' * (len(students) != 1)}: {reason}: "
             f"{named}{f' and {more} more' if more > 0 else ''}."
         )
+
+
+@dataclass(frozen=True)
+class Override:
+    """One line of the file."""
+
+    line: int  # its number
+    student: str  # whom it is about
+    exercise: str  # the exercise's id
+    score: float | None  # the points instead of those of the checks; None when there is none
+    added: float  # the points on top of those of the checks, written with a plus; 0 without any
+    comment: str  # for the student
+    checks: tuple[tuple[str, float], ...] = ()  # ids of checks, each with the points instead of those it gave
+
+
+class Overrides:
+    """All lines of the file."""
+
+    def __init__(self, mistakes: Mistakes, found: Sequence[Override] = ()) -> None:
+        self.mistakes = mistakes
+        self._found = {(one.student, one.exercise): one for one in found}
+
+    def find(self, student: str, exercise: str) -> Override | None:
+        """What the instructor has set for a student and exercise."""
+        return self._found.get((student, exercise))
+
+    def of(self, people: People) -> Overrides:
+        """The lines by the students of a class; who is not in it is a mistake."""
+        mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
+        lines = ((one.line, one.student, one.exercise, one) for one in self._found.values())
+        found = people.by_student(lines, mistakes, "{called} is {student}, who stands in line {line} already")
+        return Overrides(mistakes, [replace(one, student=student) for (student, _), (one, _) in found.items()])
+
+
+def read_overrides(path: Path, exercises: Sequence[Exercise]) -> Overrides:
+    """Read the file."""
+    mistakes = Mistakes(path)
+    if not path.exists():
+        return Overrides(mistakes)
+    points = {one.id: one.points for one in exercises}
+    found: dict[tuple[str, str], Override] = {}
+    lines: dict[tuple[str, str, str], int] = {}
+    for row in read_rows(path, ("student", "exercise"), ("score", "comment", "check")):
+        student, exercise, check = row.cells["student"], row.cells["exercise"], row.cells["check"]
+        text, comment = row.cells["score"], row.cells["comment"]
+        score = to_number(text)
+        if exercise not in points:
+            mistakes.add(row.line, unknown("exercise", exercise, points))
+        elif not student:
+            mistakes.add(row.line, "the student is missing")
+        elif (line := lines.setdefault((student, exercise, check), row.line)) != row.line:
+            what = f"the check {check}" if check else exercise
+            mistakes.add(row.line, f"{student} and {what} stand in line {line} already")
+        elif text and (score is None or not 0 <= score <= points[exercise]):
+            mistakes.add(row.line, f"the score '{text}' is no number from 0 to {points[exercise]:g}")
+        elif check and (score is None or text.startswith("+")):
+            mistakes.add(row.line, f"the check {check} needs the points that it is worth, such as 1.5")
+        elif not text and not comment:
+            mistakes.add(row.line, "it has neither a score nor a comment")
+        else:
+            before = found.get((student, exercise), Override(row.line, student, exercise, None, 0.0, ""))
+            found[student, exercise] = _with_row(before, row.cells, score)
+    return Overrides(mistakes, list(found.values()))
+
+
+def _with_row(before: Override, cells: Mapping[str, str], score: float | None) -> Override:
+    """What the lines before say of a student and exercise, and one more."""
+    comments = " ".join(filter(None, (before.comment, cells["comment"])))
+    if cells["check"]:
+        return replace(before, comment=comments, checks=(*before.checks, (cells["check"], score or 0.0)))
+    if cells["score"].startswith("+"):
+        return replace(before, comment=comments, added=score or 0.0)
+    return replace(before, comment=comments, score=score)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.records import Entry
-    from course_kit.classroom.rules.people import People
+    from course_kit.classroom.rules.tables import People
 
 COLUMNS = ("student", "seed")
 _BITS = 31

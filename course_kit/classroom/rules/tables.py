@@ -1,12 +1,13 @@
-"""Small CSV tables that an instructor writes: every mistake in one is told with its line, all of them at once."""
+"""Small CSV tables that an instructor writes: each mistake is told with its line; and whom their lines mean."""
 
 from __future__ import annotations
 
 import csv
 import io
 import sys
+from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean
@@ -16,8 +17,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
+    from course_kit.classroom.records import Entry
+
 _DELIMITERS = ",;\t"  # the second is what spreadsheets write where the comma stands within numbers
 _MOST_TOLD = 20
+Said = TypeVar("Said")
+# What tells who somebody is, of `Entry.platform`; the rest tells which submission, assignment or group.
+_IDENTIFIERS = ("login", "email", "sid", "github", "canvas_user", "moodle_participant")
 
 
 @dataclass(frozen=True)
@@ -120,3 +126,58 @@ def unknown(what: str, name: str, known: Iterable[str]) -> str:
 
 def _and(names: Sequence[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)
+
+
+class People:
+    """Everybody of a class: a student by any name of the reports, the class list or a platform, or a whole group.
+
+    What a student is called in the reports may change, from the address on the class list to a platform's number once
+    they hand something in. What the instructor has written about them stays theirs.
+    """
+
+    def __init__(self, entries: Iterable[Entry]) -> None:
+        self.students: set[str] = set()
+        self._names: set[str] = set()  # as they are written
+        self._called: dict[str, set[str]] = defaultdict(set)
+        self._groups: dict[str, set[str]] = defaultdict(set)
+        for entry in entries:
+            self.students.add(entry.student)
+            for name in (entry.student, entry.name, *(entry.platform.get(key, "") for key in _IDENTIFIERS)):
+                if name:
+                    self._names.add(name)
+                    self._called[name.casefold()].add(entry.student)
+            if group := entry.platform.get("group"):
+                self._names.add(group)
+                self._groups[group.casefold()].add(entry.student)
+
+    def by_student(
+        self, lines: Iterable[tuple[int, str, str, Said]], mistakes: Mistakes, twice: str
+    ) -> dict[tuple[str, str], tuple[Said, int]]:
+        """What the lines of a file say, with their numbers, by student and exercise."""
+        found: dict[tuple[str, str], tuple[Said, int]] = {}
+        for line, called, exercise, said in lines:
+            try:
+                meant = self._students(called)
+            except ValueError as problem:
+                mistakes.add(line, str(problem))
+                continue
+            for student in meant:
+                _, before = found.setdefault((student, exercise), (said, line))
+                if before != line:
+                    mistakes.add(line, twice.format(called=called, student=student, exercise=exercise, line=before))
+        return found
+
+    def _students(self, called: str) -> list[str]:
+        """The student who is called so, as the reports call them, or all of a group."""
+        if called in self.students:
+            return [called]
+        found = sorted(self._called.get(called.casefold(), ()))
+        if not found and (group := self._groups.get(called.casefold())):
+            return sorted(group)
+        if not found:
+            raise ValueError(unknown("student", called, self._names))
+        if len(found) > 1:
+            raise ValueError(
+                f"several are called '{one_line(called)}': {', '.join(found)}. Write one of these, as in grades.csv"
+            )
+        return found

@@ -5,8 +5,7 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.gradebook import Gradebook
-from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.records import Entry, Gradebook, Record
 from course_kit.grading import exercise
 
 if TYPE_CHECKING:

@@ -20,8 +20,7 @@ from tests.classroom.exports.programs import ORIGINAL, class_of, disguised
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import Gradebook, Record
     from course_kit.grading.exercise import Exercise
 
 STUDENTS = 300

@@ -13,13 +13,13 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import page
-from course_kit.classroom.exports.results import headline
+from course_kit.classroom.exports.texts import headline
 from course_kit.classroom.records import Record
 from course_kit.classroom.rules.adjustments import Adjustment, duration, shown
 from tests.classroom.exports.books import SERVICE, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
 
 ZONE = timezone(timedelta(hours=1))
 DUE = datetime(2026, 11, 20, 23, 59, tzinfo=ZONE)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import attention, changes, comparison, lookalikes, page
-from course_kit.classroom.exports.results import problem
+from course_kit.classroom.exports import attention, changes, lookalikes, page
+from course_kit.classroom.exports.texts import problem
 from course_kit.classroom.records import Entry
 from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
@@ -19,7 +19,7 @@ from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguise
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
 
 
 def people(gradebook: Gradebook) -> dict[str, list[str]]:
@@ -122,9 +122,9 @@ def test_lines_of_the_same_shape_stand_side_by_side() -> None:
         "def surface(radius):  # of a circle",
         "    return math.pi*radius*radius",
     ]
-    rows = [(row.first, row.second) for row in comparison.compare(first, second) if row.same]
+    rows = [(row.first, row.second) for row in lookalikes.compare(first, second) if row.same]
     assert rows == [(1, 2), (3, 4), (4, 5)]
-    shown = [(row.first_text, row.second_text) for row in comparison.compare(first, second)]
+    shown = [(row.first_text, row.second_text) for row in lookalikes.compare(first, second)]
     assert [one for one, _ in shown if one] == [line for line in first if line]
     assert [other for _, other in shown if other] == second
 

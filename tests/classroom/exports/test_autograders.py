@@ -15,7 +15,7 @@ import pytest
 
 from course_kit.authoring import autograders
 from course_kit.classroom import autograder
-from course_kit.classroom.exports import classroom50
+from course_kit.classroom.exports import autograder_results
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
 from course_kit.grading import GradingError, exercise, exercise_job
@@ -41,7 +41,7 @@ NOW = datetime(2026, 11, 22, 10, 0, tzinfo=timezone.utc)
 
 
 def of_classroom50(one: Record) -> dict[str, object]:
-    return rules.classroom50(json_text(classroom50.result(one, RUNNER, NOW)))
+    return rules.classroom50(json_text(autograder_results.classroom50_result(one, RUNNER, NOW)))
 
 
 @pytest.mark.parametrize(("maker", "score"), [(good, 100), (bad, 0), (unreadable, 0)])
@@ -60,7 +60,7 @@ def test_half_points_are_kept_in_whole_numbers() -> None:
 def test_every_check_of_the_course_is_worth_whole_numbers_there(name: str) -> None:
     checks = exercise_job.checks_of(exercise.load(name), 1)
     assert checks
-    assert all((classroom50.SCALE * one.points).is_integer() for one in checks)
+    assert all((autograder_results.SCALE * one.points).is_integer() for one in checks)
 
 
 def test_outside_of_its_runner_it_says_what_is_missing_before_anything_is_graded(

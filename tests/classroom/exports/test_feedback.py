@@ -21,7 +21,7 @@ from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, go
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
 
 REPORT = Report(SERVICE.id, SERVICE.title, "answer.py", "graded", True, 10, 10, 1.0)
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import texts
-from course_kit.classroom.exports.formats import canvas as canvas_format
+from course_kit.classroom.exports import tables, texts
 from course_kit.classroom.intake import roster
 from course_kit.classroom.records import safe_name
 from course_kit.text.sanitize import printable
@@ -23,7 +22,7 @@ from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, go
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.gradebook import Gradebook
+    from course_kit.classroom.records import Gradebook
 
 EMPTY = book()
 ONE = book(good("jane"))
@@ -43,7 +42,7 @@ def test_everything_is_written_where_it_belongs(tmp_path: Path) -> None:
     page = exports.write_all(books.hostile_book(), tmp_path)
     assert page == tmp_path / "index.html"
     found = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
-    assert found == {*written(HOSTILE_BOOK), "index.html", "last_run.json", "exports/.files.json"}
+    assert found == {*written(HOSTILE_BOOK), "index.html", "last_run.json"}
     assert {PurePosixPath(name).parts[0] for name in found} == {"grades.csv", "exports", "index.html", "last_run.json"}
 
 
@@ -126,7 +125,6 @@ def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path)
         "grades.csv",
         "exports/canvas.csv",
         "exports/nbgrader.csv",
-        "exports/.files.json",
         "index.html",
         "last_run.json",
     }
@@ -188,7 +186,7 @@ def test_a_student_called_points_possible_is_a_student_in_canvas() -> None:
     text = written(HOSTILE_BOOK)["exports/canvas.csv"]
     _, students = rules.canvas(text)
     assert len(students) == len([one for one in HOSTILE_BOOK.records if one.status != "error"])
-    assert [row[0] for row in rules.rows_of(text)].count(canvas_format.POINTS_ROW) == 1
+    assert [row[0] for row in rules.rows_of(text)].count(tables.POINTS_ROW) == 1
 
 
 def test_moodle_gets_a_worksheet_for_each_exercise() -> None:

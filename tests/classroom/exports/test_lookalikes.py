@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.exports import attention, comparison, lookalikes, program_texts
+from course_kit.classroom.exports import attention, lookalikes
 from course_kit.grading import readings
 from course_kit.grading.reading import Reader
 from course_kit.grading.render.program import LONGEST
@@ -169,9 +169,9 @@ def test_each_program_is_read_once_to_find_pairs_and_to_show_them(
 
     monkeypatch.setattr(readings, "Reader", CountingReader)
     class_ = class_of(tmp_path, **{f"s{number}": ORIGINAL.replace("lowest", f"name{number}") for number in range(5)})
-    with program_texts.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
+    with lookalikes.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
         found = lookalikes.find(gradebook, texts)
-        assert len(list(comparison.pages(texts, found.pairs, attention.labels(gradebook)))) == 4
+        assert len(list(lookalikes.pages(texts, found.pairs, attention.labels(gradebook)))) == 4
     assert len(starts) == 1
     assert len(set(reading)) == len(reading) == len(class_) + 2  # the starter and the notebook, too
 
@@ -180,7 +180,7 @@ def test_each_program_is_read_once_to_find_pairs_and_to_show_them(
 def test_endless_lines_are_compared_and_shown_as_far_as_a_report_shows_them(tmp_path: Path) -> None:
     long = f"{ORIGINAL}\nlong = '{'<' * 900_000}'\n"
     class_ = class_of(tmp_path, ann=long, bob=disguised(long), cid=OTHER)
-    with program_texts.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
+    with lookalikes.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
         found = lookalikes.find(gradebook, texts)
-        [(_, page)] = comparison.pages(texts, found.pairs, attention.labels(gradebook))
+        [(_, page)] = lookalikes.pages(texts, found.pairs, attention.labels(gradebook))
     assert 0 < page.count("&lt;") < 2 * LONGEST

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import counts, page
+from course_kit.classroom.exports import page
 from course_kit.classroom.records import Records, safe_name
 from course_kit.text.sanitize import escaped
 from tests.classroom.exports import books
@@ -166,13 +166,13 @@ def test_it_says_how_the_class_did() -> None:
 def test_the_distribution_counts_every_score_once() -> None:
     points = [0.0, 0.5, 1.0, 6.999999, 9.5, 10.0, 10.0]
     records = [record(f"s{number}", [check("one", points=value)]) for number, value in enumerate(points)]
-    bars = counts.distribution(SERVICE, [*records, not_graded("ole")])
+    bars = page.distribution(SERVICE, [*records, not_graded("ole")])
     assert [bar.count for bar in bars] == [2, 1, 0, 0, 0, 0, 1, 0, 0, 1, 2]
     assert [bar.label for bar in bars] == [str(number) for number in range(11)]
 
 
 def test_checks_are_counted_by_their_outcome() -> None:
-    first, second = counts.checks([good("a"), bad("b"), bad("c"), unreadable("d")])
+    first, second = page.count_checks([good("a"), bad("b"), bad("c"), unreadable("d")])
     assert (first.by_status["passed"], first.by_status["failed"], first.run) == (1, 2, 3)
     assert (second.by_status["passed"], second.by_status["skipped"], second.run) == (1, 2, 1)
 
@@ -180,12 +180,12 @@ def test_checks_are_counted_by_their_outcome() -> None:
 def test_diagnoses_are_counted_by_exercise_and_by_score() -> None:
     half = record("d", [check("first"), check("second", "failed", diagnosis="math.formula")])
     gradebook = book(bad("a"), bad("b"), bad("a", "name.node", of=ROBOT), half, good("c"), exercises=(SERVICE, ROBOT))
-    assert counts.diagnoses_by_exercise(gradebook) == {
+    assert page.diagnoses_by_exercise(gradebook) == {
         "service.no_return": [2, 0],
         "math.formula": [1, 0],
         "name.node": [0, 1],
     }
-    by_band = counts.diagnoses_by_band(gradebook.of(SERVICE.id))
+    by_band = page.diagnoses_by_band(gradebook.of(SERVICE.id))
     assert by_band == {"service.no_return": [2, 0, 0, 0], "math.formula": [0, 0, 1, 0]}
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import run_lock
+from course_kit.classroom import run_folder
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 HOLDER = """
 import subprocess, sys
 from pathlib import Path
-from course_kit.classroom import run_lock
-with run_lock.hold(Path(sys.argv[1])):
+from course_kit.classroom import run_folder
+with run_folder.hold(Path(sys.argv[1])):
     child = subprocess.Popen(["sleep", "100"])
     print(child.pid, flush=True)
     sys.stdin.read()
@@ -39,7 +39,7 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
     child = int(holder.stdout.readline())
     try:
         who = rf"at work in .*out: process {holder.pid} of \S+ on \S+, since 20\d\d-"
-        with pytest.raises(GradingError, match=who), run_lock.hold(out):
+        with pytest.raises(GradingError, match=who), run_folder.hold(out):
             pass
         (tmp_path / "in/ann").mkdir(parents=True)
         (tmp_path / "in/ann/pattern_choice.py").write_text("answers = {}")
@@ -51,7 +51,7 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
         assert not (out / "run.json").exists()
         holder.kill()
         holder.wait()
-        with run_lock.hold(out):
+        with run_folder.hold(out):
             os.kill(child, 0)  # it is still there
     finally:
         os.kill(child, 9)
@@ -61,9 +61,9 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
 
 def test_a_run_that_has_ended_leaves_the_folder_to_the_next(tmp_path: Path) -> None:
     for _ in range(2):
-        with run_lock.hold(tmp_path):
+        with run_folder.hold(tmp_path):
             pass
-        with pytest.raises(KeyError), run_lock.hold(tmp_path):
+        with pytest.raises(KeyError), run_folder.hold(tmp_path):
             raise KeyError
-    with run_lock.hold(tmp_path):
-        assert str(os.getpid()) in (tmp_path / run_lock.FILE).read_text()
+    with run_folder.hold(tmp_path):
+        assert str(os.getpid()) in (tmp_path / run_folder.LOCK).read_text()

@@ -1,0 +1,117 @@
+"""What a class run keeps in the folder of its results: `run.json`, for others to go on with it, and a lock.
+
+One run at a time writes there; the system releases the lock when its holder ends, however it ends.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import getpass
+import json
+import os
+import socket
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_kit.environment import write_atomically
+from course_kit.grading import exercise, exercise_folders
+from course_kit.grading.errors import GradingError
+from course_kit.text.sanitize import encodable, one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from course_kit.classroom.run import Plan
+    from course_kit.grading.exercise import Exercise
+
+NOTE = "run.json"
+FORMAT_VERSION = 1
+LOCK = ".run.lock"  # stays when the run has ended: taking it away would let two hold it
+_LONGEST = 1000  # bytes
+
+
+def write(plan: Plan, seed: int) -> None:
+    """Note a run."""
+    added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
+    folders = {**_noted_folders(plan.out), **added}
+    noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": folders}
+    write_atomically(plan.out / NOTE, f"{encodable(json.dumps(noted))}\n")
+
+
+def read(out: Path) -> dict[str, Any]:
+    """What the run that has written into a folder has noted; empty where there was none, or it cannot be read."""
+    try:
+        noted = json.loads((out / NOTE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return noted if isinstance(noted, dict) else {}
+
+
+def seed_of(out: Path) -> int | None:
+    """The seed a run has noted; None if there was none."""
+    try:
+        return int(read(out)["seed"])
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def exercise_of(out: Path, exercise_id: str) -> Exercise:
+    """An exercise of the run that has written into a folder: as it is known now, else where the run has found it."""
+    noted = _noted_folders(out).get(exercise_id)
+    if noted is None or exercise_id in exercise_folders.find().folders:
+        return exercise.load(exercise_id)
+    if not Path(noted).is_dir():
+        raise GradingError(
+            f"The exercise {exercise_id} was in {noted}, and is not there any more. Name its folder with --exercises."
+        )
+    return exercise.read(Path(noted))
+
+
+def _noted_folders(out: Path) -> dict[str, Any]:
+    folders = read(out).get("exercise_folders")
+    return folders if isinstance(folders, dict) else {}
+
+
+@contextmanager
+def hold(folder: Path) -> Iterator[None]:
+    """Have a folder of results for this process alone; makes the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    # Closed when another program is started: nobody who outlives this process holds the lock.
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    try:
+        _take(descriptor, folder)
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, _describe_this_run().encode(), 0)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _take(descriptor: int, folder: Path) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise GradingError(
+            f"Another run is at work in {folder}: {_read_holder(descriptor)}. Wait until it has ended, "
+            "or name another folder."
+        ) from None
+    except OSError as problem:
+        raise GradingError(
+            f"The file system of {folder} cannot lock files ({problem.strerror}), so that two runs could mix their "
+            "results. Name a folder on a local disk."
+        ) from problem
+
+
+def _describe_this_run() -> str:
+    try:
+        user = getpass.getuser()
+    except (OSError, KeyError, ImportError):  # a user whom the system does not know
+        user = str(os.getuid())
+    now = datetime.now().astimezone()
+    return f"process {os.getpid()} of {user} on {socket.gethostname()}, since {now:%Y-%m-%d %H:%M:%S %z}"
+
+
+def _read_holder(descriptor: int) -> str:
+    return one_line(os.pread(descriptor, _LONGEST, 0).decode(errors="replace")) or "it has just begun"
