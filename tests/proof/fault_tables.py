@@ -1,11 +1,7 @@
-"""Hand-made faults and odd right programs of the exercises with a node, and a way to grade some by hand:
-
-.venv/bin/python -m tests.proof.fault_tables temperature_service [ID ...] [--right] [--seeds 1]
-"""
+"""Hand-made faults and odd right programs of the exercises with a node."""
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,37 +86,8 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
     return found
 
 
-def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int], workers: int = 0) -> list[Verdicts]:
+def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int]) -> list[Verdicts]:
     """Grade each program once for each seed, as a class is graded."""
-    with Gradings([exercise.load(name) for name in {one.exercise for one in chosen}], workers) as pool:
+    with Gradings([exercise.load(name) for name in {one.exercise for one in chosen}]) as pool:
         begun = [(one, {seed: pool.begin(one, seed) for seed in seeds}) for one in chosen]
         return [Verdicts(one, {seed: future.result() for seed, future in each.items()}) for one, each in begun]
-
-
-def main() -> None:
-    """Say what is not as it should be."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("exercise", choices=EXERCISES)
-    parser.add_argument("ids", nargs="*", help="all of the table when none is named")
-    parser.add_argument("--right", action="store_true", help="the right programs, not the faults")
-    parser.add_argument("--seeds", type=int, default=3, help="how many: 1, 2, ...")
-    parser.add_argument("--workers", type=int, default=0)
-    parser.add_argument("--text", action="store_true", help="write the programs and grade nothing")
-    parser.add_argument("--verbose", action="store_true", help="write all verdicts")
-    options = parser.parse_args()
-    found = programs(options.exercise, "right" if options.right else "fault")
-    chosen = [one for one in found if not options.ids or one.name in options.ids]
-    if options.text:
-        sys.stdout.write("\n\n".join(one.text() for one in chosen))
-        return
-    verdicts = grade_all(chosen, range(1, options.seeds + 1), options.workers)
-    bad = [one for one in verdicts if one.complaints()]
-    for one in verdicts if options.verbose else bad:
-        said = one.complaints() or [rules.outcome(each) for each in one.reports.values()]
-        head = f"{'NOT SO' if one in bad else 'ok'} {one.program.name}: {one.program.says}"
-        sys.stdout.write("\n    ".join([head, *said]) + "\n")
-    sys.stdout.write(f"{len(chosen) - len(bad)} of {len(chosen)} as they should be\n")
-
-
-if __name__ == "__main__":
-    main()
