@@ -78,6 +78,9 @@ def hub(session: nox.Session) -> None:
 @nox.session(python=False)
 def otter(session: nox.Session) -> None:
     """Points of a real Otter-Grader beside ours; it needs `pip install -e ".[bench]"` in the course's environment."""
+    asked = "import importlib.util as found; print(found.find_spec('otter') is not None)"
+    if str(session.run(str(OF_THE_COURSE), "-c", asked, silent=True)).strip() != "True":
+        session.error('there is no Otter-Grader here. Run: .venv/bin/python -m pip install -e ".[bench]"')
     session.run(str(OF_THE_COURSE), "-m", "pytest", "-v", "tests/otter/real_otter.py")
 
 

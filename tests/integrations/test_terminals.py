@@ -89,4 +89,4 @@ def test_course_kit_lab_without_the_door_has_it_too_also_with_a_middleware_that_
 def test_bash_is_for_those_who_have_no_other_favourite_and_for_the_courses_own_server() -> None:
     found = [server_extension.prefers_bash({"SHELL": shell}) for shell in ("", "/usr/bin/bash", "/usr/bin/fish")]
     assert found == [True, True, False]
-    assert server_extension.prefers_bash({"SHELL": "/bin/zsh", environment.FOLDER_VARIABLE: "my-course"})
+    assert server_extension.prefers_bash({"SHELL": "/bin/zsh", environment.paths.FOLDER_VARIABLE: "my-course"})
