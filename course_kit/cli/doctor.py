@@ -9,11 +9,12 @@ import shutil
 import subprocess
 import sys
 import textwrap
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import discovery_trial
+from course_kit.process.child import NOWHERE, Child
 from course_kit.ros2cli import checkup
 
 if TYPE_CHECKING:
@@ -25,6 +26,23 @@ _PLENTY_OF_SHM = 64 * 2**20  # bytes
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
+DEADLINE_S = 20.0
+
+# A service server in a process of its own: what the doctor's client has to discover.
+_SERVER = """
+import rclpy
+from std_srvs.srv import Trigger
+rclpy.init()
+node = rclpy.create_node("doctor_server")
+def answer(request, response):
+    response.success = True
+    return response
+node.create_service(Trigger, "doctor", answer)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+    pass
+"""
 
 
 @dataclass(frozen=True)
@@ -250,15 +268,13 @@ def shared_memory() -> Finding:
 def discovery() -> Finding:
     """Time until a client has found and asked a server in another process, on a domain of its own."""
     try:
-        seconds = discovery_trial.seconds()
+        seconds = seconds_to_discover()
     except environment.NoDomainError as problem:
         advice = "Run ./course doctor again when fewer courses and graders are at work."
         return Finding("discovery", f"not tried: no ROS domain is free to try it on. {problem}", "note", advice)
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
-        return Finding(
-            "discovery", f"no answer from another process within {discovery_trial.DEADLINE_S:.0f} s", "bad", advice
-        )
+        return Finding("discovery", f"no answer from another process within {DEADLINE_S:.0f} s", "bad", advice)
     return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
 
 
@@ -269,3 +285,44 @@ def isolation() -> Finding:
     found = sandbox.status()
     advice = "What it stops and what it does not: course_kit/grading/LIMITS.md"
     return Finding("grader isolation", found.describe(), "note" if found.reason else "ok", advice)
+
+
+def seconds_to_discover() -> float | None:
+    """Seconds until a client was answered by a server in another process, on a domain of their own; None if never."""
+    with environment.exclusive_domain() as domain_id:
+        environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
+        server = Child([sys.executable, "-c", _SERVER], environ=environ, folder="/", stderr=NOWHERE)
+        try:
+            return _ask(domain_id)
+        finally:
+            server.kill()  # a signal that rclpy handles now and then leaves it hanging at its end
+
+
+def _ask(domain_id: int) -> float | None:
+    """Seconds until the server answered, start of its Python included; None when it never did."""
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+    from std_srvs.srv import Trigger
+
+    from course_kit.ros.graph import quiet_node
+    from course_kit.ros.service import ServiceClient
+
+    started = time.monotonic()
+    context = Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    try:
+        node = quiet_node("doctor_client", context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        client = ServiceClient(node, Trigger, "doctor")
+        sent = None
+        while time.monotonic() - started < DEADLINE_S:
+            if sent is None and client.is_ready():
+                sent = client.send(Trigger.Request())
+            executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
+            if sent is not None and sent.answered():
+                return time.monotonic() - started
+        return None
+    finally:
+        context.try_shutdown()

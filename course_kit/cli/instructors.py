@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import class_command, prove_command
+from course_kit.cli import class_command
 from course_kit.integrations import otter
 from course_kit.integrations.jupyter import LabStartError
-from course_kit.text.console import cannot
+from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -28,6 +28,7 @@ _KINDS = {
     "topic": "one in which a node answers messages with messages",
 }
 _MB = 2**20
+_INTERRUPTED = 130
 
 
 def add_to(verbs: Verbs) -> None:
@@ -36,7 +37,7 @@ def add_to(verbs: Verbs) -> None:
     class_command.add_to(verbs)
     _add_seeds(verbs)
     _add_export(verbs)
-    prove_command.add_to(verbs)
+    _add_prove(verbs)
     otter.add_to(verbs)
     _add_new(verbs)
     _add_bundle(verbs)
@@ -284,3 +285,45 @@ def _dev(options: argparse.Namespace) -> int:
 
     mains = (check.main, lock.main, notebooks.main, site.main)
     return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)
+
+
+def _add_prove(verbs: Verbs) -> None:
+    parser = verbs.add_parser(
+        "prove",
+        help="find out what the grader of an exercise lets through",
+        description="Makes every small mistake in the solution, grades each, and prints those that get full marks.",
+        epilog="Exit code: 0 when nothing was found, 1 when something was, 2 when it could not be tried, 130 when it "
+        "was stopped. Mistakes that are none are declared with the reason in equivalent.toml: see "
+        "course_kit/authoring/AUTHORING.md.",
+    )
+    parser.add_argument("exercise", metavar="EXERCISE")
+    parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
+    parser.add_argument(
+        "--workers", type=_count, default=0, metavar="N", help="gradings at a time (as fit this machine)"
+    )
+    parser.set_defaults(run=_prove)
+
+
+def _prove(options: argparse.Namespace) -> int:
+    """Prove; 0 when nothing was found, 1 when something was, 2 when it could not be tried, 130 when it was stopped."""
+    from course_kit.authoring.prove import proving
+    from course_kit.grading import GradingError, exercise
+
+    try:
+        task = exercise.load(options.exercise)
+        proof = proving.prove(task, quick=options.quick, seed=options.seed, workers=options.workers)
+    except GradingError as problem:
+        return cannot(problem)
+    except KeyboardInterrupt:
+        tell("Stopped.")
+        return _INTERRUPTED
+    print("\n".join(proving.describe(proof, quick=options.quick)))
+    return 0 if proof.holds else 1
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError("it has to be a number from 0 up")
+    return number

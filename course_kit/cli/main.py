@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import io
+import json
+import os
+import re
 import sys
+from datetime import datetime, timezone
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.cli import autograde, streams
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
 
 _ON_LIMITS = (
     "A submission runs sandboxed; --exec relaxes two restrictions, and --attach has no sandbox. What holds and what "
@@ -22,6 +25,8 @@ _ON_LIMITS = (
 )
 _EXERCISES = "--exercises"
 _FOUND = "when left out, it is looked for here, then in your learner's folder"
+_UNUSUAL = re.compile(r"[^ -~\n]")
+FORMATS = ("gradescope", "classroom50")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -39,7 +44,7 @@ def build_parser() -> argparse.ArgumentParser:
     grade.add_argument("path", nargs="?", help=f"your .py or .ipynb file; {_FOUND}")
     grade.add_argument(
         "--format",
-        choices=("text", "json", *(autograde.FORMATS if for_instructors else ())),
+        choices=("text", "json", *(FORMATS if for_instructors else ())),
         default="text",
         help="gradescope and classroom50 are for autograders: PATH may be a folder, and exit code 0 means graded",
     )
@@ -145,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line."""
     environment.heed_interrupts()
     if arguments is None:
-        streams.read_names_as_utf_8()
+        read_names_as_utf_8()
     parser = build_parser()
     arguments = sys.argv[1:] if arguments is None else arguments
     folders, words = _without_folders(arguments)
@@ -154,7 +159,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"unrecognized arguments: {' '.join(others)}")
     options.others = others
     options.arguments = list(arguments)
-    streams.speak_to_any_terminal()
+    speak_to_any_terminal()
     try:
         _add_exercises(folders)
         code = int(options.run(options))
@@ -247,11 +252,11 @@ def _grade(options: argparse.Namespace) -> int:
     from course_kit.learner.course_list import next_step
     from course_kit.text.console import wrapped
 
-    if options.format in autograde.FORMATS:
-        return autograde.run(options)
+    if options.format in FORMATS:
+        return _autograde(options)
     if not options.attach:  # on stderr, beside JSON as well
         tell(grading.advice_for_root())
-    autograde.require_no_target(options)
+    _require_no_target(options)
     if not options.attach and options.exec_command is None:
         options.path, note = workspace.to_grade(options.exercise, options.path)
         tell(note)
@@ -264,7 +269,7 @@ def _grade(options: argparse.Namespace) -> int:
         require_isolation=options.require_isolation,
     )
     if options.format == "json":
-        streams.print_json(report.to_json())
+        print_json(report.to_json())
     else:
         print(grading.render_text(report))
     tell(progress.record(report))
@@ -286,7 +291,7 @@ def _list(options: argparse.Namespace) -> int:
 
     rows, told = course_list.rows()
     if options.format == "json":
-        streams.print_json(course_list.to_json(rows))
+        print_json(course_list.to_json(rows))
     else:
         print(course_list.to_text(rows, sys.stdout.encoding))
     for sentence in told:
@@ -326,6 +331,74 @@ def _solution(options: argparse.Namespace) -> int:
     from course_kit.learner import starters
 
     return starters.solution(options.exercise, show=options.show, copy=options.copy)
+
+
+def read_names_as_utf_8() -> None:
+    """Begin again in Python's UTF-8 mode where Python takes names of files for ASCII (LC_ALL=C with PYTHONUTF8=0).
+
+    Those with an umlaut could neither be printed nor written to a report.
+    """
+    if sys.getfilesystemencoding() == "ascii":
+        sys.stdout.flush()
+        os.execve(sys.executable, sys.orig_argv, {**os.environ, "PYTHONUTF8": "1"})
+
+
+def speak_to_any_terminal() -> None:
+    """Print a question mark for a character the terminal does not have, instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def print_json(document: str) -> None:
+    """JSON is UTF-8, whatever the terminal's own encoding.
+
+    What would steer a terminal, or turn the writing round, stands in it as an escape, which means the same.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")
+    print(_UNUSUAL.sub(_escaped, document))
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
+
+
+def _autograde(options: argparse.Namespace) -> int:
+    """Grade a file or folder, and print the result or write it to a file."""
+    from course_kit.classroom import autograder
+    from course_kit.classroom.exports import autograder_results
+    from course_kit.classroom.exports.texts import json_text
+    from course_kit.grading import GradingError
+
+    if options.path is None or options.attach or options.exec_command is not None:
+        raise GradingError(f"--format {options.format} grades what was handed in. Name the file or folder.")
+    if options.format == "classroom50":  # before the grading: it would be for nothing
+        autograder_results.require_runner(os.environ)
+    try:
+        record = autograder.grade(
+            options.exercise, Path(options.path), seed=options.seed, require_isolation=options.require_isolation
+        )
+        if options.format == "gradescope":
+            text = json_text(autograder_results.gradescope_result(record))
+        else:
+            text = json_text(autograder_results.classroom50_result(record, os.environ, datetime.now(timezone.utc)))
+        if options.to is None:
+            print_json(text)
+        else:
+            environment.write_atomically(options.to, f"{text}\n")
+    except OSError as problem:
+        where = f" ({problem.filename})" if problem.filename else ""
+        raise GradingError(f"The result could not be written: {problem.strerror or problem}{where}.") from problem
+    return 0
+
+
+def _require_no_target(options: argparse.Namespace) -> None:
+    """See that nobody waits for a file that other formats do not write."""
+    from course_kit.grading import GradingError
+
+    if options.to is not None:
+        raise GradingError(f"--to is for --format {' and '.join(FORMATS)}. Redirect the output instead.")
 
 
 if __name__ == "__main__":

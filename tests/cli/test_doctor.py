@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.cli import discovery_trial
 from course_kit.cli import doctor as command
 from tests.course_copy import REPOSITORY, Course, copy_course
 from tests.environment.overwritten import overwrite_lark
@@ -31,7 +30,7 @@ def test_it_loads_nothing_from_the_folder_that_one_is_in(tmp_path: Path, monkeyp
         (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'sprung')!r}, 'a').write({name!r})\n")
     monkeypatch.chdir(tmp_path)
     assert command.interfaces().verdict == "ok"
-    assert discovery_trial.seconds() is not None
+    assert command.seconds_to_discover() is not None
     assert not (tmp_path / "sprung").exists()
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.cli import streams
+from course_kit.cli import main
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +25,7 @@ def command(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_json_on_a_terminal_is_printable_and_means_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    streams.print_json(json.dumps({STEERING: [STEERING]}, ensure_ascii=False, indent=2))
+    main.print_json(json.dumps({STEERING: [STEERING]}, ensure_ascii=False, indent=2))
     printed = capsys.readouterr().out
     assert json.loads(printed) == {STEERING: [STEERING]}
     assert all(one.isprintable() or one == "\n" for one in printed)
