@@ -87,7 +87,7 @@ class Submission:
         fault: where the source is not Python; None when it is.
         facts: what its text gives away.
         literal: what it sets the exercise's variable to, where its text tells that, in the words of
-            `course_kit.reader.literals`; None where only running it can tell.
+            `course_kit.reader.python`; None where only running it can tell.
         twice: a class that several cells define; empty where none does.
     """
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from course_kit import environment
-from course_kit.interfaces import catalogue, finder, sources
+from course_kit.interfaces import finder, known_types, sources
 from course_kit.interfaces.errors import InterfaceDefinitionError, InterfaceNotFoundError
 from course_kit.interfaces.known_types import get_type, text_of
 from course_kit.interfaces.parser import parse, parse_type_name
@@ -47,7 +47,7 @@ def _other_owner(package: str) -> str | None:
     """What a package that is not the learner's belongs to."""
     if Path(sources.OWN_FOLDER, package).is_dir():
         return "comes with the course"
-    return "is installed" if package in catalogue.installed_packages() else None
+    return "is installed" if package in known_types.installed_packages() else None
 
 
 def _unchanged(type_name: str, text: str, owner: str) -> type[Any]:

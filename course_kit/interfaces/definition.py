@@ -6,7 +6,141 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from course_kit.interfaces.field_types import FieldType
+from rosidl_parser import definition as rosidl
+
+
+class Primitive(NamedTuple):
+    """A basic type of IDL and all its names: what ROS 2 calls it in each place."""
+
+    idl: str
+    format: str  # of the struct module
+    size: int  # bytes on the wire, which is its alignment too
+    python: type
+    array_code: str  # array.array's; "" where a plain list is used
+    introspection_id: int  # rosidl_typesupport_introspection_c
+    description_id: int  # type_description_interfaces/msg/FieldType
+
+    @property
+    def numpy(self) -> str:
+        """Name of the numpy dtype that holds a fixed array of it, "" where a plain list is used."""
+        if not self.array_code:
+            return ""
+        return {"float": "float32", "double": "float64"}.get(self.idl, self.idl)
+
+    @property
+    def integer_range(self) -> tuple[int, int] | None:
+        """Smallest and largest value, None unless an integer."""
+        if self.python is not int:
+            return None
+        bits = 8 * self.size
+        return (0, 2**bits - 1) if self.idl.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+PRIMITIVES = {
+    primitive.idl: primitive
+    for primitive in (
+        Primitive("float", "f", 4, float, "f", 1, 10),
+        Primitive("double", "d", 8, float, "d", 2, 11),
+        Primitive("boolean", "?", 1, bool, "", 6, 15),
+        Primitive("octet", "c", 1, bytes, "", 7, 16),
+        Primitive("uint8", "B", 1, int, "B", 8, 3),
+        Primitive("int8", "b", 1, int, "b", 9, 2),
+        Primitive("uint16", "H", 2, int, "H", 10, 5),
+        Primitive("int16", "h", 2, int, "h", 11, 4),
+        Primitive("uint32", "I", 4, int, "I", 12, 7),
+        Primitive("int32", "i", 4, int, "i", 13, 6),
+        Primitive("uint64", "Q", 8, int, "Q", 14, 9),
+        Primitive("int64", "q", 8, int, "q", 15, 8),
+    )
+}
+STRINGS = ("string", "wstring")
+
+
+class FieldType(NamedTuple):
+    """Type of one field."""
+
+    base: str
+    container: str = ""
+    size: int = 0
+    string_bound: int = 0
+
+    @property
+    def primitive(self) -> Primitive | None:
+        """The basic type of a value, None for strings and nested messages."""
+        return PRIMITIVES.get(self.base)
+
+    @property
+    def is_string(self) -> bool:
+        """Whether a value is a string or wstring."""
+        return self.base in STRINGS
+
+    @property
+    def is_nested(self) -> bool:
+        """Whether a value is another message."""
+        return "/" in self.base
+
+    @property
+    def element(self) -> FieldType:
+        """The type of one element."""
+        return self._replace(container="", size=0)
+
+    @property
+    def is_numeric_container(self) -> bool:
+        """Whether values live in a numpy array (fixed size) or an array.array (sequence)."""
+        return bool(self.container and self.primitive and self.primitive.array_code)
+
+    def __str__(self) -> str:
+        """The spelling of `get_fields_and_field_types()`."""
+        if self.is_nested:
+            package, _, name = self.base.split("/")
+            value = f"{package}/{name}"
+        else:
+            value = f"{self.base}<{self.string_bound}>" if self.string_bound else self.base
+        if self.container == "array":
+            return f"{value}[{self.size}]"
+        if self.container == "sequence":
+            return f"sequence<{value}, {self.size}>" if self.size else f"sequence<{value}>"
+        return value
+
+
+def from_slot_type(slot: rosidl.AbstractType) -> FieldType:
+    """Translate one of a class's SLOT_TYPES."""
+    value = slot.value_type if isinstance(slot, rosidl.AbstractNestedType) else slot
+    bound = 0
+    if isinstance(value, rosidl.BasicType):
+        base = value.typename
+    elif isinstance(value, rosidl.NamespacedType):
+        base = "/".join((*value.namespaces, value.name))
+    else:
+        base = "wstring" if isinstance(value, rosidl.AbstractWString) else "string"
+        bound = value.maximum_size if value.has_maximum_size() else 0
+    if isinstance(slot, rosidl.Array):
+        return FieldType(base, "array", slot.size, bound)
+    if isinstance(slot, rosidl.AbstractNestedType):
+        return FieldType(base, "sequence", slot.maximum_size if slot.has_maximum_size() else 0, bound)
+    return FieldType(base, string_bound=bound)
+
+
+def to_slot_type(field: FieldType) -> rosidl.AbstractType:
+    """Make the object a message class carries in SLOT_TYPES."""
+    value = _slot_value(field)
+    if field.container == "array":
+        return rosidl.Array(value, field.size)
+    if field.container == "sequence":
+        return rosidl.BoundedSequence(value, field.size) if field.size else rosidl.UnboundedSequence(value)
+    return value
+
+
+def _slot_value(field: FieldType) -> rosidl.AbstractNestableType:
+    if field.is_nested:
+        *namespaces, name = field.base.split("/")
+        return rosidl.NamespacedType(namespaces, name)
+    if field.base == "string":
+        return rosidl.BoundedString(field.string_bound) if field.string_bound else rosidl.UnboundedString()
+    if field.base == "wstring":
+        return rosidl.BoundedWString(field.string_bound) if field.string_bound else rosidl.UnboundedWString()
+    return rosidl.BasicType(field.base)
+
 
 # rosidl gives a message without fields this member on the wire, since C has no empty struct.
 EMPTY_MEMBER = "structure_needs_at_least_one_member"

@@ -11,7 +11,7 @@ from collections.abc import Set as AbstractSet
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
-    from course_kit.interfaces.field_types import FieldType, Primitive
+    from course_kit.interfaces.definition import FieldType, Primitive
     from course_kit.interfaces.message_fields import MessageField
 
 _LARGEST_BYTE = 255

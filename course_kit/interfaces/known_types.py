@@ -3,20 +3,61 @@
 from __future__ import annotations
 
 import importlib
+import os
+import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from course_kit.interfaces import catalogue, hints, sources
+from course_kit.interfaces import hints, sources
 from course_kit.interfaces.errors import InterfaceNotFoundError
+from course_kit.interfaces.sources import KINDS, first_text, folders
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+_INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")  # noqa: PTH118 - light at start
+
+
+def prefixes() -> list[str]:
+    """The folders ROS packages are installed below: those of a sourced ROS 2, and this Python's own."""
+    sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return list(dict.fromkeys(folder for folder in (*sourced, sys.prefix) if folder))
+
+
+def installed_packages() -> set[str]:
+    """The packages that install interfaces."""
+    found: set[str] = set()
+    for prefix in prefixes():
+        with suppress(OSError):
+            found.update(os.listdir(os.path.join(prefix, _INDEX)))  # noqa: PTH118, PTH208
+    return found
+
+
+def installed_types(package: str) -> set[str]:
+    """The full names of a package's interfaces, such as "std_srvs/srv/SetBool"."""
+    listed = first_text(prefixes(), _INDEX, package) or ""  # the first that has it hides the others, as with ament
+    lines = (line.rpartition(".") for line in listed.split())
+    return {f"{package}/{stem}" for stem, _, ending in lines if ending in KINDS}
+
+
+def installed_text(package: str, kind: str, name: str) -> str | None:
+    """The definition of an installed interface, None when there is no such."""
+    return first_text(prefixes(), "share", package, kind, f"{name}.{kind}")
+
+
+def idl_file(package: str, name: str) -> str | None:
+    """The file of a message that is written in IDL; None when there is no such."""
+    shares = (os.path.join(prefix, "share") for prefix in prefixes())  # noqa: PTH118
+    files = (os.path.join(place, package, "msg", f"{name}.idl") for place in (*folders(), *shares))  # noqa: PTH118
+    return next((file for file in files if os.path.isfile(file)), None)  # noqa: PTH113
+
 
 _PARTS_SHORT, _PARTS_FULL = 2, 3
 
 
 def packages() -> list[str]:
     """The packages that have interfaces, sorted."""
-    return sorted(catalogue.installed_packages() | sources.live_packages())
+    return sorted(installed_packages() | sources.live_packages())
 
 
 def types(package: str | None = None, kind: str | None = None) -> list[str]:
@@ -65,9 +106,9 @@ def text_of(type_name: str) -> str:
     name = full_name(type_name)
     package, kind, base = name.split("/")
     text = None
-    if package not in catalogue.installed_packages():
+    if package not in installed_packages():
         text = sources.find_text(package, kind, base)
-    text = text if text is not None else catalogue.installed_text(package, kind, base)
+    text = text if text is not None else installed_text(package, kind, base)
     if text is None:
         raise InterfaceNotFoundError(type_name, None, f"The definition of {name!r} is not installed with it.")
     return text
@@ -110,7 +151,7 @@ def _nearest(parts: list[str]) -> str | None:
 
 def _types_of(package: str, kinds: Sequence[str] = sources.KINDS) -> set[str]:
     """An installed package hides a live one of the same name, as it does on import."""
-    installed = catalogue.installed_types(package)
+    installed = installed_types(package)
     if installed:
         return installed
     return {f"{package}/{kind}/{name}" for kind in kinds for name in sources.names(package, kind)}

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, NoReturn
 from course_kit.interfaces import hints
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition, TypeName
 from course_kit.interfaces.errors import InterfaceDefinitionError
-from course_kit.interfaces.live_record import LiveRecord, source_of
-from course_kit.interfaces.message_class import make_message_class
-from course_kit.interfaces.message_fields import message_class
-from course_kit.interfaces.metaclass import make_metaclass, python_module
+from course_kit.interfaces.message_class import make_message_class, make_metaclass, python_module
+from course_kit.interfaces.message_fields import LiveRecord, message_class, source_of
 from course_kit.interfaces.parser import parse
 
 if TYPE_CHECKING:
@@ -105,11 +103,11 @@ class Library:
 
 def _no_message(package: str, name: str) -> str:
     """What to say of a message that cannot be found."""
-    from course_kit.interfaces import catalogue
+    from course_kit.interfaces import known_types
     from course_kit.interfaces.known_types import types
 
     wanted = f"{package}/{name}"
-    idl = catalogue.idl_file(package, name)
+    idl = known_types.idl_file(package, name)
     if idl is not None:
         return (
             f"{wanted} exists only as IDL, which the course does not read: {idl}. Expected {name}.msg beside it: write "

@@ -3,22 +3,126 @@
 from __future__ import annotations
 
 import array
+import operator
 import reprlib
 from copy import copy
 from typing import TYPE_CHECKING, Any, cast
 
-from course_kit.interfaces.field_checks import checks_by_default
-from course_kit.interfaces.field_properties import field_property
-from course_kit.interfaces.field_types import FieldType, to_slot_type
-from course_kit.interfaces.live_record import LiveRecord, source_of
-from course_kit.interfaces.message_fields import MessageField, default_text, message_fields
-from course_kit.interfaces.metaclass import make_metaclass, python_module
+from course_kit.interfaces.definition import FieldType, to_slot_type
+from course_kit.interfaces.field_checks import checks_by_default, field_check, largest_float
+from course_kit.interfaces.message_fields import (
+    LiveRecord,
+    MessageField,
+    class_of,
+    default_text,
+    message_fields,
+    source_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from course_kit.interfaces.definition import Field, MessageDefinition
+    from course_kit.interfaces.definition import Definition, Field, FieldType, MessageDefinition, Primitive
     from course_kit.interfaces.message_fields import Message
+
+
+def make_metaclass(definition: Definition, what: str, attributes: Mapping[str, object]) -> type:
+    """Make the metaclass of a message, a service or an action."""
+    name = definition.name.name
+    return type(
+        f"Metaclass_{name}",
+        (type,),
+        {
+            "__module__": python_module(definition),
+            "__doc__": f"Metaclass of {what} '{name}'.",
+            "__setattr__": _refuse_fields,
+            "__import_type_support__": classmethod(_import_type_support),
+            "_TYPE_SUPPORT": None,
+            **attributes,
+        },
+    )
+
+
+def _refuse_fields(cls: type, name: str, value: object) -> None:
+    """Refuse `Fibonacci.Feedback.sequence = [0]`, which would take the field away from all messages of the type."""
+    if isinstance(vars(cls).get(name), property):
+        kind = cls.__name__.replace("_", ".")
+        raise TypeError(f"{kind} is the type, not a message: make one with {kind}(), then set its {name}.")
+    type.__setattr__(cls, name, value)
+
+
+def python_module(definition: Definition) -> str:
+    """The module of a definition's class, such as "my_interfaces.srv._person_info"."""
+    return f"{definition.name.package}.{definition.name.kind}.{definition.module}"
+
+
+def _import_type_support(metaclass: type) -> None:
+    from course_kit.interfaces.type_support import add_support
+
+    add_support(class_of(metaclass))
+
+
+_CHECKED = """
+def {name}(self, value):
+    if self._check_fields and ({unusual}):
+        check(value)
+    self._{name} = value
+"""
+_NUMBERS = """
+def {name}(self, value):
+    if self._check_fields:
+        if value.__class__ is not container or {unusual}:
+            check(value)
+            if not isinstance(value, container):
+                value = convert(value)
+    else:
+        value = convert(value)
+    self._{name} = value
+"""
+
+
+def field_property(field: MessageField) -> property:
+    """Make the property of a field, whose value is kept in the slot of the same name with an underscore."""
+    names: dict[str, Any] = {"check": field_check(field)}
+    if field.type.is_numeric_container and field.type.primitive:
+        source = _numbers(field.type, field.type.primitive, names)
+    else:
+        source = _CHECKED.replace("{unusual}", _unusual(field, names))
+    exec(compile(source.replace("{name}", field.name), f"<field {field.name}>", "exec"), names)  # noqa: S102
+    setter: Callable[[Any, Any], None] = names[field.name]
+    return property(operator.attrgetter(f"_{field.name}"), setter, doc=f"Message field '{field.name}'.")
+
+
+def _unusual(field: MessageField, names: dict[str, Any]) -> str:
+    """Code that tells whether a value has to be looked at more closely."""
+    kind, primitive = field.type, field.type.primitive
+    if kind.container or kind.string_bound or kind.base == "octet":
+        return "True"
+    names["usual"] = field.nested or (primitive.python if primitive else str)
+    unusual = "value.__class__ is not usual"
+    if primitive and primitive.integer_range:
+        smallest, largest = primitive.integer_range
+        return f"{unusual} or not {smallest} <= value <= {largest}"
+    if primitive and primitive.python is float:
+        names["most"] = largest_float(primitive)
+        return f"{unusual} or not -most <= value <= most"
+    return unusual
+
+
+def _numbers(kind: FieldType, primitive: Primitive, names: dict[str, Any]) -> str:
+    """The setter of a field that keeps its numbers in an array.array, or those of a fixed array in one of numpy."""
+    code = primitive.array_code
+    if kind.container == "sequence":
+        names |= {"container": array.array, "convert": lambda value: array.array(code, value)}
+        unusual = f"value.typecode != {code!r}" + (f" or len(value) > {kind.size}" if kind.size else "")
+    else:
+        import numpy as np  # here, since most messages have no fixed array
+
+        dtype = np.dtype(primitive.numpy)
+        names |= {"container": np.ndarray, "dtype": dtype, "convert": lambda value: np.array(value, dtype=dtype)}
+        unusual = f"value.dtype != dtype or value.size != {kind.size}"
+    return _NUMBERS.replace("{unusual}", unusual)
+
 
 _CHECK_SLOT = "_check_fields"
 _CAPSULES = ("_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE")

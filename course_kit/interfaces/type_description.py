@@ -10,11 +10,9 @@ import json
 from functools import lru_cache
 from typing import NamedTuple
 
-from course_kit.interfaces.catalogue import installed_text
-from course_kit.interfaces.definition import EMPTY_MEMBER
-from course_kit.interfaces.field_types import FieldType
-from course_kit.interfaces.live_record import record_of
-from course_kit.interfaces.message_fields import message_fields
+from course_kit.interfaces.definition import EMPTY_MEMBER, FieldType
+from course_kit.interfaces.known_types import installed_text
+from course_kit.interfaces.message_fields import message_fields, record_of
 
 # type_description_interfaces/msg/FieldType: containers are ranges of numbers above the values' own.
 _NESTED, _STRING, _WSTRING, _BOUNDED_STRING, _BOUNDED_WSTRING = 1, 17, 18, 21, 22

@@ -9,16 +9,15 @@ import threading
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from course_kit.interfaces.live_record import record_of
+from course_kit.interfaces.message_fields import record_of
 from course_kit.interfaces.native.helper import Helper
-from course_kit.interfaces.native.memory import capsule, pointer
+from course_kit.interfaces.native.loader import capsule, pointer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.interfaces.codec.encoder import Encode, Payload
-    from course_kit.interfaces.live_record import LiveRecord, LiveType
-    from course_kit.interfaces.message_fields import Message
+    from course_kit.interfaces.message_fields import LiveRecord, LiveType, Message
 
 # Two threads may use a type for the first time at once; what is made for it must be made once.
 _making = threading.RLock()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.interfaces import literals
+from course_kit.interfaces import parser
 from course_kit.interfaces.comments import comments_of
 from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.ros.messages import ros_word
@@ -15,7 +15,7 @@ from course_kit.ros.messages import ros_word
 if TYPE_CHECKING:
     from ipywidgets import Widget
 
-    from course_kit.interfaces.field_types import FieldType
+    from course_kit.interfaces.definition import FieldType
     from course_kit.ros.messages import Message
 
 Entry = dict[str, Any]  # one field, as the page draws it
@@ -171,11 +171,11 @@ def _parsed(kind: FieldType, value: Any) -> Any:
     if not kind.container:
         if not text:
             raise ValueError(f"Expected {_hint(kind)}; the field is empty.")
-        parsed = literals.parse_value(kind, text)
+        parsed = parser.parse_value(kind, text)
         return bytes([parsed]) if kind.base == "octet" else parsed
     try:
-        parsed = literals.parse_value(kind, f"[{text.strip('[] ')}]")
-    except literals.LiteralError as error:
+        parsed = parser.parse_value(kind, f"[{text.strip('[] ')}]")
+    except parser.LiteralError as error:
         raise ValueError(str(error).replace(" in the brackets", "")) from None  # the form asks for none
     return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
 

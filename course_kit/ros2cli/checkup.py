@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.environment import packages
-from course_kit.interfaces.catalogue import prefixes
+from course_kit.interfaces.known_types import prefixes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -235,7 +235,7 @@ def main(role: str, how: str, folder: str) -> None:
     import rclpy
     from test_msgs.msg import Arrays
 
-    from course_kit.interfaces.live_record import record_of
+    from course_kit.interfaces.message_fields import record_of
 
     faulthandler.dump_traceback_later(70, exit=True)  # a hang ends with a stack trace
     assert (record_of(Arrays) is not None) == (how == "live")

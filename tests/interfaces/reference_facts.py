@@ -9,7 +9,7 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from course_kit.interfaces.live_record import record_of
+from course_kit.interfaces.message_fields import record_of
 from tests.interfaces.test_against_compiled import facts
 from tests.interfaces.twins import description_by_c, hash_by_c, random_message, seeded, sources_by_c
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.interfaces import catalogue
+from course_kit.interfaces import known_types
 
 PEER = Path(__file__).with_name("peer.py")
 REPOSITORY = PEER.parents[2]
@@ -22,7 +22,7 @@ def definitions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Copies of the texts of two installed packages."""
     folder = tmp_path_factory.mktemp("definitions")
     for package in ("std_srvs", "test_msgs"):
-        for prefix in catalogue.prefixes():
+        for prefix in known_types.prefixes():
             for kind in ("msg", "srv", "action"):
                 source = Path(prefix, "share", package, kind)
                 if source.is_dir():

@@ -10,22 +10,21 @@ from typing import Any
 
 import numpy as np
 
-from course_kit.interfaces import catalogue, types
+from course_kit.interfaces import known_types, types
 from course_kit.interfaces.definition import TypeName
 from course_kit.interfaces.library import Library
-from course_kit.interfaces.live_record import record_of
-from course_kit.interfaces.message_fields import MessageField, message_class, message_fields
-from course_kit.interfaces.native.memory import pointer
+from course_kit.interfaces.message_fields import MessageField, message_class, message_fields, record_of
+from course_kit.interfaces.native.loader import pointer
 
 # Texts say all there is to say about a type, but these exist as .idl only, or not as classes at all.
-PACKAGES = sorted(catalogue.installed_packages())
+PACKAGES = sorted(known_types.installed_packages())
 LETTERS = "abc é漢😀 xyz"
 
 
 @cache
 def twins_of(package: str) -> list[tuple[Any, Any]]:
     """Pairs of a compiled and a live class: all messages, services and actions of a package, and their parts."""
-    library = Library(lambda name: catalogue.installed_text(*name))
+    library = Library(lambda name: known_types.installed_text(*name))
     pairs = []
     for full_name in types(package):
         name = TypeName(*full_name.split("/"))

@@ -34,8 +34,6 @@ from std_srvs.srv import SetBool
 class Faulty(Node):
     def __init__(self):
         super().__init__("faulty")
-        self.declare_parameter("speed", 1.0)
-        self.add_on_set_parameters_callback(self.fail)
         self.create_service(SetBool, "fail", self.fail)
 
     def fail(self, *_):
@@ -53,12 +51,10 @@ rclpy.spin(Faulty())
         (("servise", "list"), 2, "there is no 'servise'. Did you mean service?"),
         (("service", "list", "--bogus"), 2, "unknown: --bogus"),
         (("service", "type", "/set_powr"), 1, "Unknown service '/set_powr'. Did you mean /set_power?"),
-        (("service", "info", "/set power"), 1, "'/set power' cannot be a name on the graph"),
         ((*CALL, "/set_power", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
         ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is not a service type"),
         ((*CALL, "/set_powr", "std_srvs/srv/SetBool", "--timeout", "1"), 1, "within 1 s. Did you mean /set_power?"),
         ((*CALL, "/set_power", "std_srvs/srv/Trigger"), 1, "a service of the type std_srvs/srv/SetBool, not"),
-        ((*CALL, "/set_power", "std_srvs/srv/SetBool", "--timeout", "-1"), 2, "-1 is not a number of seconds above 0"),
         (("action", "type", "/fibonaci"), 1, "Did you mean /fibonacci?"),
         (("action", "send_goal", "/fibonacci", "test_msgs/action/Fibonacci", "{order: 1.5}"), 1, "'order' is an int32"),
         (
@@ -69,8 +65,6 @@ rclpy.spin(Faulty())
         (("node", "info", "/robt"), 1, "Unable to find node '/robt'. Did you mean /robot?"),
         (("param", "get", "/robot", "max_velocty"), 1, "Did you mean max_velocity?"),
         (("param", "set", "/robot", "max_velocity", "@1"), 1, "is not a parameter value"),
-        (("param", "load", "/robot", "missing.yaml"), 1, "missing.yaml: No such file or directory"),
-        (("topic", "info", "/chater"), 1, "Unknown topic '/chater'. Did you mean /chatter?"),
         (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),
         (("topic", "echo", "/in", "--timeout", "1"), 1, "No message on /in for 1 s; no publishers on it."),
         (("topic", "echo", "/chatter", "--field", "dta"), 1, "no field 'dta' in the message. Did you mean data?"),
@@ -80,9 +74,7 @@ rclpy.spin(Faulty())
             1,
             "Nobody subscribed to /nobody within 1 s (waiting for 1)",
         ),
-        (("interface", "show", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
         (("interface", "package", "std_srv"), 1, "Did you mean std_srvs?"),
-        (("launch", "nowhere", "it.launch.py"), 1, "Package 'nowhere' not found."),
         (("launch", "turtlesim", "it.launch.py"), 1, "Package 'turtlesim' not found: it comes with a full ROS 2"),
         (("run", "nowhere", "nothing"), 1, "Package 'nowhere' not found"),
         (("launch", "nowhere.launch.py"), 1, "There is no launch file nowhere.launch.py."),
@@ -100,10 +92,8 @@ def test_one_line_that_helps(
     assert code == exit_code
 
 
-@pytest.mark.parametrize(
-    "words", [("param", "set", "/faulty", "speed", "2.5"), (*CALL, "/fail", "std_srvs/srv/SetBool")]
-)
-def test_a_server_that_ends_instead_of_answering(ros2: Ros2, tmp_path: Path, words: tuple[str, ...]) -> None:
+def test_a_server_that_ends_instead_of_answering(ros2: Ros2, tmp_path: Path) -> None:
+    words = (*CALL, "/fail", "std_srvs/srv/SetBool")
     script = tmp_path / "faulty.py"
     script.write_text(FAULTY)
     program = ros2.start(script, "/faulty")
@@ -121,9 +111,8 @@ def test_an_unknown_action_has_nobody_and_a_hint(robot: Ros2) -> None:
     assert done.returncode == 0
 
 
-@pytest.mark.parametrize("words", [("--help",), ("service", "--help"), ()])
-def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> None:
-    done = robot(*words)
+def test_help_says_that_it_is_a_subset(robot: Ros2) -> None:
+    done = robot()
     assert "course kit" in done.stdout
     assert "subset" in done.stdout
     assert done.returncode == 0
@@ -136,26 +125,16 @@ def test_help_says_that_it_is_a_subset(robot: Ros2, words: tuple[str, ...]) -> N
         (("topic", "pub", "--help"), ["  -r, --rate N                  messages a second (default: 1)"]),
     ],
 )
-@pytest.mark.parametrize("columns", ["", "0", "wide"])  # none of which is a width
-def test_help_looks_alike_on_every_python(ros2: Ros2, words: tuple[str, ...], lines: list[str], columns: str) -> None:
+def test_help_looks_alike_on_every_python(ros2: Ros2, words: tuple[str, ...], lines: list[str]) -> None:
     """Jupyter's kernels set FORCE_COLOR, which Python 3.14 heeds."""
-    done = ros2(*words, FORCE_COLOR="1", COLUMNS=columns)
+    done = ros2(*words, FORCE_COLOR="1", COLUMNS="wide")  # which is no width
     assert (done.returncode, done.stderr) == (0, "")
     assert set(lines) <= set(done.stdout.splitlines())
 
 
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("topic", "pub", "/chatter", "std_msgs/msg/String", "{data: hello}"), "publishing #1"),
-        (("topic", "echo", "/chatter"), "data: hello"),
-    ],
-)
-def test_ctrl_c_ends_a_command_that_a_script_started_in_the_background(
-    robot: Ros2, words: tuple[str, ...], line: str
-) -> None:
-    command = robot.begin(*IN_BACKGROUND, *OURS, *words)
-    lines_until(command, line)
+def test_ctrl_c_ends_a_command_that_a_script_started_in_the_background(robot: Ros2) -> None:
+    command = robot.begin(*IN_BACKGROUND, *OURS, "topic", "echo", "/chatter")
+    lines_until(command, "data: hello")
     _, errors = interrupt(command)
     assert (command.returncode, errors) == (2, "")
 

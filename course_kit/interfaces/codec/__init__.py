@@ -5,8 +5,7 @@ so a compiled message inside a live one is part of the same generated code. The 
 "DDS for Extremely Lightweight" family: little-endian XCDR1, which Fast DDS writes.
 """
 
-from course_kit.interfaces.codec.decoder import make_decoder
-from course_kit.interfaces.codec.encoder import make_encoder
+from course_kit.interfaces.codec.encoder import make_decoder, make_encoder
 from course_kit.interfaces.codec.program import validation_program
 
 __all__ = ["make_decoder", "make_encoder", "validation_program"]

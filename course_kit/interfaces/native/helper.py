@@ -9,13 +9,10 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.interfaces.codec import make_decoder, make_encoder, validation_program
-from course_kit.interfaces.definition import EMPTY_MEMBER
+from course_kit.interfaces.definition import EMPTY_MEMBER, FieldType
 from course_kit.interfaces.errors import NativeHelperError
-from course_kit.interfaces.field_types import FieldType
-from course_kit.interfaces.live_record import LiveType
-from course_kit.interfaces.message_fields import MessageField, message_fields
-from course_kit.interfaces.native.loader import function_address, load_helper, ros_library
-from course_kit.interfaces.native.memory import keep, keep_object, keep_text
+from course_kit.interfaces.message_fields import LiveType, MessageField, message_fields
+from course_kit.interfaces.native.loader import function_address, keep, keep_object, keep_text, load_helper, ros_library
 from course_kit.interfaces.type_description import describe, full_name, referenced_classes, source_text, type_hash
 
 if TYPE_CHECKING:
