@@ -17,6 +17,8 @@ from course_kit.lab.api import (
     publish,
     record,
     script,
+    send_goal,
+    send_goal_blocking,
     start,
     stop,
     stop_others,
@@ -24,6 +26,7 @@ from course_kit.lab.api import (
     subscribe,
     timeline,
 )
+from course_kit.lab.awaiting import current, use
 from course_kit.lab.errors import (
     ActionNotFoundError,
     DeadlockError,
@@ -36,7 +39,6 @@ from course_kit.lab.errors import (
     ServiceFailedError,
     ServiceNotFoundError,
 )
-from course_kit.lab.goal_verbs import send_goal, send_goal_blocking
 from course_kit.lab.parameters import (
     describe_parameters,
     describe_parameters_blocking,
@@ -45,7 +47,6 @@ from course_kit.lab.parameters import (
     set_parameters,
     set_parameters_blocking,
 )
-from course_kit.lab.singleton import current, use
 
 __all__ = [
     "ActionNotFoundError",

@@ -11,11 +11,32 @@ from collections.abc import Coroutine
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
 
 from course_kit.lab.errors import LabError
-from course_kit.lab.singleton import current
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from types import TracebackType
+
+    from course_kit.lab.runtime.core import Lab
+
+
+class _Current:
+    lab: Lab | None = None
+
+
+def current() -> Lab:
+    """The lab of this process, made on first use."""
+    if _Current.lab is None:
+        from course_kit.lab.runtime.core import Lab
+
+        _Current.lab = Lab()
+    return _Current.lab
+
+
+def use(lab: Lab | None) -> Lab | None:
+    """Make another lab the current one; None for a new one on next use."""
+    before, _Current.lab = _Current.lab, lab
+    return before
+
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -11,7 +11,7 @@ import re
 import threading
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_kit.lab.awaiting import to_be_awaited
+from course_kit.lab.awaiting import current, to_be_awaited
 from course_kit.lab.errors import (
     FieldError,
     LabError,
@@ -19,7 +19,6 @@ from course_kit.lab.errors import (
     ParameterNotFoundError,
     ServiceNotFoundError,
 )
-from course_kit.lab.singleton import current
 from course_kit.ros import graph, names, parameters
 from course_kit.ros.messages import BadFieldError
 from course_kit.ros.parameters import Descriptor
@@ -214,7 +213,7 @@ def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
 
 def _no_node(node: str) -> NodeNotFoundError:
     """Why the parameter services of a node were not found."""
-    from course_kit.lab.singleton import current
+    from course_kit.lab.awaiting import current
 
     engine = current().engine
     looking = engine.node

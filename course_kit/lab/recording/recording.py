@@ -6,9 +6,8 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.arrows import arrows_of
-from course_kit.lab.recording.busy import SPAN_KINDS
 from course_kit.lab.recording.diagram import Diagram
-from course_kit.lab.recording.timeline import Timeline
+from course_kit.lab.recording.timeline import SPAN_KINDS, Timeline
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event

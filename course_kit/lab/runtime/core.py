@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
-    from course_kit.lab.scripts.running import Scripts
-    from course_kit.lab.scripts.script import Script
+    from course_kit.lab.scripts.running import Script, Scripts
     from course_kit.lab.topics import Subscription
     from course_kit.ros.messages import Message
 

@@ -6,17 +6,19 @@ calls, and what to say when a callback fails.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import sys
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy.utilities
 from rclpy.action import ActionServer
+from rclpy.task import Future
 
 from course_kit.lab.clients import Clients
 from course_kit.lab.errors import CallbackStopped, DeadlockError
-from course_kit.lab.notebook import asyncio_bridge
 from course_kit.lab.overrides import callbacks, rclpy_functions
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.action_hooks import hook_execution
@@ -33,12 +35,11 @@ from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Generator, Iterable, Sequence
 
     from rclpy.executors import Executor
     from rclpy.node import Node
     from rclpy.subscription import Subscription
-    from rclpy.task import Future
 
     from course_kit.lab.notebook.cells import Notebook
     from course_kit.lab.notebook.output import Output
@@ -47,6 +48,53 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.nodes import LiveNode
     from course_kit.ros.compat import Compatibility
     from course_kit.ros.messages import Message
+
+
+def as_asyncio(future: Future) -> asyncio.Future[Any]:
+    """The running loop's future that follows an rclpy future; cancelling it cancels that one."""
+    loop = asyncio.get_running_loop()
+    follower = loop.create_future()
+
+    def follow() -> None:
+        if follower.done():
+            return
+        if future.cancelled():
+            follower.cancel()
+        elif future.exception() is not None:
+            follower.set_exception(future.exception())
+        else:
+            follower.set_result(future.result())
+
+    def completed(_: object) -> None:
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            loop.call_soon_threadsafe(follow)
+
+    def forward_cancel(waited: asyncio.Future[Any]) -> None:
+        if waited.cancelled():
+            future.cancel()
+
+    future.add_done_callback(completed)
+    follower.add_done_callback(forward_cancel)
+    return follower
+
+
+def install(patches: Patches, before_waiting: Callable[[Future], None], after_waiting: Callable[[], None]) -> None:
+    """Replace `Future.__await__`."""
+    original = Future.__await__
+
+    def awaited(future: Future) -> Generator[Any, None, Any]:
+        try:
+            asyncio.get_running_loop()
+        except RuntimeError:
+            before_waiting(future)
+            return (yield from original(future))
+        try:
+            return (yield from as_asyncio(future).__await__())
+        finally:
+            after_waiting()
+
+    patches.set(Future, "__await__", awaited)
+
 
 LAB_NAME = "lab"
 _FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
@@ -96,7 +144,7 @@ class Engine:
         self.nodes.watch(self._patches)
         if self._found.has(compat.RECORDING):
             self._hooks.hook_sending(self._patches)
-        asyncio_bridge.install(self._patches, self._check_await, self.flush_output)
+        install(self._patches, self._check_await, self.flush_output)
         if self._found.has(compat.DEFAULT_CONTEXT):
             # Nodes that pass no context, and rclpy.ok(), use the default one.
             self._patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)
