@@ -59,9 +59,9 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/interfaces": 3729,
+    "course_kit/interfaces": 3617,
     "course_kit/ros": 1774,
-    "course_kit/lab": 7350,
+    "course_kit/lab": 7253,
     "course_kit/panels": 3020,
     "course_kit/ros2cli": 3821,
     "course_kit/grading": 12080,

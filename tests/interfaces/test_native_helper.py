@@ -106,7 +106,7 @@ def library_in_use(name: str) -> str:
 
 def test_another_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
-    with pytest.raises(NativeHelperError, match=r"RMW_IMPLEMENTATION is 'rmw_cyclonedds_cpp'. Unset"):
+    with pytest.raises(NativeHelperError, match="RMW_IMPLEMENTATION is set to 'rmw_cyclonedds_cpp', but"):
         loader.load_helper()
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
     loader.load_helper()

@@ -7,13 +7,13 @@ message for people instead of a crash.
 from __future__ import annotations
 
 import ctypes
-import os
 import struct
 import sys
 import zlib
 from pathlib import Path
 from typing import Any
 
+from course_kit.environment import middleware
 from course_kit.interfaces.errors import NativeHelperError
 
 _libc = ctypes.CDLL(None)
@@ -60,7 +60,6 @@ def pointer(made: object) -> int:
 
 LIBRARY = Path(__file__).with_name("_helper.so")
 SOURCE = LIBRARY.with_name("helper.c")
-SUPPORTED_RMW = "rmw_fastrtps_cpp"
 
 _POSITION = "_ZN8eprosima7fastcdr3Cdr20get_current_positionEv"
 _JUMP = "_ZN8eprosima7fastcdr3Cdr4jumpEm"
@@ -137,7 +136,8 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 
 def load_helper(path: Path | None = None) -> ctypes.PyDLL:
     """Load the helper, ready for use."""
-    _refuse_other_middleware()
+    if problem := middleware.unsupported():
+        raise NativeHelperError(problem)
     try:
         # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.
         helper = ctypes.PyDLL(str(path or LIBRARY))
@@ -164,15 +164,6 @@ def ros_library(name: str) -> ctypes.CDLL:
             f"The library {name} of ROS 2 Jazzy was not found ({error}). Messages defined at run time need ROS 2 with "
             "Fast DDS: install the course's ROS packages, or source your ROS 2 Jazzy, and start Python again."
         ) from error
-
-
-def _refuse_other_middleware() -> None:
-    chosen = os.environ.get("RMW_IMPLEMENTATION") or SUPPORTED_RMW
-    if chosen != SUPPORTED_RMW:
-        raise NativeHelperError(
-            f"Messages defined at run time work with {SUPPORTED_RMW}, and RMW_IMPLEMENTATION is {chosen!r}. "
-            "Unset RMW_IMPLEMENTATION and start Python again."
-        )
 
 
 def _refuse_another_source(helper: ctypes.PyDLL) -> None:
