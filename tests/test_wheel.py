@@ -104,7 +104,7 @@ def test_a_learner_works_in_a_folder_of_their_own(installed: Installed) -> None:
     (folder / "course").rmdir()
     installed.run("copy", str(folder))
     (folder / MINE).write_bytes(SOLUTION.read_bytes())
-    assert "10 of 10 points: passed." in installed.run("grade", TEMPERATURE, cwd=folder / "exercises")
+    assert "10 of 10 points, passed." in installed.run("grade", TEMPERATURE, cwd=folder / "exercises")
     assert "10      1  passed" in installed.run("list", cwd=folder)
     assert "not tried yet" in installed.run("list").splitlines()[1]  # another folder's progress
     command = [str(folder / "course"), "list"]

@@ -84,10 +84,25 @@ class Report:
 
     @property
     def verdict(self) -> str:
-        """What was reached, in words: `8 of 10 points: passed`; of a drill `solved`."""
+        """What was reached, in words: `8 of 10 points, passed`; of a drill `solved`."""
         if self.practice:
             return "solved" if self.passed else "not solved yet"
-        return f"{self.score:g} of {in_points(self.max_score)}: {'passed' if self.passed else 'not passed yet'}"
+        return f"{self.score:g} of {in_points(self.max_score)}, {'passed' if self.passed else 'not passed yet'}"
+
+    @property
+    def run(self) -> list[CheckReport]:
+        """The checks that were run: those that failed come first."""
+        found = (check for check in self.checks if check.status != "skipped")
+        return sorted(found, key=lambda check: check.status == "passed")
+
+    @property
+    def not_run(self) -> dict[str, list[CheckReport]]:
+        """The other checks, by why they were not run."""
+        found: dict[str, list[CheckReport]] = {}
+        for check in self.checks:
+            if check.status == "skipped":
+                found.setdefault(check.message.removeprefix("Not run: ").rstrip("."), []).append(check)
+        return found
 
     def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""

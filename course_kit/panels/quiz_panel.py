@@ -268,4 +268,4 @@ def _summary(answered: int, result: quiz.MarkedAnswers, marked: list[Marks]) -> 
         points = sum(marks.points for marks in marked)
         return f"{said} {points:g} of {in_points(len(marked))} so far; to pass: {needed}."
     verdict = "passed" if result.passed else f"not passed yet (to pass: {needed})"
-    return f"{said} {result.points:g} of {in_points(result.max_points)}: {verdict}."
+    return f"{said} {result.points:g} of {in_points(result.max_points)}, {verdict}."

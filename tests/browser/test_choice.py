@@ -63,7 +63,7 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
         half(panel, "Which pattern fits best?").get_by_label(pattern, exact=True).check()
         half(panel, "Which reason decides?").get_by_label(scenario.reasons[reason]).check()
         expect(panel.get_by_role("button", name=f"Scenario {number}, right")).to_be_visible()
-    expect(panel).to_contain_text("10 of 10 answered. 10 of 10 points: passed.")
+    expect(panel).to_contain_text("10 of 10 answered. 10 of 10 points, passed.")
     panel.scroll_into_view_if_needed()
     lab.picture("quiz_passed")
 
@@ -81,6 +81,6 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
 
     # Running the cell again shows the same answers.
     lab.run_cell_that_begins("panels.quiz()")
-    expect(panel).to_contain_text("10 of 10 answered. 10 of 10 points: passed.")
+    expect(panel).to_contain_text("10 of 10 answered. 10 of 10 points, passed.")
     panel.get_by_role("button", name="Start again").click()
     expect(panel).to_contain_text("0 of 10 answered.")

@@ -45,7 +45,8 @@ FAILED = CheckReport(
 )
 PASSED = CheckReport("offered", "The service is there", "passed", 1.5, "", "e", "e", points=1.5)
 FREE = CheckReport("known_ids", "Every entry belongs", "passed", 0.0)
-SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.5, message="Not run.")
+SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.5, message='Not run: "It adds" has to pass first.')
+ALSO_SKIPPED = replace(SKIPPED, id="edges", title="Each edge", max_points=1.5)
 REPORT = Report(
     "temperature_service",
     "A service",
@@ -158,6 +159,29 @@ def test_text_fits_and_says_all(width: int) -> None:
     assert "\x1b" not in text
 
 
+def test_what_failed_comes_first_and_what_waits_for_one_check_is_one_line() -> None:
+    report = replace(REPORT, checks=(PASSED, SKIPPED, FAILED, ALSO_SKIPPED))
+    text, html = render_text(report, 200), render_html(report).rpartition("</style>")[2]
+    assert 'skip      0/2  "It adds" has to pass first: Every digit; Each edge.' in text
+    assert "Not run (2): &#34;It adds&#34; has to pass first" in html
+    ends = ("1.5 of 4 points", "Isolation:")
+    order = ("FAIL", "upside down", "value=100.0", "Think.", "math.formula", "PASS", "skip", *ends)
+    assert [text.index(one) for one in order] == sorted(text.index(one) for one in order)
+    order = (
+        FAILED.title,
+        "upside down",
+        "value=100.0",
+        "Think.",
+        "math.formula",
+        PASSED.title,
+        "Not run",
+        "Isolation:",
+    )
+    assert [html.index(one) for one in order] == sorted(html.index(one) for one in order)
+    for page in (text, html):
+        assert not [line for line in page.splitlines() if line.strip().startswith(":")]
+
+
 def test_a_drill_is_solved_or_not_yet_and_nobody_speaks_of_points() -> None:
     drill = replace(REPORT, practice=True)
     for one, said in ((drill, "Not solved yet"), (replace(drill, passed=True), "Solved")):
@@ -220,11 +244,11 @@ def test_html_escapes_everything_and_is_balanced() -> None:
 
 def test_html_says_in_words_what_it_shows_in_colour() -> None:
     html = render_html(REPORT)
-    for words in (": passed, 1.5 of 1.5", ": not passed, 0 of 2", ": not run, 0 of 0.5", "1.5 of 4 points"):
+    for words in ("(passed, 1.5 of 1.5)", "(not passed, 0 of 2)", "Every digit, 0 of 0.5", "1.5 of 4 points"):
         assert words in html
     assert "known_ids" not in html
     assert "Every entry belongs" in html
-    assert ": passed, worth no points" in html
+    assert "(passed, worth no points)" in html
 
 
 def bars(html: str) -> list[tuple[float, float]]:
@@ -234,7 +258,7 @@ def bars(html: str) -> list[tuple[float, float]]:
 
 
 def test_each_check_with_points_has_a_bar_as_long_as_it_is_worth() -> None:
-    assert bars(render_html(REPORT)) == [(4.5, 100), (6.0, 0), (1.5, 0)]
+    assert bars(render_html(REPORT)) == [(6.0, 0), (4.5, 100)]
     assert bars(render_html(replace(REPORT, checks=(FREE,), max_score=0.0))) == []
 
 

@@ -79,5 +79,5 @@ def test_without_a_program_there_is_no_section_for_it_and_a_notebooks_card_never
 
 def test_one_is_a_point() -> None:
     report = replace(REPORT, score=0, max_score=1)
-    assert report.verdict == "0 of 1 point: not passed yet"
+    assert report.verdict == "0 of 1 point, not passed yet"
     assert "<strong>0 of 1 point</strong>" in render_page(report, "Jane Doe")

@@ -134,7 +134,7 @@ def test_watch_finds_the_file_where_one_stands(learner: Learner) -> None:
         verdict = next(line for line in watching.stdout if "points" in line)
         watching.terminate()
     assert first.startswith(f"Watching {mine / PROGRAM}")
-    assert "of 10 points: not passed yet" in verdict
+    assert "of 10 points, not passed yet" in verdict
 
 
 def test_what_cannot_be_written_is_a_sentence(learner: Learner) -> None:

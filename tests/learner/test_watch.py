@@ -104,17 +104,17 @@ def test_ctrl_c_ends_it_wherever_it_was_started(tmp_path: Path, file: Path) -> N
 
 @pytest.mark.answers
 def test_each_save_gets_one_verdict_and_ctrl_c_ends_it(watching: Watching, file: Path) -> None:
-    assert "1 of 10 points: not passed yet" in watching.until("points")
+    assert "1 of 10 points, not passed yet" in watching.until("points")
     assert ("You are grading as root." in " ".join(watching.lines)) == (os.geteuid() == 0)
     save_by_renaming(file, SOLUTION.read_text())
-    assert "10 of 10 points: passed" in watching.until("points")
+    assert "10 of 10 points, passed" in watching.until("points")
     assert "+9 since the last save" in watching.lines[-1]
     file.write_text(REFUSES_ALL)  # in place
     assert "0 of 10 points" in watching.until("points")
     file.unlink()
     watching.until("is gone. Waiting for it to come back.")
     file.write_text(SOLUTION.read_text())
-    assert "10 of 10 points: passed" in watching.until("points")
+    assert "10 of 10 points, passed" in watching.until("points")
     workers = workers_of(watching.process)
     assert workers
     rest = watching.interrupt()
@@ -215,7 +215,7 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
         check("Four", "skipped"),
     )
     lines = watch.card(report(3.5, *checks), report(5.0)).splitlines()
-    assert lines[1].endswith("3.5 of 10 points: not passed yet (1.2 s), -1.5 since the last save")
+    assert lines[1].endswith("3.5 of 10 points, not passed yet (1.2 s), -1.5 since the last save")
     assert time.strptime(lines[1][:8], "%H:%M:%S")
     text = "\n".join(lines)
     for part in ("FAIL  Two", "sent      1", "expected  2", "got       3", "hint      Look.", "FAIL  Three", "skip  1"):

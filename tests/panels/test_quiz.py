@@ -97,7 +97,7 @@ def test_marking_at_the_end_shows_nothing_before_and_forgets_what_is_changed_aft
     said_by(panel, "mark")
     assert len(panel.widget.marks) == 10
     assert panel.widget.marks[second.id]["pattern"] == {"right": False, "explanation": "The pattern is still empty."}
-    assert panel.widget.summary == "1 of 10 answered. 1 of 10 points: not passed yet (to pass: 8 of 10)."
+    assert panel.widget.summary == "1 of 10 answered. 1 of 10 points, not passed yet (to pass: 8 of 10)."
     panel.answer(first.id, *wrong(first))
     assert first.id not in panel.widget.marks
     assert second.id in panel.widget.marks

@@ -121,7 +121,7 @@ def headline(record: Record) -> str:
         return f"{points}: the submission could not be read."
     if record.status == "crashed" and record.adjustment.override is None:
         return f"{points}: not passed yet, because the program ended before it could be checked."
-    return f"{points}: {'passed' if record.passed else 'not passed yet'}."
+    return f"{points}, {'passed' if record.passed else 'not passed yet'}."
 
 
 def problem(record: Record) -> str:

@@ -85,7 +85,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "report": report,
         "in_points": in_points,
         "most_points": max((check.max_points for check in report.checks), default=0.0),
-        "first_failed": next((check for check in report.checks if check.status == "failed"), None),
+        "first_failed": next((check for check in report.run if check.status == "failed"), None),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
         "sequence_css": sequence.sequence_css(),

@@ -24,8 +24,11 @@ def render_text(report: Report, width: int = 80) -> str:
         *_wrap(f"Submission: {report.submission}", width),
         "",
     ]
-    for check in report.checks:
+    for check in report.run:
         lines += check_lines(check, width, practice=report.practice)
+    for why, checks in report.not_run.items():
+        begin = _beginning("skipped", 0.0, sum(check.max_points for check in checks), practice=report.practice)
+        lines += _wrap(f"{begin}{why}: {'; '.join(check.title for check in checks)}.", width, hanging=len(begin))
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
@@ -47,17 +50,20 @@ def _verdict(report: Report) -> str:
 
 def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> list[str]:
     """One check's part of `render_text`; that of a drill has no points."""
-    points = "" if practice else f"{check.points:g}/{check.max_points:g}".rjust(_POINTS)
-    begin = f"{_MARKS[check.status]}  {points}{'' if practice else '  '}"
+    begin = _beginning(check.status, check.points, check.max_points, practice=practice)
     head = _wrap(f"{begin}{check.title}", width, hanging=len(begin))
     if check.status == "passed":
         return head
     if check.status == "skipped":
         return [*head, *_wrap(check.message, width, indent=len(begin))]
-    rows = [("we sent", check.sent), ("expected", check.expected), ("we got", check.got), *_steps(check)]
-    rows += [("why", check.message), ("diagnosis", check.diagnosis or ""), ("hint", check.hint or "")]
+    rows = [("why", check.message), ("we sent", check.sent), ("expected", check.expected), ("we got", check.got)]
+    rows += [*_steps(check), ("hint", check.hint or ""), ("diagnosis", check.diagnosis or "")]
     body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
     return [*head, *body, ""]
+
+
+def _beginning(status: str, points: float, most: float, *, practice: bool) -> str:
+    return f"{_MARKS[status]}  " + ("" if practice else f"{points:g}/{most:g}".rjust(_POINTS) + "  ")
 
 
 def _steps(check: CheckReport) -> list[tuple[str, str]]:

@@ -104,7 +104,7 @@ def test_one_is_a_point() -> None:
     whole = good("jane")
     report = {**whole.report, "score": 1.0, "max_score": 1.0}
     late = adjusted(replace(whole, report=report), replace(LATE, penalty=1.0))
-    assert headline(late).startswith("0 of 1 point: ")
+    assert headline(late).startswith("0 of 1 point, ")
     assert "Late penalty: 1 point, taken from the 1 point of the checks." in late.remarks
     assert "set this score to 1 point;" in " ".join(adjusted(whole, replace(SET, override=1.0)).remarks)
     assert '<th scope="row">1 point</th>' in page.render(book(whole))
