@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import anywidget
 import traitlets
 
-from course_kit.panels import goal_sender
+from course_kit.panels import goal_panel
 from course_kit.panels.base import drawn, of_files, still
-from course_kit.panels.goal_sender import GoalFollower
+from course_kit.panels.goal_panel import GoalFollower
 from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
-    from course_kit.panels.goal_sender import Standing
+    from course_kit.panels.goal_panel import Standing
     from course_kit.ros.messages import Message
 
 STRAIGHT = 0.005  # metres a point may lie beside the straight way past it
@@ -170,7 +170,7 @@ def _said(standing: Standing) -> str:
     """The status in words; it changes when something happens, not with each metre."""
     parts = []
     if standing.status:
-        parts.append(goal_sender.status(standing.status, f"The goal {_place(standing.asked.target)}"))
+        parts.append(goal_panel.status(standing.status, f"The goal {_place(standing.asked.target)}"))
     if standing.refused is not None:
         parts.append(_refusal(standing))
     if standing.note:
@@ -182,7 +182,7 @@ def _refusal(standing: Standing) -> str:
     """Why a goal may have been rejected; the server's answer is a mere no."""
     target = standing.refused.target
     size = SimulatedRobot.ARENA_SIZE
-    begin = goal_sender.status("REJECTED", f"The goal {_place(target)}") if standing.running else ""
+    begin = goal_panel.status("REJECTED", f"The goal {_place(target)}") if standing.running else ""
     if not (0.0 <= target.x <= size and 0.0 <= target.y <= size):
         why = f"It lies outside the arena, which goes from 0 to {size:g} m."
     elif standing.running:

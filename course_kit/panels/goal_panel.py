@@ -2,21 +2,301 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import contextlib
+import math
+import threading
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anywidget
 import traitlets
 
+from course_kit import lab
 from course_kit.lab.errors import FieldError
-from course_kit.panels import goal_sender
-from course_kit.panels.base import form, of_files, still
-from course_kit.panels.goal_sender import GoalFollower
+from course_kit.panels.base import Latest, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_action_type, type_name
+from course_kit.ros.showing import in_words, snapshot
 
 if TYPE_CHECKING:
-    from course_kit.panels.goal_sender import Standing
-    from course_kit.ros.messages import ActionType
+    from collections.abc import Callable
+
+    from course_kit.lab.goals import Goal
+    from course_kit.ros.messages import ActionType, Message
+
+_STATUS = {
+    "SENDING": "{} is on its way to the server ...",
+    "ACCEPTED": "{} is accepted and has not begun yet",
+    "EXECUTING": "{} is running",
+    "CANCELING": "{} is being cancelled",
+    "SUCCEEDED": "{} has succeeded",
+    "CANCELED": "{} was cancelled",
+    "ABORTED": "{} was given up by the server",
+    "REJECTED": "{} was rejected by the server",
+    "UNKNOWN": "{} is lost: its server went away",
+}
+_SHOWN_VALUES = 12  # values of a list that are shown
+_DIGITS = 2  # of a float
+
+
+class Progress(NamedTuple):
+    """How far a goal is."""
+
+    share: float | None
+    text: str
+
+
+def status(name: str, goal: str = "The goal") -> str:
+    """A goal's status in a sentence: "The goal is running (EXECUTING)."; "SENDING" is a panel's own word."""
+    sentence = _STATUS.get(name, "{}").format(goal)
+    return sentence if name == "SENDING" else f"{sentence} ({name})."
+
+
+def progress(goal: Message, feedback: Message, count: int) -> Progress:
+    """How far a goal is, by what its feedback says."""
+    if feedback is None:
+        return Progress(0.0, "no feedback yet")
+    share = getattr(feedback, "progress", None)
+    if isinstance(share, float):
+        if not math.isfinite(share):
+            return Progress(None, f"the feedback's progress is {share}")
+        return Progress(min(max(share, 0.0), 1.0), f"{share:.0%}")
+    order, terms = getattr(goal, "order", None), getattr(feedback, "sequence", None)
+    if isinstance(order, int) and order > 0 and terms is not None:
+        # A sequence of order n ends with term n; it begins with term 0.
+        reached = len(terms) - 1
+        return Progress(min(max(reached / order, 0.0), 1.0), f"term {reached} of {order}")
+    return Progress(None, f"{count} feedback message{'' if count == 1 else 's'}")
+
+
+def message(value: Message) -> str:
+    """A message's fields in one line: "sequence=[0, 1, 1, 2]"; of a long list the last values, which are the news."""
+    return in_words(snapshot(value, _SHOWN_VALUES, last=True), _DIGITS)
+
+
+RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})
+_ANSWER = 5.0  # seconds a server is given to answer
+_TONES = {"SUCCEEDED": "good", "REJECTED": "bad", "ABORTED": "bad", "CANCELED": "stopped", "UNKNOWN": "bad"}
+_GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How things stand with the latest goal."""
+
+    asked: Message = None
+    status: str = ""
+    note: str = ""
+    refused: Message = None
+    feedback: Message = None
+    count: int = 0
+    result: Message = None
+
+    @property
+    def running(self) -> bool:
+        """Whether it can be cancelled."""
+        return self.status in RUNNING
+
+    @property
+    def tone(self) -> str:
+        """How it goes in a word, for a colour and a mark: "", "running", "good", "bad" or "stopped"."""
+        return "running" if self.running else _TONES.get(self.status, "bad" if self.note else "")
+
+    @property
+    def progress(self) -> Progress:
+        """How far it is."""
+        if self.status == "SUCCEEDED":
+            return Progress(1.0, "done")
+        return progress(self.asked, self.feedback, self.count)
+
+
+@dataclass
+class _Attempt:
+    """One goal on its way to the server and back; of two, the one with the higher number is the later one."""
+
+    number: int
+    asked: Message
+    goal: Goal | None = None
+
+
+class GoalSender:
+    """Sends goals to one action; the latest one that was accepted is the one that is followed."""
+
+    def __init__(
+        self,
+        action: str,
+        action_type: ActionType,
+        changed: Callable[[Standing], None],
+        on_feedback: Callable[[Message], None] = lambda _: None,
+    ) -> None:
+        self._action, self._type = action, action_type
+        self._changed, self._on_feedback = changed, on_feedback
+        self._lock = threading.RLock()
+        self._attempts = 0
+        self._followed: _Attempt | None = None
+        self._standing = Standing()
+        self._closed = False
+
+    @property
+    def standing(self) -> Standing:
+        """How things stand now."""
+        return self._standing
+
+    def send(self, asked: Message) -> threading.Thread:
+        """Send a goal message; returns at once with the thread that does it."""
+        with self._lock:
+            if not self._standing.running:
+                self._put(Standing(asked, "SENDING"))
+            else:
+                self._put(replace(self._standing, note="Another goal is on its way ...", refused=None))
+            self._attempts += 1
+            attempt = _Attempt(self._attempts, asked)
+        return _in_background(lambda: self._send(attempt))
+
+    def cancel(self) -> threading.Thread:
+        """Ask the server to cancel the goal that is followed; returns at once."""
+        return _in_background(self._cancel)
+
+    def say(self, note: str) -> None:
+        """Have something said beside the status."""
+        with self._lock:
+            self._put(replace(self._standing, note=note))
+
+    def close(self) -> None:
+        """Follow nothing any more; a goal that still runs is cancelled, as nobody could do so later."""
+        with self._lock:
+            self._closed = True
+            followed, running = self._followed, self._standing.running
+        if followed is not None and followed.goal is not None and running:
+            with contextlib.suppress(lab.LabError):
+                followed.goal.cancel_blocking(timeout=_GOODBYE)
+
+    def _send(self, attempt: _Attempt) -> None:
+        try:
+            goal = lab.send_goal_blocking(
+                self._action,
+                self._type,
+                attempt.asked,
+                timeout=_ANSWER,
+                on_feedback=lambda feedback: self._take_feedback(attempt, feedback),
+                on_result=lambda goal: _in_background(lambda: self._take_end(attempt, goal)),
+            )
+        except lab.LabError as error:
+            self._fail(attempt, str(error))
+            return
+        if not goal.accepted:
+            self._refuse(attempt)
+            return
+        with self._lock:
+            attempt.goal = goal
+            self._follow(attempt)  # its feedback, or its end, may have come first
+
+    def _cancel(self) -> None:
+        followed = self._followed
+        if followed is None or followed.goal is None or not self._standing.running:
+            return
+        try:
+            accepted = followed.goal.cancel_blocking(timeout=_ANSWER)
+        except lab.LabError as error:
+            self.say(str(error))
+            return
+        if not accepted and self._standing.running:
+            self.say("The server refuses to cancel it.")
+
+    def _follow(self, attempt: _Attempt) -> bool:
+        """Make it the one that is followed, unless a later one is; False then."""
+        followed = self._followed
+        if followed is not attempt and (followed is None or followed.number < attempt.number):
+            self._followed = attempt
+            self._put(Standing(attempt.asked, "EXECUTING"))
+        return self._followed is attempt
+
+    def _refuse(self, attempt: _Attempt) -> None:
+        with self._lock:
+            if self._standing.running:
+                self._put(replace(self._standing, note="", refused=attempt.asked))
+            else:
+                self._put(Standing(attempt.asked, "REJECTED", refused=attempt.asked))
+
+    def _fail(self, attempt: _Attempt, note: str) -> None:
+        with self._lock:
+            if self._standing.running:
+                self._put(replace(self._standing, note=note))
+            else:
+                self._put(Standing(attempt.asked, "", note))
+
+    def _take_feedback(self, attempt: _Attempt, feedback: Message) -> None:
+        with self._lock:
+            if not self._follow(attempt):
+                return
+            self._on_feedback(feedback)
+            self._put(replace(self._standing, feedback=feedback, count=self._standing.count + 1))
+
+    def _take_end(self, attempt: _Attempt, goal: Goal) -> None:
+        """A goal has ended; not on the lab's thread, where nothing may be waited for."""
+        if not goal.accepted:  # the one who has sent it says so
+            return
+        note, result = "", None
+        try:
+            result = goal.result_blocking(timeout=_ANSWER)
+        except lab.LabError as error:
+            note = str(error)
+        with self._lock:
+            if self._follow(attempt):
+                self._put(replace(self._standing, status=goal.status, note=note, refused=None, result=result))
+
+    def _put(self, standing: Standing) -> None:
+        self._standing = standing
+        if not self._closed:
+            self._changed(standing)
+
+
+def _in_background(work: Callable[[], None]) -> threading.Thread:
+    thread = threading.Thread(target=work, name="panel-goal", daemon=True)
+    thread.start()
+    return thread
+
+
+class GoalFollower(Panel):
+    """A panel for one action."""
+
+    def __init__(self, action: str) -> None:
+        super().__init__(action)
+        self._action = action
+        self._ended = False
+
+    def cancel(self) -> None:
+        """Ask the server to cancel the goal that is shown; returns at once."""
+        self._sender.cancel()
+
+    def _follow(self, action_type: ActionType, on_feedback: Callable[[Message], None] = lambda _: None) -> None:
+        """Begin; the widget is there."""
+        self._updates: Latest[Standing] = Latest(self._show)
+        self._sender = GoalSender(self._action, action_type, self._updates.put, on_feedback)
+        self.widget.on_msg(self._told)
+        self.at_close(self._end)
+        self.at_close(self._updates.close)
+        self.at_close(self._sender.close)
+        self._show(self._sender.standing)
+
+    @abstractmethod
+    def _show(self, standing: Standing) -> None:
+        """Have the page show how things stand."""
+
+    @abstractmethod
+    def _take_wish(self, wish: dict[str, Any]) -> None:
+        """The page wants something done."""
+
+    def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
+        del widget, buffers
+        if not self._ended:
+            self._take_wish(wish)
+
+    def _end(self) -> None:
+        self._ended = True
+        self._show(self._sender.standing)
+
 
 _ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: correct the marked fields above."
@@ -106,9 +386,9 @@ def status_line(standing: Standing) -> str:
     """How things stand, in a sentence."""
     parts = []
     if standing.status:
-        parts.append(goal_sender.status(standing.status))
+        parts.append(status(standing.status))
     if standing.refused is not None and standing.running:
-        parts.append(goal_sender.status("REJECTED", "Another goal"))
+        parts.append(status("REJECTED", "Another goal"))
     if standing.note:
         parts.append(standing.note)
     return " ".join(parts) or "No goal yet."
@@ -117,7 +397,7 @@ def status_line(standing: Standing) -> str:
 def _rows(standing: Standing) -> list[list[str]]:
     rows = []
     if standing.feedback is not None:
-        rows.append([f"Feedback {standing.count}", goal_sender.message(standing.feedback)])
+        rows.append([f"Feedback {standing.count}", message(standing.feedback)])
     if standing.result is not None:
-        rows.append(["Result", goal_sender.message(standing.result)])
+        rows.append(["Result", message(standing.result)])
     return rows

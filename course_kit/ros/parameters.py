@@ -25,18 +25,8 @@ if TYPE_CHECKING:
 
 NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
-TYPES = (
-    NOT_SET,
-    "bool",
-    "integer",
-    "double",
-    "string",
-    "byte_array",
-    "bool_array",
-    "integer_array",
-    "double_array",
-    "string_array",
-)
+_OF_ARRAYS = ("byte", "bool", "integer", "double", "string")
+TYPES = (NOT_SET, "bool", "integer", "double", "string", *(f"{one}_array" for one in _OF_ARRAYS))
 _SCALARS = (bool, int, float, str)  # of the types from 1 on; a bool is an int as well: it comes first
 _ELEMENTS = (bytes, bool, int, float, str)  # of the types from _ARRAYS on
 _ARRAYS = 5

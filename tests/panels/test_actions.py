@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
-from course_kit.panels.goal_sender import GoalSender, Standing
+from course_kit.panels.goal_panel import GoalSender, Standing
 from tests.panels.goal_panels import Gate
 from tests.waiting import wait_until
 

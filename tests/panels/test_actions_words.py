@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_srvs.srv import Trigger
 
-from course_kit.panels import arena_map, goal_sender
+from course_kit.panels import arena_map, goal_panel
 from course_kit.panels.arena_map import Place, Track
 
 
@@ -69,11 +69,11 @@ def test_a_long_way_forgets_its_beginning() -> None:
     ],
 )
 def test_progress_is_what_the_feedback_says(goal: object, feedback: object, expected: object) -> None:
-    assert goal_sender.progress(goal, feedback, 7) == expected
+    assert goal_panel.progress(goal, feedback, 7) == expected
 
 
 def test_one_feedback_message_is_not_many() -> None:
-    assert goal_sender.progress(Trigger.Request(), Trigger.Request(), 1).text == "1 feedback message"
+    assert goal_panel.progress(Trigger.Request(), Trigger.Request(), 1).text == "1 feedback message"
 
 
 @pytest.mark.parametrize(
@@ -90,11 +90,11 @@ def test_one_feedback_message_is_not_many() -> None:
     ],
 )
 def test_a_message_is_one_short_line(message: object, expected: str) -> None:
-    shown = goal_sender.message(message)
+    shown = goal_panel.message(message)
     assert shown.startswith(expected)
     assert len(shown) <= 160
 
 
 def test_a_status_is_a_sentence_with_the_name_ros_has_for_it() -> None:
-    assert goal_sender.status("CANCELED") == "The goal was cancelled (CANCELED)."
-    assert goal_sender.status("REJECTED", "Another goal") == "Another goal was rejected by the server (REJECTED)."
+    assert goal_panel.status("CANCELED") == "The goal was cancelled (CANCELED)."
+    assert goal_panel.status("REJECTED", "Another goal") == "Another goal was rejected by the server (REJECTED)."
