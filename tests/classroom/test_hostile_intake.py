@@ -367,7 +367,7 @@ def test_what_systems_and_tools_leave_behind_is_nobodys(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("read", [layouts.read_canvas, layouts.read_moodle, layouts.read_files])
 @pytest.mark.parametrize("kind", [FILE, FOLDER])
-@pytest.mark.parametrize("piece", ["_1", "1", "_", "_1_1_", "-1", "_1_assignsubmission_file", "a_12_34_"])
+@pytest.mark.parametrize("piece", ["_1", "-1", "_1_assignsubmission_file", "a_12_34_"])
 def test_reading_a_name_takes_time_in_proportion_to_its_length(
     read: Callable[[Item], object], kind: str, piece: str
 ) -> None:
