@@ -69,8 +69,10 @@ class GradeMagics(Magics):
         if not exercise:
             complain(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
             return
+        from course_kit.grading.exercise import load
+
         try:
-            require(exercise)
+            load(exercise)
         except GradingError as problem:
             complain(str(problem))
             return
@@ -121,8 +123,9 @@ class GradeMagics(Magics):
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
         from course_kit import grading
+        from course_kit.grading.exercise import load
 
-        require(exercise)
+        load(exercise)  # says which there are, where there is no such
         cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.of(exercise)]
         if not cells:
             return None
@@ -219,13 +222,6 @@ def parse(line: str) -> tuple[str, str | None, int | None]:
     if not 1 <= len(words) <= 2 or any(word.startswith("-") for word in words):  # noqa: PLR2004 - exercise and file
         raise ValueError(line)
     return words[0], words[1] if len(words) > 1 else None, seed
-
-
-def require(exercise: str) -> None:
-    """See that there is such an exercise."""
-    from course_kit.grading.exercise import load
-
-    load(exercise)
 
 
 def the_exercises() -> str:

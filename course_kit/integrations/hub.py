@@ -46,7 +46,12 @@ def run(arguments: Sequence[str]) -> int:
     except jupyter.LabStartError as problem:
         return cannot(problem)
     folder = environment.paths.usual_learner_folder()
-    lesson = jupyter.FIRST_LESSON if _is_made_ready(root, folder) else ""
+    lesson = jupyter.FIRST_LESSON
+    try:
+        jupyter.make_ready(root, folder)
+    except jupyter.LabStartError as problem:  # the server starts without the lessons
+        tell(problem)
+        lesson = ""
     command, environ = server_command(folder, lesson, [*as_root, *arguments])
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
@@ -77,13 +82,3 @@ def shown(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, 
         tell(f"c.Spawner.notebook_dir is {root}, and the lessons are in {folder}: the server shows that instead.")
         root = folder
     return root, f"/lab/tree/{quote((folder / lesson).relative_to(root).as_posix())}"
-
-
-def _is_made_ready(root: Path, folder: Path) -> bool:
-    """Make the learner's folder, or bring it up to date, and tell whether that could be done."""
-    try:
-        jupyter.make_ready(root, folder)
-    except jupyter.LabStartError as problem:
-        tell(problem)
-        return False
-    return True
