@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 3  # notebooks wait for nodes more than they compute
 # What else there is to set, and a ROS graph for each run, is in conftest.py.
-NBVAL = ["-c", "tests/nbval.ini", "--rootdir=.", "--nbval", "-p", "no:cacheprovider"]
+NBVAL = ["-c", "tests/nbval.ini", "--rootdir=.", "--confcutdir=.", "--nbval", "-p", "no:cacheprovider"]
 
 
 def main(arguments: Sequence[str]) -> int:
