@@ -35,3 +35,10 @@ def test_its_sentences_are_short_and_plain(path: Path) -> None:
     assert found
     assert [one for one in found if len(one.split()) > MOST_WORDS and not one.startswith(EXCEPTIONS)] == []
     assert [(word[0], one) for one in found if (word := STUMBLES.search(one))] == []
+
+
+def test_each_file_that_contributing_names_is_there() -> None:
+    named = set(re.findall(r"`([\w/]+/\w+\.py)`", (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")))
+    around = [REPOSITORY / folder for folder in (".", "course_kit", "course_kit/grading", "tests", "tests/grading")]
+    assert len(named) > 20
+    assert [one for one in sorted(named) if not any((folder / one).exists() for folder in around)] == []
