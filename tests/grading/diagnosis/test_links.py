@@ -10,6 +10,7 @@ from urllib.parse import quote
 import nbformat
 import pytest
 
+from course_kit.authoring import corpus
 from course_kit.grading import GradingError, engine, exercise, render_html, render_text
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.report import Report
@@ -28,7 +29,7 @@ RESULT = {
     "steps": [],
     "proves": [],
 }
-BROKEN = {path.stem for path in (REPOSITORY / "tests/broken/temperature_service").glob("*.py")}
+BROKEN = {one.name for kind in ("broken", "slip") for one in corpus.load("temperature_service", REPOSITORY).of(kind)}
 
 
 def headings(path: Path) -> set[str]:

@@ -1,4 +1,4 @@
-# validation.no_reason: refuses without a message
+# right: the program that most wrong ones are made from
 import math
 
 import rclpy
@@ -16,6 +16,7 @@ class TemperatureService(Node):
     def convert(self, request, response):
         if request.from_unit not in UNITS or request.to_unit not in UNITS:
             response.success = False
+            response.message = "unknown unit"
             return response
         limit = -273.15 if request.from_unit == "celsius" else -459.67
         if not math.isfinite(request.value) or request.value < limit:
