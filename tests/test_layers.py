@@ -60,7 +60,6 @@ BUDGETS = {
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
     "course_kit/interfaces": 3617,
-    "course_kit/ros": 1774,
     "course_kit/lab": 7253,
     "course_kit/panels": 3020,
     "course_kit/ros2cli": 3821,

@@ -18,12 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-_SERVER = "rclpy.action.server:ActionServer."
-_GOAL = "rclpy.action.server:ServerGoalHandle."
-_CLIENT = "rclpy.action.client:ActionClient."
-_C = "rclpy.impl.implementation_singleton:rclpy_implementation."
-_TYPE = "rcl_interfaces.msg:Log.__class__."  # any class that rosidl has generated; rclpy has always loaded this one
-
 
 class Feature(NamedTuple):
     """Something the kit does with names that a later version of ROS, IPython or nbval may not have."""
@@ -32,76 +26,60 @@ class Feature(NamedTuple):
     names: tuple[str, ...]
 
 
+def _of(owner: str, *names: str) -> tuple[str, ...]:
+    return tuple(owner + name for name in names)
+
+
+_EXECUTOR = "rclpy.executors:Executor."
+_SERVER = "rclpy.action.server:ActionServer."
+_GOAL = "rclpy.action.server:ServerGoalHandle."
+_CLIENT = "rclpy.action.client:ActionClient."
+_C = "rclpy.impl.implementation_singleton:rclpy_implementation."
+_LOG = "rcl_interfaces.msg:Log."  # any class that rosidl has generated; rclpy has always loaded this one
+_KERNEL = "nbval.kernel:RunningKernel."
+
 RECORDING = Feature(
     "lab.diagram() shows no services and topics, lab.timeline() no callbacks, a call learns of a failed callback only "
     "by its timeout, and lab.publish() does not wait for callbacks",
     (
-        "rclpy.executors:Executor._take_service",
-        "rclpy.executors:Executor._take_client",
-        "rclpy.executors:Executor._take_subscription",
-        "rclpy.executors:Executor._take_timer",
-        "rclpy.executors:Executor._is_shutdown",
-        "rclpy.client:Client._lock",
-        "rclpy.client:Client._pending_requests",
-        "rclpy.client:Client.logger_name",
+        *_of(_EXECUTOR, "_take_service", "_take_client", "_take_subscription", "_take_timer", "_is_shutdown"),
+        *_of("rclpy.client:Client.", "_lock", "_pending_requests", "logger_name"),
+        *_of("rclpy.subscription:Subscription.", "_callback_type", "logger_name"),
         "rclpy.publisher:Publisher.logger_name",
         "rclpy.service:Service.logger_name",
-        "rclpy.subscription:Subscription.logger_name",
-        "rclpy.subscription:Subscription._callback_type",
         "rclpy.task:Future._set_executor",
     ),
 )
 GOAL_RECORDING = Feature(
     "lab.diagram() shows no goals",
     (
-        _CLIENT + "_cancel_goal_async",
-        _CLIENT + "_goal_sequence_number_to_goal_id",
-        _CLIENT + "_pending_cancel_requests",
-        _CLIENT + "_result_sequence_number_to_goal_id",
-        _CLIENT + "_node",
-        _CLIENT + "_action_name",
-        _CLIENT + "_action_type",
-        _SERVER + "_execute_goal_request",
-        _SERVER + "_execute_cancel_request",
-        _SERVER + "_send_result_response",
-        _SERVER + "_result_futures",
-        _GOAL + "_update_state",
-        _GOAL + "_action_server",
-        _GOAL + "_goal_handle",
+        *_of(_CLIENT, "_goal_sequence_number_to_goal_id", "_result_sequence_number_to_goal_id"),
+        *_of(_CLIENT, "_cancel_goal_async", "_pending_cancel_requests", "_node", "_action_name", "_action_type"),
+        *_of(_SERVER, "_execute_goal_request", "_execute_cancel_request", "_send_result_response", "_result_futures"),
+        *_of(_GOAL, "_update_state", "_action_server", "_goal_handle"),
         "rclpy.action.server:GoalEvent",
     ),
 )
 EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
-    (_SERVER + "_execute_goal", _SERVER + "_node"),
+    _of(_SERVER, "_execute_goal", "_node"),
 )
 GOAL_ENDS = Feature(
     "Clients of a goal are not told when its node is stopped",
-    (_SERVER + "_goal_handles", _SERVER + "_result_futures", _GOAL + "_update_state", "rclpy.action.server:GoalEvent"),
-)
-REPLIES = Feature(
-    "The answer to a goal may be missed when it comes at once",
-    (_CLIENT + "_cancel_goal_async", _CLIENT + "_get_result_async"),
+    (*_of(_SERVER, "_goal_handles", "_result_futures"), _GOAL + "_update_state", "rclpy.action.server:GoalEvent"),
 )
 FEEDBACK = Feature(
     "Feedback that comes faster than callbacks run may be shown late or not at all",
-    (_CLIENT + "_client_handle",),
+    _of(_CLIENT, "_client_handle"),
 )
 WAITING_FOR_GOALS = Feature(
-    "send_goal(), cancel_goal() and get_result() hang inside a callback instead of saying why",
-    (
-        _CLIENT + "_cancel_goal",
-        _CLIENT + "_cancel_goal_async",
-        _CLIENT + "_get_result",
-        _CLIENT + "_get_result_async",
-    ),
-)
-DEADLOCKS = Feature(
-    "An await that can never end hangs instead of saying why",
-    ("rclpy.client:Client._pending_requests",),
+    "send_goal(), cancel_goal() and get_result() hang inside a callback instead of saying why, and an answer to a goal "
+    "may be missed when it comes at once",
+    _of(_CLIENT, "_cancel_goal", "_cancel_goal_async", "_get_result", "_get_result_async"),
 )
 PENDING_CALLS = Feature(
-    "A call whose server is replaced meanwhile waits for its timeout",
+    "An await that can never end hangs instead of saying why, and a call whose server is replaced meanwhile waits for "
+    "its timeout",
     ("rclpy.client:Client._pending_requests",),
 )
 DEFAULT_CONTEXT = Feature(
@@ -116,27 +94,16 @@ CELL_NAMES = Feature(
     "An error in a callback is shown without the number of its cell",
     ("IPython.core.compilerop:CachingCompiler.format_code_name",),
 )
-ERRORS = Feature(
-    "Some mistakes are shown in rclpy's words",
-    (_C + "RCLError",),
-)
+ERRORS = Feature("Some mistakes are shown in rclpy's words", _of(_C, "RCLError"))
 OWN_TYPES = Feature(
     "Message types of your own may not work",
     (
-        _TYPE + "_CREATE_ROS_MESSAGE",
-        _TYPE + "_CONVERT_FROM_PY",
-        _TYPE + "_CONVERT_TO_PY",
-        _TYPE + "_DESTROY_ROS_MESSAGE",
-        _TYPE + "_TYPE_SUPPORT",
-        _TYPE + "__import_type_support__",
-        "rcl_interfaces.msg:Log._fields_and_field_types",
-        "rcl_interfaces.msg:Log.SLOT_TYPES",
+        *_of(_LOG + "__class__.", "_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE"),
+        *_of(_LOG + "__class__.", "_TYPE_SUPPORT", "__import_type_support__"),
+        *_of(_LOG, "_fields_and_field_types", "SLOT_TYPES"),
     ),
 )
-FAST_GRADING = Feature(
-    "Grading takes longer",
-    (_C + "WaitSet", _C + "GuardCondition"),
-)
+FAST_GRADING = Feature("Grading takes longer", _of(_C, "WaitSet", "GuardCondition"))
 DIAGNOSES = Feature(
     "Reports do not say what a callback has returned instead of a response or a result, or whether it has ended the "
     "program",
@@ -148,19 +115,12 @@ DIAGNOSES = Feature(
 )
 NOTEBOOK_TESTS = Feature(
     "./course test takes long to notice that a notebook's kernel has died",
-    (
-        "nbval.kernel:RunningKernel.await_reply",
-        "nbval.kernel:RunningKernel.is_alive",
-        "nbval.kernel:RunningKernel.stop",
-        "nbval.kernel:RunningKernel.kc",
-        "nbval.kernel:RunningKernel.km",
-        "nbval.plugin:RunningKernel",
-    ),
+    (*_of(_KERNEL, "await_reply", "is_alive", "stop", "kc", "km"), "nbval.plugin:RunningKernel"),
 )
 
 OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
-_OF_GOALS = (GOAL_ENDS, REPLIES, FEEDBACK, WAITING_FOR_GOALS)
-_OF_CELLS = (DEADLOCKS, PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
+_OF_GOALS = (GOAL_ENDS, FEEDBACK, WAITING_FOR_GOALS)
+_OF_CELLS = (PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
 OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
 ALL = (*OF_THE_LAB, FAST_GRADING, DIAGNOSES, NOTEBOOK_TESTS)
 _ENDING = "; everything else works."

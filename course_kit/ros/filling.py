@@ -10,22 +10,19 @@ import math
 import re
 import textwrap
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from course_kit.ros.messages import BadFieldError, Message, is_message_type, ros_word, with_article
 from course_kit.ros.names import nearest
 
 Fields = Mapping[str, object]
-# How a value becomes what a field takes: the value, the field's type, the path to it, and what it holds now.
-Fit = Callable[[Any, str, str, Any], Any]
 
 _INTEGER = re.compile(r"(u?)int(\d+)")
 _ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d+)\]")
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:, (?P<bound>\d+))?>")
 _BOUNDED_STRING = re.compile(r"w?string<(?P<bound>\d+)>")
 _FLOATS = {"float": 3.4028234663852886e38, "double": math.inf}
-_BYTE = 256
 _HINTS = {
     "double": "a float such as 20.0",
     "float": "a float such as 20.0",
@@ -40,13 +37,13 @@ _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string
 def make(message_type: type[Message], fields: Fields, owner: str) -> Message:
     """Make a message with these fields; a dict stands for a message inside it."""
     message = message_type(check_fields=True)  # whatever ROS_PYTHON_CHECK_FIELDS was when the type was imported
-    _put(message, fields, owner, "", _as_given)
+    _put(message, fields, owner, "", from_yaml=False)
     return message
 
 
 def fill_from_yaml(message: Message, fields: Fields, owner: str) -> None:
     """Set fields to what YAML makes of typed text: 1 is good for a float, '7' for an integer, "now" for a time."""
-    _put(message, fields, owner, "", _from_yaml)
+    _put(message, fields, owner, "", from_yaml=True)
 
 
 def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
@@ -61,7 +58,7 @@ def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
     return f"There is no field {field!r} in {owner}; it has {', '.join(known)}.{meant}"
 
 
-def _put(message: Message, fields: Fields, owner: str, path: str, fit: Fit) -> None:
+def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: bool) -> None:
     known = message.get_fields_and_field_types()
     for name, value in fields.items():
         field = f"{path}{name}"
@@ -70,19 +67,14 @@ def _put(message: Message, fields: Fields, owner: str, path: str, fit: Fit) -> N
         now = getattr(message, name)
         if isinstance(value, dict) and is_message_type(type(now)):
             inner = type(now)(check_fields=True)
-            _put(inner, value, f"{field}, {with_article(known[name])}", f"{field}.", fit)
+            _put(inner, value, f"{field}, {with_article(known[name])}", f"{field}.", from_yaml=from_yaml)
             fitted = inner
         else:
-            fitted = fit(value, known[name], field, now)
+            fitted = _from_yaml(value, known[name], field, now) if from_yaml else value
         try:
             setattr(message, name, fitted)
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
             raise BadFieldError(_refused(name, value, known[name], owner)) from error
-
-
-def _as_given(value: object, field_type: str, field: str, now: object) -> object:
-    del field_type, field, now
-    return value
 
 
 def _refused(field: object, value: object, field_type: str, owner: str) -> str:
@@ -147,7 +139,7 @@ def _fit_byte(value: object, field: str) -> bytes:
     if isinstance(value, bytes) and len(value) == 1:
         return value
     hint = ""
-    if type(value) is int and 0 <= value < _BYTE:
+    if type(value) is int and value in range(256):
         hint = f" Write !!binary {base64.b64encode(bytes([value])).decode()} in its place, as in ROS 2."
     raise BadFieldError(f"{_unfit(value, 'octet', field)}{hint}")
 
@@ -212,7 +204,7 @@ def _fit_message(value: object, field_type: str, field: str, now: Message) -> Me
         return message
     if not isinstance(value, dict):
         raise _unfit(value, field_type, field)
-    _put(message, value, f"{field}, {with_article(field_type)}", f"{field}.", _from_yaml)
+    _put(message, value, f"{field}, {with_article(field_type)}", f"{field}.", from_yaml=True)
     return message
 
 

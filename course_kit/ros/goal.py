@@ -36,7 +36,8 @@ _LOOK = 0.5  # seconds between looks at whether the servers of goals are still t
 _DEPTH = 1000  # feedback messages that may wait while a callback keeps the thread
 # By action_msgs/msg/GoalStatus.
 _STATUS = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
-_ORDER = ("ACCEPTED", "EXECUTING", "CANCELING")  # a status message may be older than what is known already
+# Of a goal that has not ended; a status message may be older than what is known already.
+_ORDER = ("", "ACCEPTED", "EXECUTING", "CANCELING")
 
 
 def status_name(status: int) -> str:
@@ -84,18 +85,14 @@ class GoalClient(ActionClient):
             await super().execute({"goal": taken_data.pop("goal")})
         for message in taken_data.pop("all_feedback"):
             await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
-            self.deliver(message)
+            tracker = self._find(message.goal_id)  # it may be a goal of another client
+            if tracker is not None:
+                tracker.take_feedback(message.feedback)
         for status in getattr(taken_data.get("status"), "status_list", ()):
             tracker = self._find(status.goal_info.goal_id)
             if tracker is not None:
                 tracker.note_status(status_name(status.status))
         await super().execute(taken_data)
-
-    def deliver(self, message: Message) -> None:
-        """Hand on one feedback message; those of other clients' goals come here, too."""
-        tracker = self._find(message.goal_id)
-        if tracker is not None:
-            tracker.take_feedback(message.feedback)
 
     def begin(self, tracker: GoalTracker, goal: Message) -> Future:
         """Send a goal; returns the future of rclpy's goal handle."""
@@ -194,7 +191,7 @@ class GoalTracker:
 
     def note_status(self, status: str) -> None:
         """The server has published a state; the result tells the final one."""
-        if not self.ended and status in _ORDER and _ORDER.index(status) > self._rank():
+        if not self.ended and status in _ORDER and _ORDER.index(status) > _ORDER.index(self.status):
             self.status = status
             self._changed()
 
@@ -244,9 +241,6 @@ class GoalTracker:
         if self.on_result is not None and self.accepted is not None:
             self._call(self.on_result)
         self._changed()
-
-    def _rank(self) -> int:
-        return _ORDER.index(self.status) if self.status in _ORDER else -1
 
     def _changed(self) -> None:
         for listener in tuple(self.listeners):

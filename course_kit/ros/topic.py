@@ -43,23 +43,16 @@ class Inbox:
         self.count = 0
         self.messages: deque[Message] = deque(maxlen=kept)
         self.times: deque[float] = deque(maxlen=kept)
-        self.on_message: Callable[[], object] | None = None
 
     def take(self, message: Message, info: MessageInfo) -> None:
         """Take one message in, with the time the middleware noted, however late it is looked at."""
         self.count += 1
         self.keep(message, info["received_timestamp"] / _NS)
-        if self.on_message is not None:
-            self.on_message()
 
     def keep(self, message: Message, received_s: float) -> None:
         """Keep one message; for a subclass that wants only some, or something of each."""
         self.messages.append(message)
         self.times.append(received_s)
-
-    def after(self, moment: float) -> list[Message]:
-        """The messages that were received from a moment on, as far as they are kept."""
-        return [message for message, time in zip(self.messages, self.times, strict=True) if time >= moment]
 
     def since(self, count: int) -> list[Message]:
         """The messages after the first `count`, as far as they are kept."""
@@ -127,9 +120,6 @@ def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> Qo
 
 
 def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:
-    return [Endpoint(_name(one.node_name), one.topic_type, one.qos_profile) for one in found]
-
-
-def _name(node: str) -> str:
-    """A node's name; an endpoint may be discovered before its node is, and rmw then makes one up."""
-    return _NOT_YET_NAMED if node == _UNKNOWN else node
+    """An endpoint may be discovered before its node is; rmw then makes up a name."""
+    names = ((_NOT_YET_NAMED if one.node_name == _UNKNOWN else one.node_name, one) for one in found)
+    return [Endpoint(name, one.topic_type, one.qos_profile) for name, one in names]

@@ -35,8 +35,6 @@ def pair(domain: int) -> Iterator[Pair]:
 
 def test_what_comes_is_kept_with_its_time(pair: Pair) -> None:
     inbox = Inbox()
-    told: list[int] = []
-    inbox.on_message = lambda: told.append(inbox.count)
     publisher = pair.talker.create_publisher(Int32, "/numbers", 10)
     subscription = inbox.subscribe(pair.listener, Int32, "numbers", 10)
     pair.spin_until(lambda: topic.hears(pair.listener, subscription) and subscription.get_publisher_count() == 1)
@@ -47,7 +45,6 @@ def test_what_comes_is_kept_with_its_time(pair: Pair) -> None:
     pair.spin_until(lambda: inbox.count == 3)
     assert [message.data for message in inbox.messages] == [0, 1, 2]
     assert before <= inbox.times[0] <= inbox.times[2] <= time.time()
-    assert told == [1, 2, 3]
 
 
 def test_of_many_messages_the_last_are_kept_and_all_are_counted() -> None:
@@ -56,7 +53,6 @@ def test_of_many_messages_the_last_are_kept_and_all_are_counted() -> None:
         inbox.take(number, MessageInfo(source_timestamp=0, received_timestamp=number * 1_000_000_000))
     assert (inbox.count, list(inbox.messages), list(inbox.times)) == (5, [3, 4], [3.0, 4.0])
     assert (inbox.since(4), inbox.since(0), inbox.since(5)) == ([4], [3, 4], [])
-    assert (inbox.after(4.0), inbox.after(4.5)) == ([4], [])
 
 
 def test_both_ends_of_a_topic_are_named(pair: Pair) -> None:

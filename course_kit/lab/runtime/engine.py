@@ -139,7 +139,7 @@ class Engine:
             actions.execute_apart(self._patches, self.executions, self._failures.callback_crashed)
             actions.answer_for_broken_ones(self._patches, self._failures.callback_crashed)
             hook_execution(self._patches, self._hooks)  # after it, so that it sees the thread of the callback itself
-        if self._found.has(compat.REPLIES):
+        if self._found.has(compat.WAITING_FOR_GOALS):
             actions.keep_replies(self._patches)
         self.nodes.watch(self._patches)
         if self._found.has(compat.RECORDING):
@@ -150,7 +150,7 @@ class Engine:
             self._patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)
 
     def _check_await(self, future: Future) -> None:
-        if self._found.has(compat.DEADLOCKS):
+        if self._found.has(compat.PENDING_CALLS):
             rclpy_functions.check_await(self, future)
 
     def close(self) -> bool:
