@@ -61,7 +61,6 @@ BUDGETS = {
 STILL_ABOVE = {
     "course_kit/interfaces": 3617,
     "course_kit/lab": 7253,
-    "course_kit/panels": 3020,
     "course_kit/ros2cli": 3821,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anywidget
@@ -17,9 +18,7 @@ if TYPE_CHECKING:
     from course_kit.panels.goal_panel import Standing
     from course_kit.ros.messages import Message
 
-STRAIGHT = 0.005  # metres a point may lie beside the straight way past it
-LONGEST = 400  # corners; the oldest go first
-_STRETCH = 300  # places one straight line stands for at most: each is looked at again when the line grows
+LONGEST = 1000  # places; the oldest go first
 
 
 class Place(NamedTuple):
@@ -30,47 +29,23 @@ class Place(NamedTuple):
 
 
 class Track:
-    """A line through every place that was reported; places on a straight way are left out."""
+    """The places that were reported, to the centimetre, which is more than the map can show."""
 
     def __init__(self) -> None:
-        self._corners: list[Place] = []
-        self._skipped: list[Place] = []
+        self._places: deque[Place] = deque(maxlen=LONGEST)
 
     @property
-    def corners(self) -> list[Place]:
+    def places(self) -> list[Place]:
         """The line's points, the oldest first."""
-        return list(self._corners)
+        return list(self._places)
 
     def add(self, place: Place) -> None:
         """Go on to a place."""
         if not (math.isfinite(place.x) and math.isfinite(place.y)):
             return
-        if self._corners and place == self._corners[-1]:
-            return
-        if len(self._corners) > 1 and len(self._skipped) < _STRETCH and self._is_straight_to(place):
-            self._skipped.append(self._corners[-1])
-            self._corners[-1] = place
-        else:
-            self._skipped.clear()
-            self._corners.append(place)
-            del self._corners[:-LONGEST]
-
-    def _is_straight_to(self, place: Place) -> bool:
-        """Whether the line's last point may be moved on: all places it stands for lie beside the new line."""
-        begin = self._corners[-2]
-        between = [*self._skipped, self._corners[-1]]
-        return all(_beside(begin, place, one) <= STRAIGHT for one in between)
-
-
-def _beside(begin: Place, end: Place, place: Place) -> float:
-    """How far a place lies from the straight way between two others, in metres."""
-    length = math.dist(begin, end)
-    if not (length**2):  # nor where it is too short to be squared
-        return math.dist(begin, place)
-    along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / length**2
-    along = min(max(along, 0.0), 1.0)
-    foot = (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y))
-    return math.dist(foot, place)
+        rounded = Place(round(place.x, 2), round(place.y, 2))
+        if not self._places or rounded != self._places[-1]:
+            self._places.append(rounded)
 
 
 _ENDED = "This map has ended. Run its cell again to use it."
@@ -133,7 +108,7 @@ class RobotMap(GoalFollower):
         if standing.result is not None:
             self._track.add(Place(standing.result.final_position.x, standing.result.final_position.y))
         self.widget.view = {
-            "track": [list(corner) for corner in self._track.corners],
+            "track": [list(place) for place in self._track.places],
             "target": _drawable(standing),
             "line": _ENDED if self._ended else _line(self._action, standing),
             "said": _said(standing),
@@ -168,14 +143,8 @@ def _line(action: str, standing: Standing) -> str:
 
 def _said(standing: Standing) -> str:
     """The status in words; it changes when something happens, not with each metre."""
-    parts = []
-    if standing.status:
-        parts.append(goal_panel.status(standing.status, f"The goal {_place(standing.asked.target)}"))
-    if standing.refused is not None:
-        parts.append(_refusal(standing))
-    if standing.note:
-        parts.append(standing.note)
-    return " ".join(parts)
+    goal = f"The goal {_place(standing.asked.target)}" if standing.asked is not None else ""
+    return goal_panel.status_line(standing, goal, _refusal(standing) if standing.refused is not None else "")
 
 
 def _refusal(standing: Standing) -> str:

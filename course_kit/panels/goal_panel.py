@@ -370,10 +370,12 @@ class ActionPanel(GoalFollower):
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors
+        refusal = status("REJECTED", "Another goal") if standing.refused is not None and standing.running else ""
+        said = status_line(standing, refusal=refusal) or "No goal yet."
         self.widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
-            "status": _ENDED if self._ended else _NOT_SENT if errors else status_line(standing),
+            "status": _ENDED if self._ended else _NOT_SENT if errors else said,
             "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
             "running": standing.running,
@@ -382,16 +384,10 @@ class ActionPanel(GoalFollower):
         }
 
 
-def status_line(standing: Standing) -> str:
-    """How things stand, in a sentence."""
-    parts = []
-    if standing.status:
-        parts.append(status(standing.status))
-    if standing.refused is not None and standing.running:
-        parts.append(status("REJECTED", "Another goal"))
-    if standing.note:
-        parts.append(standing.note)
-    return " ".join(parts) or "No goal yet."
+def status_line(standing: Standing, goal: str = "The goal", refusal: str = "") -> str:
+    """How things stand, in sentences; empty before the first goal."""
+    said = status(standing.status, goal) if standing.status else ""
+    return " ".join(filter(None, (said, refusal, standing.note)))
 
 
 def _rows(standing: Standing) -> list[list[str]]:

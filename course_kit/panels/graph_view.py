@@ -9,7 +9,6 @@ import threading
 import time
 from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import anywidget
@@ -17,15 +16,14 @@ import traitlets
 from ipywidgets import HTML, Button, Layout, VBox
 
 from course_kit import lab
-from course_kit.panels.base import RATE, Latest, Panel, of_files, still
+from course_kit.panels.base import RATE, Latest, Panel, drawn, of_files, still
 from course_kit.panels.flow_layout import lay_out
 from course_kit.ros import graph
-from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, ROLES, RUNS, SENDS_GOALS, SERVES, Overview, Role, Use
+from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, Overview, Role, Use
 from course_kit.ros.names import short_name
-from course_kit.text.templates import render
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from ipywidgets import Widget
 
@@ -34,7 +32,6 @@ if TYPE_CHECKING:
     from course_kit.panels.flow_layout import Arrow, Box, Point
     from course_kit.ros.graph import Role
 
-_TEMPLATE = Path(__file__).with_name("graph.svg")
 NODE = "node"
 _CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
 _COLUMNS = 30  # characters of a line; longer names are broken
@@ -69,8 +66,8 @@ def graph_svg(seen: Overview, others: Sequence[OtherNotebook] = ()) -> str:
     first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
     arrows = {_arrow(use): use for use in first}
     found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
-    return render(
-        _TEMPLATE,
+    return drawn(
+        "graph.svg",
         boxes=[_placed(box, found.places[key]) for key, box in boxes.items()],
         arrows=[_drawn(use, found.ways[arrow]) for arrow, use in arrows.items()],
         width=round(found.size[0]),
@@ -191,56 +188,11 @@ _HOPS = {
 }
 
 
-class Traffic:
-    """Tells `show` what has crossed since it was told last, ten times a second at most."""
-
-    def __init__(self, show: Callable[[list[dict[str, object]]], None]) -> None:
-        self._show = show
-        self._lock = threading.Lock()
-        self._crossed: dict[tuple[str, str, Hop], int] = {}
-        self._updates: Latest[None] = Latest(lambda _: self._show_all())
-        self._events = lab.current().events
-        self._events.listen(self._observe)
-
-    def close(self) -> None:
-        """Listen no more."""
-        self._events.ignore(self._observe)
-        self._updates.close()
-
-    def _observe(self, event: Event) -> None:
-        hop = _HOPS.get(event.kind)
-        if hop is None:
-            return
-        key = (event.node, event.channel, hop)
-        with self._lock:
-            self._crossed[key] = self._crossed.get(key, 0) + 1
-        self._updates.put(None)
-
-    def _show_all(self) -> None:
-        with self._lock:
-            crossed, self._crossed = self._crossed, {}
-        told: list[dict[str, object]] = [
-            {
-                "node": short_name(node),
-                "verb": hop.role.verb,
-                "kind": hop.role.kind,
-                "channel": channel,
-                "leaves": hop.leaves,
-                "stage": hop.stage,
-                "count": count,
-            }
-            for (node, channel, hop), count in crossed.items()
-        ]
-        if told:
-            self._show(told)
-
-
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _REMEMBERED = 3.0  # seconds for which the notebook is on the picture at least, after it has sent or got something
 _EMPTY = "No node is on the ROS graph."
 _LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
-_ROLES = {(role.kind, role.verb): role for role in ROLES}
 
 
 class GraphWidget(anywidget.AnyWidget):
@@ -270,12 +222,15 @@ class GraphView(Panel):
         self._ended = threading.Event()
         self.widget = GraphWidget()
         self._others = OtherNotebooks()
-        self._came: frozenset[str] = frozenset()  # nodes whose coming is the last news
         self._look()
         self.widget.observe(lambda _: self._look(), ["plumbing", "wanted"])
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
         self._thread.start()
-        self._traffic = Traffic(self._show_crossed)
+        self._counting = threading.Lock()
+        self._crossed: dict[tuple[str, str, Hop], int] = {}  # what has crossed since the page was last told
+        self._updates: Latest[None] = Latest(lambda _: self._show_crossed())
+        self._events = lab.current().events
+        self._events.listen(self._observe)
         self.at_close(self._end)
 
     def describe(self) -> str:
@@ -308,9 +263,8 @@ class GraphView(Panel):
             with self.widget.hold_sync():
                 self.widget.svg = graph_svg(matching(with_lab(seen, picture[2]), self.widget.wanted), picture[3])
                 self.widget.text = in_lines(matching(seen, self.widget.wanted))
-                if before is not None and before != seen and not self._completes(before, seen):
-                    self._came = frozenset(seen.nodes) - frozenset(before.nodes)
-                    self.widget.news = news(before, seen)
+                if before is not None and (said := news(before, seen)):
+                    self.widget.news = said
 
     def _forget_lab(self) -> None:
         """Leave out what the notebook no longer does; only when the picture changes anyway, so that nothing jumps."""
@@ -322,23 +276,42 @@ class GraphView(Panel):
         known = ((role, channel, channels.get((role.kind, channel))) for role, channel in self._of_lab)
         return frozenset(Use(_LAB, role, channel, uses[0].types) for role, channel, uses in known if uses)
 
-    def _show_crossed(self, hops: list[dict[str, object]]) -> None:
-        own = {(_ROLES[str(hop["kind"]), str(hop["verb"])], str(hop["channel"])) for hop in hops if hop["node"] == _LAB}
+    def _observe(self, event: Event) -> None:
+        if hop := _HOPS.get(event.kind):
+            key = (event.node, event.channel, hop)
+            with self._counting:
+                self._crossed[key] = self._crossed.get(key, 0) + 1
+            self._updates.put(None)
+
+    def _show_crossed(self) -> None:
+        with self._counting:
+            crossed, self._crossed = self._crossed, {}
+        if not crossed:
+            return
+        own = {(hop.role, channel) for node, channel, hop in crossed if short_name(node) == _LAB}
         with self._lock:
             new = own - set(self._of_lab)
             self._of_lab.update(dict.fromkeys(own, time.monotonic()))
         if new:
             self._look()
+        hops = [
+            {
+                "node": short_name(node),
+                "verb": hop.role.verb,
+                "kind": hop.role.kind,
+                "channel": channel,
+                "leaves": hop.leaves,
+                "stage": hop.stage,
+                "count": count,
+            }
+            for (node, channel, hop), count in crossed.items()
+        ]
         self.widget.crossed = {"number": int(str(self.widget.crossed.get("number", 0))) + 1, "hops": hops}
-
-    def _completes(self, before: Overview, now: Overview) -> bool:
-        """Whether a change is only what nodes do that have just come: their coming is told, and is the news still."""
-        changed = {use.node for use in set(before.uses) ^ set(now.uses)}
-        return before.nodes == now.nodes and changed <= self._came
 
     def _end(self) -> None:
         self._ended.set()
-        self._traffic.close()
+        self._events.ignore(self._observe)
+        self._updates.close()
         if threading.current_thread() is not self._thread:
             self._thread.join(_JOIN)
         self.widget.ended = True
@@ -378,12 +351,12 @@ def in_lines(seen: Overview) -> str:
 
 
 def news(before: Overview, now: Overview) -> str:
-    """What has changed, in a sentence for each node that came or left."""
+    """A sentence for each node that came or left."""
     came = sorted(set(now.nodes) - set(before.nodes))
     left = sorted(set(before.nodes) - set(now.nodes))
     said = [f"{short_name(node)} has joined the graph." for node in came]
     said += [f"{short_name(node)} has left the graph." for node in left]
-    return " ".join(said) or "The graph has changed."
+    return " ".join(said)
 
 
 class OtherNotebooks:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import threading
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import anywidget
 import traitlets
 
-from course_kit.panels.base import Shown, of_files
+from course_kit.panels.base import Shown, drawn, of_files
 from course_kit.quiz import guesses
-from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from course_kit.quiz.guesses import LessonQuestion
 
-_HERE = Path(__file__).parent
 _LETTERS = "ABCDEFGH"
 _TITLES = {guesses.GUESS: "Guess before you run the next cell", guesses.CHECK: "Check yourself", "demo": "Guess"}
 _HOW = "(To be answered with a click in a live notebook.)"
@@ -55,7 +52,7 @@ class GuessPanel(Shown):
 
     def still(self) -> str:
         """The questions with their choices, and the answers folded away."""
-        return str(render(_HERE / "guess.html", questions=list(self._questions.values()), letters=_LETTERS))
+        return str(drawn("guess.html", questions=list(self._questions.values()), letters=_LETTERS))
 
     def answer(self, name: str, place: int) -> None:
         """Choose, as a click in the form does."""

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.interfaces import parser
 from course_kit.interfaces.comments import comments_of
 from course_kit.interfaces.message_fields import MessageField, message_fields
-from course_kit.ros.messages import ros_word
+from course_kit.ros.filling import fit_value
+from course_kit.ros.messages import BadFieldError, ros_word
 
 if TYPE_CHECKING:
     from ipywidgets import Widget
@@ -112,7 +112,7 @@ class MessageForm:
         for field in message_fields(message_type):
             path = f"{prefix}{field.name}"
             try:
-                _set(message, field, self._value(path, field, values, wrong, getattr(message, field.name)))
+                setattr(message, field.name, self._value(path, field, values, wrong, getattr(message, field.name)))
             except ValueError as error:
                 wrong[path] = str(error)
         return message
@@ -126,7 +126,7 @@ class MessageForm:
             return [self._value(f"{path}[{n}]", element, values, wrong, part) for n, part in enumerate(parts)]
         if kind.is_nested and field.nested is not None:
             return self._read(field.nested, f"{path}.", values, wrong)
-        return _parsed(kind, values[path]) if path in values else now
+        return _parsed(kind, values[path], path) if path in values else now
 
 
 def type_in_words(kind: FieldType) -> str:
@@ -159,32 +159,27 @@ def _hint(kind: FieldType) -> str:
     return "a number" if kind.base in {"float", "double"} else "a whole number"
 
 
-def _parsed(kind: FieldType, value: Any) -> Any:
-    if kind.is_string:
-        text = str(value)
-        if kind.string_bound and len(text) > kind.string_bound:
-            raise ValueError(f"Expected at most {kind.string_bound} characters, not {len(text)}.")
-        return text
-    if isinstance(value, (list, tuple)):
-        value = ", ".join(str(one) for one in value)
-    text = str(value).strip()
-    if not kind.container:
-        if not text:
-            raise ValueError(f"Expected {_hint(kind)}; the field is empty.")
-        parsed = parser.parse_value(kind, text)
-        return bytes([parsed]) if kind.base == "octet" else parsed
+def _parsed(kind: FieldType, typed: Any, path: str) -> Any:
+    text = ", ".join(map(str, typed)) if isinstance(typed, (list, tuple)) else str(typed)
+    value: object = text if kind.is_string else _word(text)
+    if kind.container:
+        inside = text.strip("[] ")
+        value = [_word(part) for part in inside.split(",")] if inside else []
+    field_type = str(kind).replace("octet", "uint8")  # a byte is typed as a number
     try:
-        parsed = parser.parse_value(kind, f"[{text.strip('[] ')}]")
-    except parser.LiteralError as error:
-        raise ValueError(str(error).replace(" in the brackets", "")) from None  # the form asks for none
-    return [bytes([one]) for one in parsed] if kind.base == "octet" else parsed
+        fitted = fit_value(value, field_type, path)
+    except BadFieldError:
+        limits = kind.primitive and kind.primitive.integer_range
+        spelled = f"{type_in_words(kind)}, from {limits[0]} to {limits[1]}" if limits else type_in_words(kind)
+        raise ValueError(f"Expected {_hint(kind)} ({spelled}), not {text!r}.") from None
+    if kind.base != "octet":
+        return fitted
+    return [bytes([one]) for one in fitted] if kind.container else bytes([fitted])
 
 
-def _set(message: Message, field: MessageField, value: object) -> None:
-    try:
-        setattr(message, field.name, value)
-    except (AssertionError, TypeError, OverflowError):
-        raise ValueError(f"Expected what {type_in_words(field.type)} can hold, not {value!r}.") from None
+def _word(text: str) -> bool | str:
+    """One value between commas."""
+    return {"true": True, "false": False}.get(text.strip().lower(), text.strip())
 
 
 def _constants(message_type: type[Message]) -> dict[str, object]:

@@ -8,7 +8,6 @@ import threading
 import time
 from collections import deque
 from itertools import pairwise
-from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
@@ -18,12 +17,12 @@ import numpy as np
 import traitlets
 
 from course_kit import lab
+from course_kit.interfaces.message_fields import message_fields
 from course_kit.lab.errors import FieldError
 from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, drawn, of_files, still
 from course_kit.ros.filling import unknown_field
 from course_kit.ros.messages import is_message_type, type_name
-from course_kit.text.templates import render
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -139,7 +138,6 @@ def _quality(topic: str) -> QoSProfile:
 
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
-_NUMBER = re.compile(r"(u?int\d+|float|double|boolean)")
 
 
 class NumberField:
@@ -164,8 +162,8 @@ class NumberField:
         return float(message)
 
     def _check(self, message_type: type[Message]) -> None:
-        kind = type_name(message_type)
         current: type[Message] | None = message_type
+        owner, kind = type_name(message_type), None
         for part in self.path.split("."):
             found = _PART.fullmatch(part)
             if found is None:
@@ -173,38 +171,21 @@ class NumberField:
                     f"{self.path!r} is not a path to a field, such as 'data' or 'linear.x' or 'ranges[0]'."
                 )
             name, indices = found[1], [int(one) for one in re.findall(r"\d+", found[2])]
-            fields = current.get_fields_and_field_types() if current is not None else {}
+            fields = {field.name: field for field in message_fields(current)} if current is not None else {}
             if name not in fields:
-                raise FieldError(unknown_field(name, fields, f"a {kind}"))
+                raise FieldError(unknown_field(name, fields, f"a {owner}"))
             self._steps += [name, *indices]
-            kind = _element_type(fields[name]) if indices else fields[name]
-            current = _class_of(current, name, kind) if current is not None and "/" in kind else None
-        if not _NUMBER.fullmatch(kind):
-            raise FieldError(self._no_number(kind, current))
+            kind = fields[name].type.element if indices else fields[name].type
+            owner, current = str(kind), None if kind.container else fields[name].nested
+        if kind is None or kind.container or kind.primitive is None or kind.base == "octet":
+            raise FieldError(self._no_number(owner, current))
 
     def _no_number(self, kind: str, current: type[Message] | None) -> str:
         text = f"{self.path!r} is not a number but a {kind}."
         if current is not None:
-            inside = list(current.get_fields_and_field_types())
-            return f"{text} In it: {', '.join(f'{self.path}.{name}' for name in inside)}."
+            inside = [f"{self.path}.{field.name}" for field in message_fields(current)]
+            return f"{text} In it: {', '.join(inside)}."
         return f"{text} Take one element: '{self.path}[0]'." if "[" in kind or "sequence" in kind else text
-
-
-def _element_type(kind: str) -> str:
-    """The type of an element of an array or a sequence; another type as it is."""
-    sequence = re.fullmatch(r"sequence<([^,>]+)(?:, *\d+)?>", kind)
-    return sequence[1] if sequence else re.sub(r"\[\d+\]$", "", kind)
-
-
-def _class_of(owner: type[Message], name: str, kind: str) -> type[Message]:
-    """The class of a message inside a message."""
-    held = getattr(owner(), name)
-    if is_message_type(type(held)):
-        return type(held)
-    from course_kit.interfaces import get_type
-
-    package, _, bare = kind.partition("/")
-    return get_type(f"{package}/msg/{bare.rpartition('/')[2]}")
 
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 626, 12, 200  # of the frame, in the template's user units
@@ -261,9 +242,6 @@ def _marks(low: float, high: float) -> list[float]:
     return [float(f"{number * step:.12g}") for number in range(first, last + 1)]
 
 
-_TEMPLATE = Path(__file__).with_name("comparison.html")
-
-
 class Comparison(Panel):
     """Numbers side by side."""
 
@@ -273,9 +251,9 @@ class Comparison(Panel):
         super().__init__(title)
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
-        drawn = render(_TEMPLATE, title=title, values=values, unit=unit, longest=max(values.values()) or 1.0)
-        self._drawn = drawn
-        self.widget = ipywidgets.HTML(str(drawn))
+        longest = max(values.values()) or 1.0
+        self._drawn = drawn("comparison.html", title=title, values=values, unit=unit, longest=longest)
+        self.widget = ipywidgets.HTML(str(self._drawn))
 
     def still(self) -> str:
         """The bars, which do not move anyway."""

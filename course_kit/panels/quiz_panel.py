@@ -39,23 +39,12 @@ def usable(questions: Questions, choices: object) -> Answers:
     return found
 
 
-class Kept:
-    """Choices kept beside the course, so that running the cell again or a new kernel does not lose them."""
-
-    def __init__(self, seed: int) -> None:
-        self._path = environment.paths.own_run_dir() / "quiz" / f"seed_{seed}.json"
-
-    def load(self) -> object:
-        """What was kept; None when nothing was, or it cannot be read."""
-        try:
-            return json.loads(self._path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-
-    def save(self, answers: Mapping[str, tuple[str, str]]) -> None:
-        """Keep these instead. Where nothing can be written, the panel works and only forgets."""
-        with suppress(OSError):
-            environment.write_atomically(self._path, json.dumps(answers), durable=False)
+def _load_kept(path: Path) -> object:
+    """The choices kept beside the course; None when there are none, or they cannot be read."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
 
 
 def write(questions: Questions, answers: Mapping[str, tuple[str, str]], name: str) -> str:
@@ -128,13 +117,13 @@ class QuizPanel(Panel):
         super().__init__(seed)
         # With several subshells, two events of the browser may be handled at once.
         self._one_at_a_time = threading.RLock()
-        self._kept = Kept(seed)
+        self._kept = environment.paths.own_run_dir() / "quiz" / f"seed_{seed}.json"
         self._marked: set[str] = set()
         self._cleared: Answers = {}
         self.widget = QuizForm(
             patterns=list(quiz.PATTERNS),
             questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
-            choices=usable(self._questions, self._kept.load()),
+            choices=usable(self._questions, _load_kept(self._kept)),
         )
         self.widget.observe(self._chosen, "choices")
         self.widget.observe(self._when_changed, "marking")
@@ -203,7 +192,8 @@ class QuizPanel(Panel):
 
     def _chosen(self, change: Mapping[str, object]) -> None:
         with self._one_at_a_time:
-            self._kept.save(self.answers)
+            with suppress(OSError):  # where nothing can be written, the panel works and only forgets
+                environment.write_atomically(self._kept, json.dumps(self.answers), durable=False)
             if self.widget.marking == AT_ONCE:
                 self._marked = self._complete()
             else:  # what was marked is no longer what stands there

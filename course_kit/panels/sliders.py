@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import anywidget
 import traitlets
+import yaml
 
 from course_kit import lab
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameters import full_name
 from course_kit.lab.topics import Subscription
 from course_kit.panels.base import Latest, Panel, drawn, of_files, still
+from course_kit.ros.filling import fit_value
+from course_kit.ros.messages import BadFieldError
 from course_kit.ros.parameters import from_message, is_of_every_node
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rclpy.node import Node
 
     from course_kit.ros.messages import Message
@@ -36,11 +37,7 @@ _EXAMPLES = {
     "double_array": "a list such as [1.0, 2.5]",
     "string_array": "a list such as [left, right]",
 }
-_CONVERT: dict[str, Callable[[Any], Any]] = {
-    "byte_array": lambda one: bytes([one]),
-    "double_array": float,
-    "string_array": str,
-}
+_FIELD_TYPES = {"bool": "boolean", "byte": "uint8", "integer": "int64"}  # as messages call them; others as here
 
 
 class EntryError(ValueError):
@@ -94,28 +91,18 @@ def typed(kind: str, text: Any) -> Any:
     """The value of what the page sent."""
     if kind in {"bool", "string"}:
         return text
+    element, array, _ = kind.partition("_array")
+    field_type = _FIELD_TYPES.get(element, element)
     try:
-        if kind == "integer":
-            return int(text)
-        if kind == "double":
-            return float(text)
-        return _from_yaml(kind, text)
-    except (ValueError, TypeError, OverflowError):
-        raise EntryError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
-
-
-def _from_yaml(kind: str, text: str) -> Any:
-    import yaml
-
-    try:
+        if not array and kind in _EXAMPLES:
+            return fit_value(text, field_type, kind)
         value = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(text) from error
-    if kind not in _EXAMPLES:  # a parameter whose type may change
-        return value
-    if not isinstance(value, list):
-        raise TypeError(text)
-    return [_CONVERT[kind](one) for one in value] if kind in _CONVERT else value
+        if not array:  # a parameter whose type may change
+            return value
+        fitted = fit_value(value, f"sequence<{field_type}>", kind)
+    except (yaml.YAMLError, BadFieldError):
+        raise EntryError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
+    return [bytes([one]) for one in fitted] if element == "byte" else fitted
 
 
 def _element(value: object) -> str:

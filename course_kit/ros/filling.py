@@ -46,7 +46,7 @@ def fill_from_yaml(message: Message, fields: Fields, owner: str) -> None:
     _put(message, fields, owner, "", from_yaml=True)
 
 
-def unknown_field(field: object, known: Mapping[str, str], owner: str) -> str:
+def unknown_field(field: object, known: Fields, owner: str) -> str:
     """What to say about a field that a message does not have."""
     name, colon, rest = str(field).partition(":")
     if colon and name in known:
@@ -70,7 +70,7 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
             _put(inner, value, f"{field}, {with_article(known[name])}", f"{field}.", from_yaml=from_yaml)
             fitted = inner
         else:
-            fitted = _from_yaml(value, known[name], field, now) if from_yaml else value
+            fitted = fit_value(value, known[name], field, now) if from_yaml else value
         try:
             setattr(message, name, fitted)
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
@@ -116,7 +116,8 @@ def _list_type(field_type: str) -> re.Match[str] | None:
     return _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type)
 
 
-def _from_yaml(value: Any, field_type: str, field: str, now: Any = None) -> Any:  # noqa: PLR0911 - a table of types
+def fit_value(value: Any, field_type: str, field: str, now: Any = None) -> Any:  # noqa: PLR0911 - a table of types
+    """What a field of this type holds for a value that was typed; `field` is its name."""
     if listed := _list_type(field_type):
         return _fit_list(value, listed, field_type, field)
     if "/" in field_type:
@@ -188,7 +189,7 @@ def _fit_list(value: object, listed: re.Match[str], field_type: str, field: str)
         raise BadFieldError(f"The field {field!r} takes exactly {parts['length']} values, not {len(value)}.")
     if parts.get("bound") and len(value) > int(parts["bound"]):
         raise BadFieldError(f"The field {field!r} takes at most {parts['bound']} values, not {len(value)}.")
-    return [_from_yaml(element, parts["element"], f"{field}[{index}]") for index, element in enumerate(value)]
+    return [fit_value(element, parts["element"], f"{field}[{index}]") for index, element in enumerate(value)]
 
 
 def _fit_message(value: object, field_type: str, field: str, now: Message) -> Message:
@@ -214,8 +215,7 @@ def _set_to_now(stamp: Message) -> Message:
 
 
 def _unfit(value: object, field_type: str, field: str) -> BadFieldError:
-    word = ros_word(field_type)
+    listed = _list_type(field_type)
+    word = f"list of {ros_word(listed['element'])}" if listed else ros_word(field_type)
     given = _KINDS.get(type(value), "nothing" if value is None else type(value).__name__)
-    if listed := _list_type(field_type):
-        word = f"list of {ros_word(listed['element'])}"
     return BadFieldError(f"The field {field!r} is {with_article(word)}; {value!r} is {given}.")

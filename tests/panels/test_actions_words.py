@@ -8,8 +8,6 @@ import pytest
 from course_interfaces.action import MoveRobot
 from example_interfaces.action import Fibonacci
 from geometry_msgs.msg import Point
-from hypothesis import given
-from hypothesis import strategies as st
 from std_srvs.srv import Trigger
 
 from course_kit.panels import arena_map, goal_panel
@@ -20,40 +18,16 @@ def way(*places: tuple[float, float]) -> list[Place]:
     drawn = Track()
     for place in places:
         drawn.add(Place(*place))
-    return drawn.corners
-
-
-def test_a_straight_way_is_two_points_however_often_it_is_told() -> None:
-    assert way(*[(0.05 * step, 0.1 * step) for step in range(100)]) == [(0.0, 0.0), (0.05 * 99, 0.1 * 99)]
-
-
-def test_corners_and_ways_back_are_kept() -> None:
-    assert way((0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (2, 0.5)) == [(0, 0), (2, 0), (2, 2), (2, 0.5)]
+    return drawn.places
 
 
 def test_standing_still_and_places_that_are_none_add_nothing() -> None:
-    assert way((1, 1), (1, 1), (math.nan, 1), (1, math.inf), (2, 2)) == [(1, 1), (2, 2)]
-
-
-@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), min_size=1, max_size=60))
-def test_no_place_is_farther_from_the_line_than_can_be_seen(places: list[tuple[float, float]]) -> None:
-    corners = way(*places)
-    assert corners[0] == places[0]
-    assert corners[-1] == places[-1]
-    pairs = list(zip(corners, corners[1:] or corners, strict=False))
-    for place in places:
-        assert min(arena_map._beside(*pair, Place(*place)) for pair in pairs) <= arena_map.STRAIGHT + 1e-9
-
-
-def test_a_bend_too_slight_to_see_at_each_step_is_not_lost() -> None:
-    bend = [(math.cos(angle / 500), math.sin(angle / 500)) for angle in range(786)]  # a quarter of a circle, 1 m
-    assert 5 < len(way(*bend)) < 50
+    assert way((1, 1), (1.001, 1), (math.nan, 1), (1, math.inf), (2, 2), (1, 1)) == [(1, 1), (2, 2), (1, 1)]
 
 
 def test_a_long_way_forgets_its_beginning() -> None:
-    zigzag = way(*[(step, step % 2) for step in range(3 * arena_map.LONGEST)])
-    assert len(zigzag) == arena_map.LONGEST
-    assert zigzag[-1] == (3 * arena_map.LONGEST - 1, 1)
+    zigzag = way(*[(step, step % 2) for step in range(arena_map.LONGEST + 10)])
+    assert (len(zigzag), zigzag[0]) == (arena_map.LONGEST, (10, 0))
 
 
 @pytest.mark.parametrize(

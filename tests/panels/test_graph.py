@@ -291,20 +291,7 @@ def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:
     full = seen(live_lab)
     assert news(empty, full) == "/kitchen/display has joined the graph."
     assert news(full, empty) == "/kitchen/display has left the graph."
-    assert news(full, full._replace(uses=())) == "The graph has changed."
-
-
-def test_what_a_node_does_is_no_news_right_after_its_coming(live_lab: Lab) -> None:
-    """The graph tells of a node first and of its topics a moment later."""
-    empty = seen(live_lab)
-    lab.start(Display)
-    full = seen(live_lab)
-    view = panels.graph()
-    view._came = frozenset(full.nodes) - frozenset(empty.nodes)
-    assert view._completes(full._replace(uses=()), full)
-    assert not view._completes(empty, full)
-    view._came = frozenset()
-    assert not view._completes(full._replace(uses=()), full)
+    assert not news(full, full._replace(uses=()))  # what a node does comes a moment after its name
 
 
 def test_two_nodes_of_one_name_are_told_apart_from_one() -> None:

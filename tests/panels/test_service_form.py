@@ -90,7 +90,7 @@ def test_a_field_error_names_the_field_and_sends_nothing() -> None:
     form = panels.service_form("/add_two_ints", AddTwoInts)
     shown = type_and_send(form, a="1", b="1.5")
     assert shown["state"] == "invalid"
-    assert shown["errors"]["b"].startswith("Expected a whole number from ")
+    assert shown["errors"]["b"].startswith("Expected a whole number (int64, from ")
     assert shown["text"].startswith("b: expected a whole number")
     assert len(lab.diagram().arrows) == 0
     assert form.widget.values["b"] == "1.5"  # to be repaired, not typed again
