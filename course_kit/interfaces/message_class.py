@@ -9,7 +9,7 @@ from copy import copy
 from typing import TYPE_CHECKING, Any, cast
 
 from course_kit.interfaces.definition import FieldType, to_slot_type
-from course_kit.interfaces.field_checks import checks_by_default, field_check, largest_float
+from course_kit.interfaces.field_checks import checks_by_default, field_check
 from course_kit.interfaces.message_fields import (
     LiveRecord,
     MessageField,
@@ -22,7 +22,7 @@ from course_kit.interfaces.message_fields import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from course_kit.interfaces.definition import Definition, Field, FieldType, MessageDefinition, Primitive
+    from course_kit.interfaces.definition import Definition, Field, FieldType, MessageDefinition
     from course_kit.interfaces.message_fields import Message
 
 
@@ -62,66 +62,33 @@ def _import_type_support(metaclass: type) -> None:
     add_support(class_of(metaclass))
 
 
-_CHECKED = """
-def {name}(self, value):
-    if self._check_fields and ({unusual}):
-        check(value)
-    self._{name} = value
-"""
-_NUMBERS = """
-def {name}(self, value):
-    if self._check_fields:
-        if value.__class__ is not container or {unusual}:
-            check(value)
-            if not isinstance(value, container):
-                value = convert(value)
-    else:
-        value = convert(value)
-    self._{name} = value
-"""
-
-
 def field_property(field: MessageField) -> property:
     """Make the property of a field, whose value is kept in the slot of the same name with an underscore."""
-    names: dict[str, Any] = {"check": field_check(field)}
-    if field.type.is_numeric_container and field.type.primitive:
-        source = _numbers(field.type, field.type.primitive, names)
-    else:
-        source = _CHECKED.replace("{unusual}", _unusual(field, names))
-    exec(compile(source.replace("{name}", field.name), f"<field {field.name}>", "exec"), names)  # noqa: S102
-    setter: Callable[[Any, Any], None] = names[field.name]
-    return property(operator.attrgetter(f"_{field.name}"), setter, doc=f"Message field '{field.name}'.")
+    slot, check, kind = f"_{field.name}", field_check(field), field.type
+    container = type(_zeros(kind)) if kind.is_numeric_container else None
+
+    def set_field(self: Any, value: Any) -> None:
+        if self._check_fields:
+            check(value)
+        if container and not (self._check_fields and isinstance(value, container)):
+            value = _numbers(kind, value)
+        setattr(self, slot, value)
+
+    return property(operator.attrgetter(slot), set_field, doc=f"Message field '{field.name}'.")
 
 
-def _unusual(field: MessageField, names: dict[str, Any]) -> str:
-    """Code that tells whether a value has to be looked at more closely."""
-    kind, primitive = field.type, field.type.primitive
-    if kind.container or kind.string_bound or kind.base == "octet":
-        return "True"
-    names["usual"] = field.nested or (primitive.python if primitive else str)
-    unusual = "value.__class__ is not usual"
-    if primitive and primitive.integer_range:
-        smallest, largest = primitive.integer_range
-        return f"{unusual} or not {smallest} <= value <= {largest}"
-    if primitive and primitive.python is float:
-        names["most"] = largest_float(primitive)
-        return f"{unusual} or not -most <= value <= most"
-    return unusual
-
-
-def _numbers(kind: FieldType, primitive: Primitive, names: dict[str, Any]) -> str:
-    """The setter of a field that keeps its numbers in an array.array, or those of a fixed array in one of numpy."""
-    code = primitive.array_code
+def _numbers(kind: FieldType, values: Any) -> Any:
+    """What a field of numbers keeps them in: an array.array, or an array of numpy where their count is fixed."""
+    assert kind.primitive is not None  # noqa: S101 - of numbers
     if kind.container == "sequence":
-        names |= {"container": array.array, "convert": lambda value: array.array(code, value)}
-        unusual = f"value.typecode != {code!r}" + (f" or len(value) > {kind.size}" if kind.size else "")
-    else:
-        import numpy as np  # here, since most messages have no fixed array
+        return array.array(kind.primitive.array_code, values)
+    import numpy as np  # here, since most messages have no fixed array
 
-        dtype = np.dtype(primitive.numpy)
-        names |= {"container": np.ndarray, "dtype": dtype, "convert": lambda value: np.array(value, dtype=dtype)}
-        unusual = f"value.dtype != dtype or value.size != {kind.size}"
-    return _NUMBERS.replace("{unusual}", unusual)
+    return np.array(values, dtype=kind.primitive.numpy)
+
+
+def _zeros(kind: FieldType) -> Any:
+    return _numbers(kind, [0] * (kind.size if kind.container == "array" else 0))
 
 
 _CHECK_SLOT = "_check_fields"
@@ -198,13 +165,9 @@ def _default(field: Field) -> property:
 
 def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) -> Callable[..., None]:
     slots = [(field.name, f"_{field.name}", _initial_value(field, defaults.get(field.name))) for field in fields]
-    number_lists = {
-        field.name: field.type.primitive.array_code
-        for field in fields
-        if field.type.is_numeric_container and field.type.container == "sequence" and field.type.primitive
-        # rosidl_generator_py turns a list into an array.array before it looks at it, unless there is a default.
-        if field.name not in defaults
-    }
+    # rosidl_generator_py turns a list into an array.array before it looks at it, unless there is a default.
+    sequences = (field for field in fields if field.type.container == "sequence" and field.name not in defaults)
+    number_lists = {field.name: field.type for field in sequences if field.type.is_numeric_container}
     known = {*(name for name, _, _ in slots), _CHECK_SLOT[1:]}
     checked = checks_by_default()
 
@@ -219,7 +182,7 @@ def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) ->
             if name not in kwargs:
                 setattr(self, slot, make())
             elif name in number_lists:
-                setattr(self, name, array.array(number_lists[name], kwargs[name]))
+                setattr(self, name, _numbers(number_lists[name], kwargs[name]))
             else:
                 setattr(self, name, kwargs[name])
 
@@ -237,12 +200,9 @@ def _takes_names(cls: str, names: Sequence[str], values: Sequence[object]) -> st
 def _initial_value(field: MessageField, default: Any) -> Callable[[], object]:
     """A function that makes the value a new message has in a field."""
     kind, primitive = field.type, field.type.primitive
-    if default is not None:
-        return lambda: _python_value(kind, default)
-    if kind.is_numeric_container and primitive:
-        if kind.container == "sequence":
-            return lambda: array.array(primitive.array_code)
-        return lambda: _numpy_zeros(kind.size, primitive.numpy)
+    if default is not None or kind.is_numeric_container:
+        first = _python_value(kind, default) if default is not None else _zeros(kind)
+        return lambda: copy(first)
     if kind.container == "sequence":
         return list
     one: Callable[[], object] = field.nested or (primitive.python if primitive else str)
@@ -253,24 +213,12 @@ def _initial_value(field: MessageField, default: Any) -> Callable[[], object]:
     return one
 
 
-def _numpy_zeros(size: int, dtype: str) -> object:
-    import numpy as np  # here, since most messages have no fixed array
-
-    return np.zeros(size, dtype=dtype)
-
-
 def _python_value(kind: FieldType, value: Any) -> object:
     """A parsed constant or default in the form the field keeps it in; a new object each time."""
     if not isinstance(value, list):
         return bytes([value]) if kind.base == "octet" else value
     elements: list[Any] = [bytes([item]) if kind.base == "octet" else item for item in value]
-    if not kind.is_numeric_container or kind.primitive is None:
-        return elements
-    if kind.container == "sequence":
-        return array.array(kind.primitive.array_code, elements)
-    import numpy as np
-
-    return np.array(elements, dtype=kind.primitive.numpy)
+    return _numbers(kind, elements) if kind.is_numeric_container else elements
 
 
 def _equality(fields: Sequence[MessageField]) -> Callable[[Message, object], bool]:

@@ -9,19 +9,11 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 from course_kit.interfaces.definition import FieldType, from_slot_type, module_name
 
 if TYPE_CHECKING:
-    import ctypes
     from collections.abc import Sequence
 
     from rosidl_parser.definition import AbstractType
 
 _ATTRIBUTE = "_live"
-
-
-class LiveType(NamedTuple):
-    """A type in the table of one copy of the native helper."""
-
-    helper: ctypes.PyDLL
-    address: int
 
 
 @dataclass
@@ -31,7 +23,7 @@ class LiveRecord:
     source: tuple[str, str]
     fields: tuple[MessageField, ...] = ()
     cls: type | None = None
-    native: LiveType | None = None
+    native: int = 0  # where the native helper keeps it
 
     def attach(self, cls: type) -> None:
         """Remember this for a class just made."""

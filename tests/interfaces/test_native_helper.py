@@ -12,23 +12,22 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from course_kit.interfaces import NativeHelperError
+from course_kit.interfaces import NativeHelperError, type_support
 from course_kit.interfaces.definition import TypeName
 from course_kit.interfaces.library import Library
-from course_kit.interfaces.native import helper as native
 from course_kit.interfaces.native import loader
 
 SLOTS = 1024
 
 
 def test_more_types_than_there_are_slots_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(loader, "LIBRARY", shutil.copy(loader.LIBRARY, tmp_path))  # another table than this process's
-    fresh = native.Helper()
+    fresh = loader.load_helper(copy_of(tmp_path, "fresh.so"))
+    monkeypatch.setattr(type_support, "_helper", lambda: fresh)
     cls = Library(lambda _: "int64 a\nstring b\n").get(TypeName("many_messages", "msg", "Info")).classes["Info"]
-    used = {fresh._helper.live_create_function(fresh._new_type(cls).address) for _ in range(SLOTS)}
+    used = {fresh.live_create_function(type_support._new_type(cls)) for _ in range(SLOTS)}
     assert len(used) == SLOTS
     with pytest.raises(NativeHelperError, match="more messages than it has room for: start Python again"):
-        fresh._new_type(cls)
+        type_support._new_type(cls)
 
 
 def copy_of(folder: Path, name: str) -> Path:
@@ -38,8 +37,6 @@ def copy_of(folder: Path, name: str) -> Path:
 
 def test_a_python_whose_lists_are_laid_out_differently(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """What the helper would read from a list's memory is packed in Python then, to the same bytes."""
-    from course_kit.interfaces import type_support
-
     text = "bool[] flags\nbyte[] octets\nbyte[3] few\n"
     values = {"flags": [True, False, True], "octets": [b"a", b"\xff"], "few": [b"x", b"\x00", b"y"]}
 
@@ -58,9 +55,7 @@ def test_a_python_whose_lists_are_laid_out_differently(monkeypatch: pytest.Monke
     copy = loader.load_helper(copy_of(tmp_path, "other.so"))
     assert copy.live_octets(values["octets"]) is None
     assert copy.live_booleans(values["flags"]) is None
-    monkeypatch.setattr(native, "load_helper", lambda: copy)
-    other = native.Helper()
-    monkeypatch.setattr(type_support, "_helper", lambda: other)
+    monkeypatch.setattr(type_support, "_helper", lambda: copy)
     unusual = message("another_python")
     wire = serialize_message(unusual)
     assert wire == serialize_message(usual)

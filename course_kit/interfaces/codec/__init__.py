@@ -6,6 +6,5 @@ so a compiled message inside a live one is part of the same generated code. The 
 """
 
 from course_kit.interfaces.codec.encoder import make_decoder, make_encoder
-from course_kit.interfaces.codec.program import validation_program
 
-__all__ = ["make_decoder", "make_encoder", "validation_program"]
+__all__ = ["make_decoder", "make_encoder"]

@@ -115,7 +115,6 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "live_setup": (None, [ctypes.POINTER(Imports)]),
     "live_new_type": (_address, [_address, _address, _size, _object, _object]),
     "live_create_function": (_address, [_address]),
-    "live_set_codec": (None, [_address, _object, _object]),
     "live_booleans": (_object, [_object]),
     "live_octets": (_object, [_object]),
     "live_valid": (ctypes.c_bool, [_address, _text, _size]),
