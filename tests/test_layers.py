@@ -65,7 +65,6 @@ STILL_ABOVE = {
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,
     "course_kit/learner": 1064,
-    "course_kit/integrations": 1130,
     "course_kit/cli": 1538,
     "tests": 46000,
 }

@@ -227,9 +227,9 @@ def _copy(options: argparse.Namespace) -> int:
 
 
 def _hub(options: argparse.Namespace) -> int:
-    from course_kit.integrations import hub
+    from course_kit.integrations import jupyter
 
-    return hub.run(options.others)
+    return jupyter.run_on_hub(options.others)
 
 
 def _doctor(options: argparse.Namespace) -> int:

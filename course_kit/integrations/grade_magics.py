@@ -1,4 +1,8 @@
-"""`%%submission` and `%grade`: hand in from a notebook, and see the grade there."""
+"""`%%submission` and `%grade`: hand in from a notebook, and see the grade there; and nbgrader's `points`.
+
+nbgrader gives a test cell no points when the cell raises or writes to stderr, and otherwise as many as the number
+says that its last line shows. So `points` prints the feedback to stdout, where all that writes meanwhile goes, too.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import os
 import shlex
 import sys
 import tempfile
+from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +23,14 @@ from course_kit.grading.errors import GradingError
 from course_kit.integrations.submission_cells import SubmissionCells
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
     from course_kit.grading import Report
 
+_DIGITS = 6  # of points
+_STDOUT, _STDERR = 1, 2
 NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
 USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE [--seed N]."
 
@@ -237,3 +246,55 @@ def the_exercises() -> str:
 def complain(sentence: str) -> None:
     """Say what is wrong, without a traceback."""
     print(sentence, file=sys.stderr)
+
+
+def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:
+    """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points."""
+    from course_kit.grading import render_text
+    from course_kit.grading.exercise import load
+
+    if points is not None and points < 0:
+        raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")
+    task = load(exercise)
+    most = task.points if points is None else points
+    magics = of_this_notebook("nbgrader.points")
+    _put_all_on_stdout(magics.shell)
+    report = magics.grade_cells(exercise, seed)
+    if report is None:
+        sys.stdout.write(f"{nothing_from(exercise)} 0 points.\n")
+        return 0
+    sys.stdout.write(f"{render_text(report)}\n")
+    if report.status == "error":
+        raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
+    return scaled(report.score, task.points, most)
+
+
+def scaled(score: float, of: float, most: float) -> float:
+    """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int."""
+    number = min(round(score / of * most, _DIGITS), most)
+    return int(number) if number == int(number) else number
+
+
+def _put_all_on_stdout(shell: InteractiveShell) -> None:
+    """Send what goes to stderr to stdout until the cell has ended."""
+    restored = ExitStack()
+    restored.enter_context(redirect_stderr(sys.stdout))
+    restored.enter_context(_errors_of_c_code_on_stdout())
+
+    def end(_result: object) -> None:
+        shell.events.unregister("post_run_cell", end)
+        restored.close()
+
+    shell.events.register("post_run_cell", end)  # the last one: after the lab has shown what its nodes have said
+
+
+@contextmanager
+def _errors_of_c_code_on_stdout() -> Iterator[None]:
+    """ROS 2 logs there."""
+    kept = os.dup(_STDERR)
+    os.dup2(_STDOUT, _STDERR)
+    try:
+        yield
+    finally:
+        os.dup2(kept, _STDERR)
+        os.close(kept)

@@ -1,12 +1,19 @@
-"""Starts JupyterLab on the course, on this machine as it is: read-only homes, shared installations, root."""
+"""Starts JupyterLab on the course, on this machine as it is: read-only homes, shared folders, root, a hub.
+
+A JupyterHub starts for each user their own folder of lessons, then its own single-user server. One installation serves
+all users and belongs to none of them; files, progress and the ROS domain are those of the Unix user as whom the hub
+starts this. `course_kit/guides/jupyterhub.md` is the administrator's guide.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from jupyter_core import paths
 
@@ -17,12 +24,16 @@ from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
 _CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
 _CONFIG = environment.PACKAGE / "jupyter_config"  # with labconfig: what JupyterLab asks at its first start is answered
 _ALLOW_ROOT = "--allow-root"
+HUB_VERB = "hub-singleuser"
+# What a JupyterHub tells the servers that it starts (JupyterHub, "Spawners").
+_OF_THE_HUB = "JUPYTERHUB_SERVICE_URL"
+_ROOT_DIR, _DEFAULT_URL = "JUPYTERHUB_ROOT_DIR", "JUPYTERHUB_DEFAULT_URL"
 
 
 class LabStartError(RuntimeError):
@@ -52,6 +63,64 @@ def run_lab(arguments: Sequence[str]) -> int:
         return cannot(problem)
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
+
+
+def run_on_hub(arguments: Sequence[str]) -> int:
+    """Replace this process by a user's server on a hub; return 2 where that cannot be done."""
+    if not os.environ.get(_OF_THE_HUB):
+        return cannot(
+            f"only a JupyterHub can start {HUB_VERB}, as its c.Spawner.cmd. To open the course yourself, run "
+            f"{environment.command()} lab."
+        )
+    if find_spec("jupyterhub") is None:
+        return cannot(
+            f"JupyterHub is not installed in the course's environment. In the course's folder, its owner runs: "
+            f'{sys.executable} -m pip install -e ".[hub]"'
+        )
+    root = environment.course_files()
+    if root is None:
+        return cannot("the lessons are missing in this installation. Install the course again.")
+    try:
+        as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), HUB_VERB)
+    except LabStartError as problem:
+        return cannot(problem)
+    folder = environment.paths.usual_learner_folder()
+    lesson = FIRST_LESSON
+    try:
+        make_ready(root, folder)
+    except LabStartError as problem:  # the server starts without the lessons
+        tell(problem)
+        lesson = ""
+    command, environ = hub_command(folder, lesson, [*as_root, *arguments])
+    sys.stdout.flush()
+    return os.execve(sys.executable, command, environ)
+
+
+def hub_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """The words and the environment that start a user's server."""
+    variables = server_variables(folder)
+    try:
+        environ = environment.child_environment(**variables)
+    except environment.DomainError as problem:
+        tell(problem)  # the notebooks will look for one again, and say so, too
+        environ = {**os.environ, **variables}
+    root, opens = shown_on_hub(folder, lesson, environ)
+    environ.setdefault(_DEFAULT_URL, opens)  # what the administrator has set counts
+    tell(environment.middleware.unsupported())
+    command = environment.trusted_python("jupyterhub.singleuser", "main")
+    return [*command, *server_options(root), *arguments], environ
+
+
+def shown_on_hub(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, str]:
+    """The folder that the server shows, and the address it opens."""
+    chosen = environ.get(_ROOT_DIR)
+    root = Path(chosen).expanduser() if chosen else folder
+    if not lesson:
+        return (root if root.is_dir() else Path.home()), "/lab"
+    if not folder.is_relative_to(root):
+        tell(f"c.Spawner.notebook_dir is {root}, and the lessons are in {folder}: the server shows that instead.")
+        root = folder
+    return root, f"/lab/tree/{quote((folder / lesson).relative_to(root).as_posix())}"
 
 
 def lab_command(
@@ -139,16 +208,12 @@ def prepare(workspaces: Path) -> None:
         WorkspacesManager(str(workspaces)).save("default", (_CONFIG / "workspace.json").read_text(encoding="utf-8"))
 
 
-def _ipython_dir() -> str:
-    return os.environ.get("IPYTHONDIR") or str(Path.home() / ".ipython")
-
-
 # Which variable sets a folder, where it usually is, and the variable by which an old one is still read.
 _FOLDERS: dict[str, tuple[Callable[[], str], str]] = {
     "JUPYTER_CONFIG_DIR": (paths.jupyter_config_dir, "JUPYTER_CONFIG_PATH"),
     "JUPYTER_DATA_DIR": (paths.jupyter_data_dir, "JUPYTER_PATH"),
     "JUPYTER_RUNTIME_DIR": (paths.jupyter_runtime_dir, ""),
-    "IPYTHONDIR": (_ipython_dir, ""),
+    "IPYTHONDIR": (lambda: os.environ.get("IPYTHONDIR") or str(Path.home() / ".ipython"), ""),
 }
 
 

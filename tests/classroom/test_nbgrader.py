@@ -13,7 +13,7 @@ import pytest
 from nbgrader.api import Gradebook
 
 from course_kit import environment, grading
-from course_kit.integrations import nbgrader
+from course_kit.integrations import grade_magics
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"
@@ -160,14 +160,14 @@ def test_a_node_that_was_left_running_costs_nothing(course: Path) -> None:
     [(10.0, 10.0, "10"), (8.5, 10.0, "8.5"), (8.5, 4, "3.4"), (0.0, 4, "0"), (1.0, 3, "0.3")],
 )
 def test_points_are_those_of_the_cell_and_print_as_a_number(score: float, most: float, points: str) -> None:
-    assert repr(nbgrader.scaled(score, 10.0, most)) == points
+    assert repr(grade_magics.scaled(score, 10.0, most)) == points
 
 
 def test_a_cell_of_less_than_no_points_is_refused() -> None:
     with pytest.raises(ValueError, match="points=-1"):
-        nbgrader.points(EXERCISE, points=-1)
+        grade_magics.points(EXERCISE, points=-1)
 
 
 def test_outside_a_notebook_it_says_what_is_missing() -> None:
     with pytest.raises(grading.GradingError, match="%load_ext course_kit"):
-        nbgrader.points(EXERCISE)
+        grade_magics.points(EXERCISE)

@@ -14,7 +14,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.cli import main
-from course_kit.integrations import hub
+from course_kit.integrations import jupyter
 from tests.hub import guide
 
 FOLDER = Path("/home/ada/ros2-course")
@@ -36,7 +36,7 @@ def on_a_hub(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(URL, "http://127.0.0.1:1/user/ada/")
     monkeypatch.delenv("JUPYTERHUB_ROOT_DIR", raising=False)
     monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
-    monkeypatch.setattr(hub, "find_spec", lambda _: "found")
+    monkeypatch.setattr(jupyter, "find_spec", lambda _: "found")
     monkeypatch.setattr(os, "execve", start)
 
 
@@ -53,24 +53,27 @@ def test_the_server_shows_the_learners_folder_or_the_one_of_the_administrator_th
     root_dir: str | None, lesson: str, shown: Path, opens: str
 ) -> None:
     environ = {} if root_dir is None else {"JUPYTERHUB_ROOT_DIR": root_dir}
-    assert hub.shown(FOLDER, lesson, environ) == (shown, opens)
+    assert jupyter.shown_on_hub(FOLDER, lesson, environ) == (shown, opens)
 
 
 def test_a_folder_without_the_lessons_is_not_shown_and_the_log_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert hub.shown(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "/srv"}) == (FOLDER, f"/lab/tree/{LESSON}")
+    assert jupyter.shown_on_hub(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "/srv"}) == (FOLDER, f"/lab/tree/{LESSON}")
     odd = Path("/home/ada #1/ros2-course")
-    assert hub.shown(odd, LESSON, {"JUPYTERHUB_ROOT_DIR": "/"})[1] == f"/lab/tree/home/ada%20%231/ros2-course/{LESSON}"
+    assert (
+        jupyter.shown_on_hub(odd, LESSON, {"JUPYTERHUB_ROOT_DIR": "/"})[1]
+        == f"/lab/tree/home/ada%20%231/ros2-course/{LESSON}"
+    )
     assert "c.Spawner.notebook_dir is /srv, and the lessons are in /home/ada/ros2-course" in capsys.readouterr().err
 
 
 def test_a_home_is_meant_by_its_sign(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/home/ada")
-    assert hub.shown(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "~"})[0] == Path("/home/ada")
+    assert jupyter.shown_on_hub(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "~"})[0] == Path("/home/ada")
 
 
 def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
-    command, environ = hub.server_command(FOLDER, LESSON, ["--debug"])
+    command, environ = jupyter.hub_command(FOLDER, LESSON, ["--debug"])
     assert command[0] == sys.executable
     assert "from jupyterhub.singleuser import main" in command[2]
     assert f"--ServerApp.root_dir={FOLDER}" in command
@@ -78,14 +81,14 @@ def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch:
     assert environ["JUPYTERHUB_DEFAULT_URL"] == f"/lab/tree/{LESSON}"
     assert environ["ROS_DOMAIN_ID"] == str(environment.apply().domain_id)
     monkeypatch.setenv("JUPYTERHUB_DEFAULT_URL", "/tree")  # c.Spawner.default_url
-    assert hub.server_command(FOLDER, LESSON, [])[1]["JUPYTERHUB_DEFAULT_URL"] == "/tree"
+    assert jupyter.hub_command(FOLDER, LESSON, [])[1]["JUPYTERHUB_DEFAULT_URL"] == "/tree"
 
 
 def test_without_a_domain_left_the_server_starts_and_the_log_says_so(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "no number")
-    command, environ = hub.server_command(FOLDER, LESSON, [])
+    command, environ = jupyter.hub_command(FOLDER, LESSON, [])
     assert "jupyterhub.singleuser" in command[2]
     assert environ["JUPYTERHUB_DEFAULT_URL"].endswith(LESSON)
     assert "ROS_DOMAIN_ID is set to 'no number'" in capsys.readouterr().err
@@ -96,7 +99,7 @@ def test_outside_of_a_hub_it_says_what_to_run_instead(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.delenv(URL)
-    assert main.main([hub.VERB]) == 2
+    assert main.main([jupyter.HUB_VERB]) == 2
     said = capsys.readouterr().err
     assert "only a JupyterHub can start hub-singleuser" in said
     assert said.rstrip().endswith("lab.")
@@ -107,8 +110,8 @@ def test_outside_of_a_hub_it_says_what_to_run_instead(
 def test_without_jupyterhub_beside_the_course_it_says_how_to_install_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(hub, "find_spec", lambda _: None)
-    assert main.main([hub.VERB]) == 2
+    monkeypatch.setattr(jupyter, "find_spec", lambda _: None)
+    assert main.main([jupyter.HUB_VERB]) == 2
     assert f'{sys.executable} -m pip install -e ".[hub]"' in capsys.readouterr().err
 
 
@@ -118,7 +121,7 @@ def test_root_is_refused_as_jupyter_refuses_it(
 ) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(environment.paths, "sign_of_container", lambda: "")
-    assert main.main([hub.VERB]) == 2
+    assert main.main([jupyter.HUB_VERB]) == 2
     assert "hub-singleuser --allow-root" in capsys.readouterr().err
 
 
@@ -128,7 +131,7 @@ def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
 ) -> None:
     monkeypatch.setattr(environment.paths, "usual_learner_folder", lambda: Path("/proc/nonexistent/ros2-course"))
     with pytest.raises(Started) as started:
-        main.main([hub.VERB, "--allow-root"])
+        main.main([jupyter.HUB_VERB, "--allow-root"])
     _, command, environ = started.value.args
     assert command[-1] == "--allow-root"
     assert environ["JUPYTERHUB_DEFAULT_URL"] == "/lab"
@@ -138,7 +141,7 @@ def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
 def test_the_configuration_of_the_guide_starts_what_the_guide_installs() -> None:
     configured = ast.parse(guide.block("Configure the hub", "python"))
     settings = {ast.unparse(one.targets[0]): one.value for one in configured.body if isinstance(one, ast.Assign)}
-    assert ast.literal_eval(settings["c.Spawner.cmd"]) == [f"{guide.COURSE}/course", hub.VERB]
+    assert ast.literal_eval(settings["c.Spawner.cmd"]) == [f"{guide.COURSE}/course", jupyter.HUB_VERB]
     proxy = ast.literal_eval(settings["c.ConfigurableHTTPProxy.command"])
     assert proxy == [f"{guide.TOOLS}/node_modules/.bin/configurable-http-proxy"]
     installed = guide.block("Install it once", "sh")
