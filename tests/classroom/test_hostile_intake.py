@@ -6,8 +6,6 @@ import os
 import stat
 import struct
 import subprocess
-import time
-import timeit
 import unicodedata
 import zipfile
 from pathlib import Path
@@ -16,8 +14,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import archive, choosing, collecting, layouts, listing
-from course_kit.classroom.intake.listing import FILE, FOLDER, Item
+from course_kit.classroom.intake import archive, choosing, collecting, listing
 from course_kit.grading import GradingError, exercise
 from course_kit.grading.readings import Readings
 from course_kit.text.sanitize import one_line
@@ -30,7 +27,6 @@ if TYPE_CHECKING:
     from course_kit.grading.submission import Copy
 
 SERVICE = exercise.load("temperature_service")
-ROBOT = exercise.load("move_robot")
 PROGRAM = "temperature_service.py"
 OTHERS = ("ann", "bob", "cem")
 
@@ -98,25 +94,6 @@ def test_names_inside_of_one_students_work_say_nothing_about_others(
     assert found.dropped == ()
 
 
-@pytest.mark.parametrize(
-    ("name", "others"),
-    [
-        ("bob_12_assignsubmission_file_", IN_FOLDERS),
-        ("x-submissions", IN_FOLDERS),
-        ("submitted", IN_FOLDERS),
-        ("bob_12_assignsubmission_file_", IN_NBGRADER),
-        ("submitted", IN_CANVAS),
-    ],
-)
-def test_a_student_named_like_a_layout_is_one_student(tmp_path: Path, name: str, others: dict[str, str]) -> None:
-    inside = "submitted/" if others is IN_NBGRADER else ""
-    evil = [f"{inside}{name}/bob/week/{PROGRAM}", f"{inside}{name}/bob_12_912_{PROGRAM}"]
-    found = collect(lay_out(tmp_path / "in", [*others.values(), *evil]))
-    result = taken(found)
-    assert result.pop(name).startswith(f"{inside}{name}/")
-    assert result == others
-
-
 def test_an_entry_that_does_not_fit_is_a_student_of_its_own_and_listed(tmp_path: Path) -> None:
     strays = ["dee/temperature_service.py", "12.py"]
     found = collect(lay_out(tmp_path / "in", [*IN_MOODLE.values(), *strays, "notes.txt"]))
@@ -125,13 +102,6 @@ def test_an_entry_that_does_not_fit_is_a_student_of_its_own_and_listed(tmp_path:
     assert result == {**IN_MOODLE, "dee": strays[0], own: strays[1]}
     assert dict(found.odd) == dict.fromkeys(("dee", own), "its name does not follow the layout 'moodle'")
     assert dict(found.left) == {"notes.txt": "its name does not follow the layout 'moodle'"}
-
-
-def test_a_file_between_folders_never_counts_for_the_student_of_that_name(tmp_path: Path) -> None:
-    found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), "bob.py", "bob_temperature_service.ipynb"]))
-    result = taken(found)
-    assert {student: result[student] for student in OTHERS} == IN_FOLDERS
-    assert len(result) == len(OTHERS) + 1
 
 
 def test_who_is_alone_in_a_folder_cannot_hand_in_for_others(tmp_path: Path) -> None:
@@ -177,13 +147,9 @@ def test_a_number_beside_two_names_is_nobodys(tmp_path: Path) -> None:
 
 ALIKE = {
     "composed and decomposed": ("jörg", unicodedata.normalize("NFD", "jörg")),
-    "blank at the end": ("jane", "jane "),
     "two blanks": ("jane doe", "jane  doe"),
-    "blank of another width": ("jane doe", "jane\u00a0doe"),
-    "mark that turns the writing": ("jane", "jane\u200f"),
     "two such marks": ("jane\u202e", "jane\u202d"),
     "letter that shows nothing": ("jane", "jane\u3164"),
-    "variation selector": ("jane", "jane\ufe0f"),
     "not UTF-8": (b"j\xf6rg", b"j\xe4rg"),
     "control character": ("jane\x1b", "jane\x07"),
     "named like a mark": ("jane ", "jane~"),
@@ -202,14 +168,6 @@ def test_two_students_who_look_the_same_stay_two_and_can_be_told_apart(
     assert {os.fsencode(entry.source.partition("/")[0]) for entry in found.entries} == set(folders)
 
 
-def test_nobody_can_be_called_like_another_one_with_a_mark(tmp_path: Path) -> None:
-    first = collect(lay_out(tmp_path / "in", [f"jane/{PROGRAM}", f"jane /{PROGRAM}"]))
-    marked = next(student for student in taken(first) if student != "jane")
-    found = collect(lay_out(tmp_path / "in", [f"{marked}/{PROGRAM}"]))
-    assert len(taken(found)) == 3
-    assert taken(found)[marked] == f"jane /{PROGRAM}", "whose it was before"
-
-
 def test_a_lone_name_is_only_cleaned(tmp_path: Path) -> None:
     names = ["山田\u3000太郎", unicodedata.normalize("NFD", "Jörg"), "a\x1b[31mb", "x" * 240, "\u202eevil", " ", "\n"]
     found = collect(lay_out(tmp_path / "in", [f"{name}/{PROGRAM}" for name in names]))
@@ -224,15 +182,6 @@ def test_a_lone_name_is_only_cleaned(tmp_path: Path) -> None:
     assert {students[" "][:8], students["\n"][:8]} == {"unnamed~"}
 
 
-def test_names_that_are_not_utf_8_cost_nobody_anything(tmp_path: Path) -> None:
-    evil = [b"j\xf6rg/temperature_service.py", b"mallory/\xff_temperature_service.py", b"mallory/\xfe.txt"]
-    found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *evil]))
-    result = taken(found)
-    assert os.fsencode(result["j\ufffdrg"]) == evil[0]
-    assert os.fsencode(result["mallory"]) == evil[1]
-    assert set(OTHERS) <= set(result)
-
-
 def test_links_are_not_followed_whoever_they_lead_to(tmp_path: Path) -> None:
     root = lay_out(tmp_path / "in", IN_FOLDERS.values())
     (root / "dee").symlink_to("bob")
@@ -245,24 +194,6 @@ def test_links_are_not_followed_whoever_they_lead_to(tmp_path: Path) -> None:
     assert {student: reason.rpartition(": ")[2] for student, reason in found.dropped} == dict.fromkeys(
         ("dee", "eve", "fay", "gus"), "it is a link, and links are not followed"
     )
-
-
-def test_a_link_among_files_of_students_is_not_followed(tmp_path: Path) -> None:
-    root = lay_out(tmp_path / "in", IN_FILES.values())
-    (root / "mallory.py").symlink_to("bob.py")
-    found = collect(root)
-    assert taken(found) == IN_FILES
-    assert found.dropped == (("mallory", "mallory.py: it is a link, and links are not followed"),)
-
-
-def test_pipes_and_sockets_are_not_opened(tmp_path: Path) -> None:
-    root = lay_out(tmp_path / "in", IN_FILES.values())
-    os.mkfifo(root / "mallory.py")
-    (root / "nat").mkdir()
-    os.mkfifo(root / "nat/answer.py")
-    found = collect(root)
-    assert taken(found) == {**IN_FILES, "nat": "nat/answer.py"}, "reading it says what it is"
-    assert found.dropped == (("mallory", "mallory.py: it is not an ordinary file"),)
 
 
 @pytest.fixture
@@ -334,50 +265,12 @@ def test_files_that_take_long_to_look_into_are_their_students_problem(
     assert left["nat/b.py"] == reason
 
 
-def test_a_heap_of_links_is_told_in_a_few_words(tmp_path: Path) -> None:
-    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
-    (root / "mallory/.git").mkdir(parents=True)
-    for number in range(500):
-        (root / f"mallory/{number:03}").symlink_to("../bob")
-    found = collect(root)
-    assert taken(found) == IN_FOLDERS
-    [(_, reason)] = found.dropped
-    assert reason.startswith("mallory/000: it is a link, and links are not followed; ")
-    assert reason.endswith("; and 497 more")
-    assert len(found.left) < 60
-
-
-def test_whoever_hands_in_something_else_only_is_named(tmp_path: Path) -> None:
-    root = lay_out(tmp_path / "in", [*IN_FOLDERS.values(), "dee/a.txt", "dee/b.txt", "eve/essay.pdf"])
-    (root / "fay").mkdir()
-    found = collect(root)
-    assert taken(found) == {**IN_FOLDERS, "eve": "eve/essay.pdf"}
-    assert found.dropped == (("dee", "none of it belongs to these exercises"),)
-    assert ("fay", SERVICE.id) in found.missing
-    assert ("fay", "an empty folder") in found.left
-
-
 def test_what_systems_and_tools_leave_behind_is_nobodys(tmp_path: Path) -> None:
     junk = [".DS_Store", "__MACOSX/bob/._temperature_service.py", "bob/._temperature_service.py", ".gitignore"]
     found = collect(lay_out(tmp_path / "in", [*IN_FOLDERS.values(), *junk]))
     assert taken(found) == IN_FOLDERS
     assert found.dropped == ()
     assert {path for path, _ in found.left} == {".DS_Store", "__MACOSX", "bob/._temperature_service.py", ".gitignore"}
-
-
-@pytest.mark.parametrize("read", [layouts.read_canvas, layouts.read_moodle, layouts.read_files])
-@pytest.mark.parametrize("kind", [FILE, FOLDER])
-@pytest.mark.parametrize("piece", ["_1", "-1", "_1_assignsubmission_file", "a_12_34_"])
-def test_reading_a_name_takes_time_in_proportion_to_its_length(
-    read: Callable[[Item], object], kind: str, piece: str
-) -> None:
-    """Names in a zip have up to 65,535 bytes; ten times as much costs a quadratic pattern a hundred times as much."""
-
-    def seconds(length: int) -> float:
-        item = Item((piece * length)[:length], kind)
-        return min(timeit.repeat(lambda: read(item), number=5, repeat=7, timer=time.process_time))
-
-    assert seconds(60_000) < 40 * max(seconds(6_000), 0.0005)
 
 
 class Zip:
@@ -405,39 +298,26 @@ class Zip:
         return self.path
 
 
-def flag(bits: int, name: bytes) -> Callable[[bytes], bytes]:
-    """Set flags of the members of a name, at both places where they stand."""
-
-    def change(data: bytes) -> bytes:
-        changed = bytearray(data)
-        place = data.find(name)
-        while place >= 0:
-            for signature, head, at in ((b"PK\x03\x04", 30, 6), (b"PK\x01\x02", 46, 8)):
-                if data[place - head : place - head + 4] == signature:
-                    (before,) = struct.unpack_from("<H", changed, place - head + at)
-                    struct.pack_into("<H", changed, place - head + at, before | bits)
-            place = data.find(name, place + 1)
-        return bytes(changed)
-
-    return change
+def encrypted(data: bytes) -> bytes:
+    """Set the flag of Mallory's member, at both places where it stands."""
+    changed = bytearray(data)
+    changed[data.index(MALLORYS) - 30 + 6] |= 1
+    changed[data.rindex(MALLORYS) - 46 + 8] |= 1
+    return bytes(changed)
 
 
+MALLORYS = b"mallory/temperature_service.py"
 OUTSIDE = "its name leads outside the archive"
 MEMBERS: list[tuple[str, dict[str, object], str]] = [
     ("mallory/temperature_service.py", {"mode": stat.S_IFLNK | 0o777, "data": b"../bob/x"}, "it is a link"),
     ("mallory/temperature_service.py", {"mode": stat.S_IFBLK | 0o666}, "it is not an ordinary file"),
-    ("mallory/temperature_service.py", {"mode": stat.S_IFIFO | 0o666}, "it is not an ordinary file"),
     ("mallory/temperature_service.py", {"method": zipfile.ZIP_BZIP2}, "compressed with a method that is not supported"),
-    ("mallory/temperature_service.py", {"method": zipfile.ZIP_LZMA}, "compressed with a method that is not supported"),
     (f"mallory/{'x' * 300}.py", {}, "its name is too long"),
-    (f"{'m' * 300}/temperature_service.py", {}, "its name is too long"),
     (f"{'m' * 60_000}/temperature_service.py", {}, "its name is too long"),
     (f"mallory/{'a/' * 2000}temperature_service.py", {}, "it lies in more than 40 folders"),
     (f"mallory/{'y' * 250}/{'/'.join(['z' * 250] * 20)}/a.py", {}, "it cannot be unpacked: File name too long"),
-    ("../bob/temperature_service.py", {}, OUTSIDE),
     ("mallory/../bob/temperature_service.py", {}, OUTSIDE),
     ("/bob/temperature_service.py", {}, OUTSIDE),
-    ("//bob/temperature_service.py", {}, OUTSIDE),
 ]
 
 
@@ -460,7 +340,7 @@ def test_a_member_that_cannot_be_had_is_named_and_everybody_else_is_there(
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (flag(0x1, b"mallory/temperature_service.py"), "it is encrypted"),
+        (encrypted, "it is encrypted"),
         (lambda data: data.replace(b"#corrupt#", b"#corrupT#"), "cannot be unpacked: Bad CRC-32"),
         (lambda data: data.replace(b"mallory/temp", b"mallory/tEmp", 1), "cannot be unpacked: File name in directory"),
     ],
@@ -478,19 +358,6 @@ def test_a_broken_member_is_not_half_there(tmp_path: Path, change: Callable[[byt
     assert not (tmp_path / "workspace/mallory/temperature_service.py").exists()
 
 
-def test_a_corrupt_stream_is_its_members_problem(tmp_path: Path) -> None:
-    packed = Zip(tmp_path / "all.zip")
-    packed.add("mallory/temperature_service.py", os.urandom(100) * 50)
-
-    def scratch(data: bytes) -> bytes:
-        start = data.index(b"mallory/temperature_service.py") + len("mallory/temperature_service.py")
-        return data[: start + 20] + b"\xff" * 40 + data[start + 60 :]
-
-    found = collect(packed.close(scratch))
-    assert taken(found) == IN_FOLDERS
-    assert "cannot be unpacked" in dict(found.dropped)["mallory"]
-
-
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_of_two_members_of_a_name_the_last_counts(tmp_path: Path) -> None:
     packed = Zip(tmp_path / "all.zip")
@@ -502,31 +369,6 @@ def test_of_two_members_of_a_name_the_last_counts(tmp_path: Path) -> None:
     assert (found.root / "mallory/temperature_service.py").read_bytes() == b"third"
     assert [path for path, _ in found.left] == ["mallory/temperature_service.py"] * 2
     assert found.dropped == ()
-
-
-def test_a_file_and_a_folder_of_one_name(tmp_path: Path) -> None:
-    packed = Zip(tmp_path / "all.zip")
-    packed.add("mallory")
-    packed.add("mallory/temperature_service.py")
-    packed.add("dee/temperature_service.py")
-    packed.add("dee")
-    found = collect(packed.close())
-    assert set(taken(found)) == {*OTHERS, "mallory", "dee"}
-    assert [student for student, _ in found.dropped] == ["mallory", "dee"]
-
-
-def test_sizes_in_64_bits_are_read_and_a_missing_one_is_its_files_problem(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "large.zip", "w") as packed:
-        with packed.open(IN_FOLDERS["ann"], "w", force_zip64=True) as file:
-            file.write(b"pass\n")
-        packed.writestr(IN_FOLDERS["bob"], "pass\n")
-    assert set(taken(collect(tmp_path / "large.zip"))) == {"ann", "bob"}
-    data = bytearray((tmp_path / "large.zip").read_bytes())
-    struct.pack_into("<I", data, data.rindex(b"PK\x01\x02") + 24, 0xFFFFFFFF)
-    (tmp_path / "large.zip").write_bytes(data)
-    found = collect(tmp_path / "large.zip")
-    assert set(taken(found)) == {"ann"}
-    assert "it is too much" in dict(found.dropped)["bob"]
 
 
 def test_names_in_the_old_encoding_of_zips_are_kept(tmp_path: Path) -> None:
@@ -594,27 +436,6 @@ def test_a_zip_in_a_zip_is_opened_once_and_is_one_students(tmp_path: Path) -> No
     assert (tmp_path / "workspace/bob/temperature_service.py").read_bytes() == b"pass\n"
 
 
-def test_a_bomb_in_a_students_zip_is_theirs_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archive, "LARGEST_OF_ONE", 10_000)
-    root = lay_out(tmp_path / "in", IN_FOLDERS.values())
-    (root / "mallory").mkdir()
-    with zipfile.ZipFile(root / "mallory/work.zip", "w", zipfile.ZIP_DEFLATED) as bomb:
-        bomb.writestr("temperature_service.py", b"0" * 500_000)
-    found = collect(root)
-    assert taken(found) == IN_FOLDERS
-    assert "it is too much" in dict(found.dropped)["mallory"]
-    assert sorted(path.name for path in root.iterdir()) == ["ann", "bob", "cem", "mallory"]
-    assert [path.name for path in (root / "mallory").iterdir()] == ["work.zip"], "nothing is unpacked in the inbox"
-
-
-@pytest.mark.parametrize("name", ["mallory\\temperature_service.py", "a%2fbob.py", "a\u2215bob.py", "a\uff0fbob.py"])
-def test_slashes_in_disguise_are_letters(tmp_path: Path, name: str) -> None:
-    packed = Zip(tmp_path / "all.zip")
-    packed.add(name)
-    found = collect(packed.close())
-    assert {source for source in taken(found).values() if source not in IN_FOLDERS.values()} == {name}
-
-
 def test_unpacking_again_leaves_nothing_of_before(tmp_path: Path) -> None:
     packed = Zip(tmp_path / "all.zip")
     packed.add("mallory/temperature_service.py")
@@ -628,24 +449,6 @@ def test_a_folder_that_is_not_ours_is_not_emptied(tmp_path: Path) -> None:
     with pytest.raises(GradingError, match=r"but that already exists\. Move it away first"):
         collect(Zip(tmp_path / "all.zip").close())
     assert (tmp_path / "workspace/precious.txt").is_file()
-
-
-def test_a_full_disk_is_nobodys_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    packed = Zip(tmp_path / "all.zip").close()
-
-    def stand_in_for_a_full_disk(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(zipfile.ZipFile, "open", stand_in_for_a_full_disk)
-    with pytest.raises(OSError, match="No space left"):
-        collect(packed)
-
-
-def test_the_newer_of_two_files_in_a_zip_counts(tmp_path: Path) -> None:
-    with zipfile.ZipFile(tmp_path / "all.zip", "w") as packed:
-        for name, year in (("jane/a/temperature_service.py", 2026), ("jane/b/temperature_service.py", 2020)):
-            packed.writestr(zipfile.ZipInfo(name, (year, 1, 1, 0, 0, 0)), "pass")
-    assert collect(tmp_path / "all.zip").entries[0].source == "jane/a/temperature_service.py"
 
 
 def test_brackets_in_each_other_in_a_gradescope_export_end_nothing(tmp_path: Path) -> None:
@@ -674,9 +477,3 @@ def test_a_zip_that_lists_a_million_files_is_one_students_problem(tmp_path: Path
     [(path, why)] = found.left
     assert path == "mallory/work.zip"
     assert "it lists too many files (their names take more than 8 MB)" in why
-
-
-def test_a_class_may_list_more_than_one_student(tmp_path: Path) -> None:
-    long_list(tmp_path / "class.zip", 65)
-    with pytest.raises(GradingError, match=r"class\.zip cannot be read .*more than 64 MB"):
-        collect(tmp_path / "class.zip")

@@ -62,30 +62,12 @@ def test_a_later_download_of_the_assignment_beside_the_first_one_grades_only_wha
     assert set(worksheet(book)) == {11, 12, 13}
 
 
-def test_a_download_of_those_who_were_late_alone_has_the_same_numbers(tmp_path: Path) -> None:
-    first = download(tmp_path / "first.zip", Ann_A_11="right = 1")
-    later = download(tmp_path / "later.zip", Cem_C_13="right = 3")
-    book = run(first, tmp_path / "out", StandInForGrading(), more=(later,))
-    assert scores(book) == {"11": 10.0, "13": 10.0}
-
-
 def test_who_has_an_empty_folder_is_on_the_roster_once_and_has_handed_in_nothing(tmp_path: Path) -> None:
     inbox = download(tmp_path / "in.zip", Ann_A_11="right = 1", Bob_B_12="")
     book = run(inbox, tmp_path / "out", StandInForGrading(), roster=class_list(tmp_path, PARTICIPANTS))
     assert book.absent == (("12", "Bob B"), ("cem@x.example", "Cem C"))
     assert book.missing == (("12", SERVICE.id), ("cem@x.example", SERVICE.id))
     assert book.unknown == ()
-
-
-def test_who_handed_in_something_else_alone_has_their_name_and_is_not_absent(tmp_path: Path) -> None:
-    inbox = download(tmp_path / "in.zip", Ann_A_11="right = 1", Bob_B_12="right = 1")
-    with zipfile.ZipFile(inbox, "a") as packed:
-        for name in ("report.pdf", "photo.png"):
-            packed.writestr(f"Cem C_13_assignsubmission_file/{name}", "nothing")
-    book = run(inbox, tmp_path / "out", StandInForGrading(), roster=class_list(tmp_path, PARTICIPANTS))
-    assert book.absent == ()
-    assert book.names == {"13": "Cem C"}
-    assert [student for student, _ in book.dropped] == ["13"]
 
 
 @pytest.mark.parametrize("called", ["12", "bob@x.example", "Bob B", "BOB@x.example"])

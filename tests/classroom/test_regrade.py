@@ -121,17 +121,6 @@ def test_a_mended_grader_changes_what_the_table_says_and_no_more(course: Course,
     assert "another version" not in class_run(course, inbox, out, "--resume")
 
 
-def test_what_was_handed_in_anew_meanwhile_is_graded_as_it_is_now(course: Course, inbox: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    break_grader(course)
-    class_run(course, inbox, out)
-    mend_grader(course)
-    (inbox / f"ada/{EXERCISE}.py").write_text("answers = {}")
-    done = course.run(*again(inbox, out, "--write"))
-    assert done.returncode == 0, done.stderr
-    assert (scores(out)["ada"], scores(out)["cem"]) == (0.0, 10.0)
-
-
 @pytest.mark.parametrize(("answer", "score"), [("y", 10.0), ("n", 9.5)])
 def test_at_a_terminal_it_asks(answer: str, score: float, course: Course, inbox: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from datetime import datetime, timezone
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -18,6 +17,8 @@ from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.classroom.records import Gradebook
 
 BERLIN = 'timezone = "Europe/Berlin"\n'
@@ -117,28 +118,6 @@ def test_a_double_of_whoever_is_gone_stands_by_itself(inbox: Path) -> None:
     assert results(book)["dan"] == ("graded", 10.0, "")
 
 
-def test_a_result_says_what_graded_it(inbox: Path) -> None:
-    book, _ = again(inbox)
-    for record in book.records:
-        assert set(record.versions) == {"kit", "exercise"}
-        assert all(record.versions.values())
-
-
-def test_grades_of_a_changed_inbox_equal_those_of_a_clean_run(inbox: Path) -> None:
-    again(inbox)
-    hand_in(inbox, "bob", "right = 7")
-    hand_in(inbox, "eva", "wrong = 8")
-    (inbox / "ada/temperature_service.py").unlink()
-    (inbox / "ada").rmdir()
-    resumed, _ = again(inbox)
-    clean = run(inbox, inbox.parent / "clean", StandInForGrading(), seed=resumed.seed)
-    exports.write_all(clean, inbox.parent / "clean")
-    resumed_files, clean_files = inbox.parent / "out", inbox.parent / "clean"
-    assert {one for one in files(resumed_files) if not one.startswith("superseded")} == files(clean_files)
-    for name in ("grades.csv", *(one for one in files(clean_files) if one.startswith("exports/"))):
-        assert (resumed_files / name).read_bytes() == (clean_files / name).read_bytes(), name
-
-
 def settings(inbox: Path, **texts: str) -> Path:
     """Write the instructor's files: `class_toml`, `overrides`, `extensions`."""
     out = inbox.parent / "out"
@@ -224,13 +203,11 @@ def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
             "line 2: there is no exercise 'temperature_servce' here.",
         ),
         ("student,exercise,score\n\nbob,temperature_service,11\n", "line 3: the score '11' is no number from 0 to 10"),
-        ("student,exercise,score\nbob,temperature_service,nan\n", "line 2: the score 'nan' is no number"),
         ("student,exercise\nbob,temperature_service\n", "line 2: it has neither a score nor a comment"),
         (
             "student,exercise,check,score\nbob,temperature_service,offered,\n",
             "line 2: the check offered needs the points",
         ),
-        ("student,score\nbob,3\n", "line 1: the column 'exercise' is missing"),
         (
             'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n',
             "line 4: bob and temperature_service stand in line 2 already",
@@ -246,15 +223,6 @@ def test_a_mistake_in_the_overrides_is_told_with_its_line_before_anything_is_gra
     assert said in str(told.value)
     assert "overrides.csv" in str(told.value)
     assert not (inbox.parent / "out/students").exists()
-
-
-def test_all_mistakes_are_told_at_once(inbox: Path) -> None:
-    settings(
-        inbox, overrides="student,exercise,score\nbob,temperature_service,x\nbob,nothing,1\n,temperature_service,1\n"
-    )
-    with pytest.raises(GradingError) as told:
-        again(inbox)
-    assert [f"line {number}" in str(told.value) for number in (2, 3, 4)] == [True, True, True]
 
 
 def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path) -> None:
@@ -274,18 +242,6 @@ def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path
     assert "Handed in 1 d late: on 2026-11-21 23:59 CET (UTC+01:00), due 2026-11-20 23:59 CET (UTC+01:00)." in page
     assert "Late penalty: 2 points" in page
     assert [one.entry.student for one in book.records if one.adjustment.warning] == ["bob"]
-
-
-def test_a_timestamp_in_a_zip_counts(tmp_path: Path) -> None:
-    for student, stamp in (("ada", "2026-11-22 12:00:00.0 UTC"), ("bob", "2026-11-19 12:00:00.0 UTC")):
-        folder = tmp_path / "course/submitted" / student / "week1"
-        folder.mkdir(parents=True)
-        (folder / "temperature_service.py").write_text(f"right = '{student}'")
-        (folder / "timestamp.txt").write_text(stamp)
-    archive = Path(shutil.make_archive(str(tmp_path / "all"), "zip", tmp_path / "course"))
-    settings(archive, class_toml=RULES + DUE)
-    book, _ = again(archive)
-    assert scores(book) == {"ada": 8.0, "bob": 10.0}
 
 
 @pytest.mark.attack("A timestamp.txt that a student hands in")
@@ -322,18 +278,6 @@ def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
     assert "your own date" in (out / "students/ada/temperature_service.html").read_text(encoding="utf-8")
 
 
-def test_clock_changes_are_no_hours_too_late_or_too_early(inbox: Path) -> None:
-    """In the night of 2026-10-25 an hour comes twice in Berlin."""
-    hand_in(inbox, "ada", "right = 1", "2026-10-25 01:30:00 UTC")  # 02:30 for the second time
-    hand_in(inbox, "bob", "right = 2", "2026-10-25 00:30:00 UTC")  # 02:30 for the first time
-    as_nbgrader_collects(inbox)
-    settings(
-        inbox, class_toml=f"{BERLIN}penalty_percent_per_day = 10\n[due]\ntemperature_service = 2026-10-25T02:45:00\n"
-    )
-    book, _ = again(inbox)
-    assert {one.entry.student: one.adjustment.late_s for one in book.records} == {"ada": 2700.0, "bob": 0.0, "cem": 0.0}
-
-
 def test_late_by_the_name_alone_counts_as_one_day_and_is_said(tmp_path: Path) -> None:
     inbox = tmp_path / "in"
     inbox.mkdir()
@@ -356,9 +300,7 @@ def test_late_by_the_name_alone_counts_as_one_day_and_is_said(tmp_path: Path) ->
         ('timezone = "Europe/Berln"\n', "no timezone 'Europe/Berln'"),
         (f"{BERLIN}{DUE}grace_minutes = 5\n", "'grace_minutes' stands below [due]"),
         ("grace_minute = 5\n", "it has no setting 'grace_minute'. Did you mean grace_minutes?"),
-        ("grace_minutes = -5\n", "'grace_minutes' has to be a number, 0 or more"),
         (f'{BERLIN}[due]\ntemperature_servce = "2026-11-20 23:59"\n', "no exercise 'temperature_servce' here"),
-        (f'{BERLIN}[due]\ntemperature_service = "tomorrow"\n', "'tomorrow' is no date with a time"),
         (f"{BERLIN}[due]\ntemperature_service = 2026-11-20\n", "'2026-11-20' has no time of day"),
         ("[due\n", "at line 1"),
     ],
@@ -371,23 +313,11 @@ def test_a_mistake_in_the_rules_is_told_before_anything_is_graded(text: str, sai
     assert "class.toml" in str(told.value)
 
 
-def test_an_extension_for_nobody_or_without_a_zone_is_told_with_its_line(inbox: Path) -> None:
-    settings(inbox, extensions="student,exercise,due\nbo,,2026-11-25 12:00Z\n")
-    with pytest.raises(
-        GradingError, match=r"extensions\.csv[^$]*line 2: there is no student 'bo' here. Did you mean bob"
-    ):
-        again(inbox)
-    settings(inbox, extensions="student,exercise,due\nbob,,2026-11-25 12:00\n")
-    with pytest.raises(GradingError, match="line 2: due: nobody knows which time zone"):
-        again(inbox)
-
-
 @pytest.mark.parametrize(
     ("stamp", "hour", "said"),
     [
         ("2026-10-25 02:30:00 CEST", 0, False),
         ("2026-10-25 02:30:00 CET", 1, False),
-        ("2026-10-25 02:30:00 +01:00", 1, False),
         ("2026-10-25 02:30:00 Europe/Berlin", 0, True),
         ("2026-10-25 03:30:00 Europe/Berlin", 2, False),
     ],

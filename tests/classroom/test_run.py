@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
-import os
 import shutil
 from concurrent.futures import Future
 from dataclasses import replace
@@ -19,14 +17,11 @@ from course_kit.classroom.grading_loop import RunProgress
 from course_kit.classroom.intake import roster
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.rules.seeds import Seeds
-from course_kit.classroom.run import ClassRun, Plan
 from course_kit.grading import GradingError
 from course_kit.grading.reading import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from course_kit.grading.engine import Task
     from course_kit.grading.report import Report
 
@@ -38,14 +33,6 @@ def handed_in(tmp_path: Path) -> Path:
         (tmp_path / "in" / student).mkdir(parents=True)
         (tmp_path / "in" / student / "temperature_service.py").write_text(text)
     return tmp_path / "in"
-
-
-def test_the_size_of_a_notebook_is_that_of_its_program(tmp_path: Path) -> None:
-    cell = {"cell_type": "code", "source": "%%submission temperature_service\nright = 1\n", "outputs": ["x" * 500_000]}
-    (tmp_path / "in/ada").mkdir(parents=True)
-    (tmp_path / "in/ada/temperature_service.ipynb").write_text(json.dumps({"cells": [cell]}))
-    [record] = run(tmp_path / "in", tmp_path / "out", StandInForGrading()).records
-    assert record.size == len("right = 1\n\n")
 
 
 def test_who_is_absent_is_in_the_grades_by_name(handed_in: Path, tmp_path: Path) -> None:
@@ -80,38 +67,6 @@ def test_what_may_never_end_is_begun_first_and_then_what_waits(handed_in: Path, 
     executor = StandInForGrading()
     run(handed_in, tmp_path / "out", executor)
     assert [task.shown.partition("/")[0] for task in executor.tasks] == ["eve", "ada", "dee", "bob"]
-
-
-class Order(RunProgress):
-    """Notes when all submissions have been read."""
-
-    def __init__(self, happened: list[str]) -> None:
-        super().__init__(io.StringIO())
-        self._happened = happened
-
-    def begin(self, total: int, ready: Sequence[Record]) -> None:
-        self._happened.append("read")
-        super().begin(total, ready)
-
-
-def test_the_workers_get_ready_while_submissions_are_read(handed_in: Path, tmp_path: Path) -> None:
-    happened: list[str] = []
-
-    def start() -> StandInForGrading:
-        happened.append("started")
-        return StandInForGrading()
-
-    for resume in (False, True):  # the second time there is nothing to do
-        ClassRun(Plan((handed_in,), tmp_path / "out", (SERVICE,), resume=resume), Order(happened)).grade(start)
-    assert happened == ["started", "read", "read"]
-
-
-def test_each_result_is_a_record_and_a_page_that_belong_to_the_student(handed_in: Path, tmp_path: Path) -> None:
-    run(handed_in, tmp_path / "out", StandInForGrading())
-    folder = tmp_path / "out/students/cem"
-    record = Record.from_json((folder / "temperature_service.json").read_text())
-    assert record.report["submission"] == "cem/temperature_service.py"
-    assert "cem" in (folder / "temperature_service.html").read_text()
 
 
 class TakingAway(StandInForGrading):
@@ -171,27 +126,15 @@ def test_a_report_names_the_file_of_its_student_where_an_identical_one_was_grade
         assert f"of_{other}" not in page
 
 
-def test_resuming_grades_only_what_has_no_result_or_has_changed(handed_in: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    first = run(handed_in, out, StandInForGrading())
-    (out / "students/eve/temperature_service.json").write_text('{"format_version": 1, "half')  # a crash of another tool
-    (handed_in / "bob/temperature_service.py").write_text("right = 3")
-    again = StandInForGrading()
-    second = run(handed_in, out, again, resume=True)
-    assert sorted(task.shown.partition("/")[0] for task in again.tasks) == ["bob", "eve"]
-    assert second.seed == first.seed
-    assert results(second) == {**results(first), "bob": ("graded", 10.0, "")}
-
-
-@pytest.mark.parametrize("score", ["ten", None, True, []])
-def test_a_record_whose_points_are_no_number_is_none(score: object, handed_in: Path, tmp_path: Path) -> None:
-    """Somebody wrote it by hand: its submission is graded again."""
+@pytest.mark.parametrize("score", ['"ten"', "null", "true", "half a fi"])
+def test_a_record_that_cannot_be_read_is_none(score: str, handed_in: Path, tmp_path: Path) -> None:
+    """Somebody wrote it by hand, or not to its end: its submission is graded again."""
     out = tmp_path / "out"
     first = run(handed_in, out, StandInForGrading())
     path = out / "students/ada/temperature_service.json"
-    record = json.loads(path.read_text())
-    record["report"]["score"] = score
-    path.write_text(json.dumps(record))
+    text = path.read_text()
+    assert '"score": 10.0' in text
+    path.write_text(text.replace('"score": 10.0', f'"score": {score}'))
     again = StandInForGrading()
     second = run(handed_in, out, again, resume=True)
     assert [task.shown.partition("/")[0] for task in again.tasks] == ["ada"]
@@ -223,39 +166,6 @@ def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed
     drawn = {(task.shown, task.seed) for task in own.tasks}
     assert ("ada/pattern_choice.py", 98) in drawn
     assert ("bob/pattern_choice.py", 99) in drawn  # the same bytes as ada's, and not the same questions
-
-
-def test_a_request_to_stop_leaves_what_is_done_and_says_it_is_not_all(handed_in: Path, tmp_path: Path) -> None:
-    executor, out = StandInForGrading(), tmp_path / "out"
-    plan = Plan((handed_in,), out, (SERVICE,))
-    executor.slots = 1
-    book = ClassRun(plan, RunProgress(io.StringIO()), lambda: int(len(executor.tasks) >= 2)).grade(lambda: executor)
-    assert not book.complete
-    assert executor.closed
-    rest = StandInForGrading()
-    assert run(handed_in, out, rest, resume=True).complete
-    assert len(executor.tasks) + len(rest.tasks) >= 3
-
-
-def test_a_full_disk_ends_the_run_and_costs_nothing_that_was_written(
-    handed_in: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    keep = Records.keep
-
-    def stand_in_for_a_full_disk(self: Records, record: Record, page: str | None = None) -> None:
-        if record.entry.student == "bob":
-            raise OSError(errno.ENOSPC, "No space left on device")
-        keep(self, record, page)
-
-    executor, out = StandInForGrading(), tmp_path / "out"
-    executor.slots = 1
-    with monkeypatch.context() as full:
-        full.setattr(Records, "keep", stand_in_for_a_full_disk)
-        with pytest.raises(OSError, match="No space left"):
-            run(handed_in, out, executor)
-    assert executor.closed
-    assert {record.entry.student for record in Records(out)} >= {"ada", "cem"}
-    assert run(handed_in, out, StandInForGrading(), resume=True).complete
 
 
 def test_what_vanishes_while_a_class_is_graded_gets_no_zero(tmp_path: Path) -> None:
@@ -305,57 +215,6 @@ def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
         tally.done(record)
     now[0] = 4.0
     assert tally.line() == "[  4/104] 2 passed, 1 not passed, 1 unreadable; about 1 min 40 s left"
-
-
-def test_progress_counts_what_an_earlier_run_has_done(handed_in: Path, tmp_path: Path) -> None:
-    tally = RunProgress(io.StringIO(), clock=lambda: 0.0)
-    book = run(handed_in, tmp_path / "out", StandInForGrading())
-    tally.begin(total=4, ready=book.records[:3])
-    tally.done(book.records[3])
-    assert tally.line() == "[4/4] 2 passed, 1 not passed, 1 unreadable"
-    tally.begin(total=4, ready=book.records[:4])  # as `--again` does in the same run
-    assert tally.line() == "[4/4] 2 passed, 1 not passed, 1 unreadable"
-
-
-def test_names_that_are_not_utf_8_are_graded_reported_and_resumed(handed_in: Path, tmp_path: Path) -> None:
-    for name in (b"j\xf6rg", b"j\xe4rg", b"esc\x1b[31m\xe2\x80\xae"):
-        folder = Path(os.fsdecode(os.fsencode(handed_in) + b"/" + name))
-        folder.mkdir()
-        (folder / os.fsdecode(b"\xfftemperature_service.py")).write_text("right = 5")
-    book = run(handed_in, tmp_path / "out", StandInForGrading())
-    exports.write_all(book, tmp_path / "out")
-    again = StandInForGrading()
-    second = run(handed_in, tmp_path / "out", again, resume=True)
-    assert again.tasks == []
-    assert results(second) == results(book)
-    first, other = (student for student in results(book) if student.startswith("j\ufffdrg~"))
-    assert results(book)[other] == ("graded", 10.0, results(book)[first][2] or first)
-    written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html")]
-    assert {path.suffix for path in written} == {".csv", ".html"}
-    for path in written:
-        assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
-    assert all(path.name.isprintable() for path in (tmp_path / "out").rglob("*"))
-
-
-def test_half_a_character_in_a_report_is_written_everywhere(handed_in: Path, tmp_path: Path) -> None:
-    """As an answer of the quiz, or the text of an exception, can hold one."""
-    half = "\ud800 and \x1b[2J and \u202e"
-
-    class StandInForHalves(StandInForGrading):
-        def submit(self, task: Task) -> Future[Report]:
-            whole = super().submit(task).result()
-            check = replace(whole.checks[0], status="failed", got=half, message=half, sent=half, hint=half)
-            done: Future[Report] = Future()
-            done.set_result(replace(whole, checks=(check,), stdout=half, stderr=half, passed=False))
-            return done
-
-    book = run(handed_in, tmp_path / "out", StandInForHalves())
-    exports.write_all(book, tmp_path / "out")
-    assert run(handed_in, tmp_path / "out", StandInForGrading(), resume=True).records == book.records
-    shown = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".csv", ".html")]
-    assert len(shown) > len(book.records)
-    for path in shown:
-        assert not {"\x1b", "\u202e"} & set(path.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(

@@ -57,13 +57,3 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
         os.kill(child, 9)
         holder.kill()
         holder.communicate()
-
-
-def test_a_run_that_has_ended_leaves_the_folder_to_the_next(tmp_path: Path) -> None:
-    for _ in range(2):
-        with run_folder.hold(tmp_path):
-            pass
-        with pytest.raises(KeyError), run_folder.hold(tmp_path):
-            raise KeyError
-    with run_folder.hold(tmp_path):
-        assert str(os.getpid()) in (tmp_path / run_folder.LOCK).read_text()

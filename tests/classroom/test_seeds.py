@@ -88,16 +88,6 @@ def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
             listed_seeds.of_class([entry], People([entry]))
 
 
-def test_a_name_of_two_is_nobodys_and_two_names_of_one_are_told(tmp_path: Path) -> None:
-    entries = [Entry(student, "pattern_choice", "x.py", "Ann Li") for student in ("11", "12")]
-    found = seeds.read(listed(tmp_path, "student,seed\nAnn Li,5\n"))
-    with pytest.raises(GradingError, match=r"line 2: several are called 'Ann Li': 11, 12\. Write one of these"):
-        found.of_class(entries, People(entries))
-    found = seeds.read(listed(tmp_path, "student,seed\n11,5\nAnn Li,6\n"))
-    with pytest.raises(GradingError, match="line 3: Ann Li stands in line 2 already, by another name"):
-        found.of_class(entries[:1], People(entries[:1]))
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [

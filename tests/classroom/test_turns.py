@@ -110,16 +110,6 @@ def test_where_most_gradings_wait_still_more_are_begun(
     assert grade.most == MOST_THAT_WAIT
 
 
-def test_the_place_of_one_that_only_waits_is_lent(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
-    neither, silent = made(0.2), threading.Event()
-    submit(neither, "one that ends")[0].result(PATIENCE_S)
-    waiting = submit(neither, *[silent] * AT_FIRST)
-    grade.wait_for(1 + AT_FIRST)
-    assert submit(neither, "late")[0].result(PATIENCE_S) == "late"
-    assert not any(future.done() for future in waiting)
-    silent.set()
-
-
 def test_what_may_last_begins_early_and_not_all_at_once() -> None:
     def urgency(thing: str) -> Urgency:
         return {"L": Urgency.LOOPS, "W": Urgency.WAITS}.get(thing, Urgency.NONE)
@@ -128,16 +118,6 @@ def test_what_may_last_begins_early_and_not_all_at_once() -> None:
     assert "".join(early("WaLLLLL", urgency)) == "LaLLWLL"
     assert "".join(early("aWLL", urgency)) == "LaLW"
     assert early([], urgency) == []
-
-
-def test_what_waits_for_its_turn_can_be_cancelled(grade: StandInForGrading, made: Callable[[float], Turns]) -> None:
-    busy, silent = made(0.0), threading.Event()
-    futures = submit(busy, *[silent] * AT_FIRST, "late", "later")
-    grade.wait_for(AT_FIRST)
-    assert futures[-2].cancel()
-    assert not futures[0].cancel()
-    silent.set()
-    assert futures[-1].result(PATIENCE_S) == "later"
 
 
 def test_the_end_cancels_what_waits_and_lets_the_rest_finish(

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tests.classroom.exports.books import SERVICE, good
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.classroom.records import Record
 
-REPOSITORY = Path(__file__).resolve().parents[3]
 ORIGINAL = """
 import math
 

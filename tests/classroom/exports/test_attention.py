@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import attention, changes, lookalikes, page
+from course_kit.classroom.exports import attention, changes, page
 from course_kit.classroom.exports.texts import problem
 from course_kit.classroom.records import Entry
-from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised
 
@@ -71,12 +70,6 @@ def test_two_of_the_same_name_are_told_apart_and_others_go_by_their_name() -> No
     assert "<bdi>سارة</bdi> (<bdi>17</bdi>)" in text, "else the number stands within a name from right to left"
 
 
-def test_attention_stands_first_then_the_students() -> None:
-    text = page.render(book(bad("jane"), missing=(("eve", SERVICE.id),)))
-    titles = re.findall(r'<section id="(\w+)"', text)
-    assert titles[:2] == ["attention", "students"]
-
-
 @pytest.mark.parametrize("section", ["checks", "diagnoses"])
 def test_a_check_and_a_diagnosis_unfold_to_their_students(section: str) -> None:
     text = page.render(book(bad("jane"), good("ann"), bad("li")))
@@ -105,30 +98,6 @@ def test_what_changed_since_the_last_run_is_told_once(tmp_path: Path) -> None:
     assert 'id="changes"' not in exports.write_all(now, tmp_path).read_text()
 
 
-@pytest.mark.parametrize(
-    "text", ["", "[]", '{"format_version": 0, "results": []}', '{"format_version": 1, "results": [1]}']
-)
-def test_a_list_of_the_last_run_that_cannot_be_read_is_none(tmp_path: Path, text: str) -> None:
-    (tmp_path / changes.FILE).write_text(text)
-    assert changes.since_last_run(book(good("jane")), tmp_path) == []
-
-
-def test_lines_of_the_same_shape_stand_side_by_side() -> None:
-    first = ["import math", "", "def area(r):", "    return math.pi * r * r"]
-    second = [
-        "# mine",
-        "import math",
-        "x = 1",
-        "def surface(radius):  # of a circle",
-        "    return math.pi*radius*radius",
-    ]
-    rows = [(row.first, row.second) for row in lookalikes.compare(first, second) if row.same]
-    assert rows == [(1, 2), (3, 4), (4, 5)]
-    shown = [(row.first_text, row.second_text) for row in lookalikes.compare(first, second)]
-    assert [one for one, _ in shown if one] == [line for line in first if line]
-    assert [other for _, other in shown if other] == second
-
-
 def test_each_pair_has_its_page_and_an_earlier_runs_pages_go(tmp_path: Path) -> None:
     records = class_of(tmp_path / "in", ann=ORIGINAL + "# <b>&", bob=OTHER, cid=disguised(ORIGINAL))
     gradebook = book(*records, root=tmp_path / "in")
@@ -141,9 +110,3 @@ def test_each_pair_has_its_page_and_an_earlier_runs_pages_go(tmp_path: Path) -> 
     assert shown.count('<tr class="same">') > 15
     exports.write_all(replace(gradebook, records=gradebook.records[:2]), out)
     assert list((out / "lookalikes").iterdir()) == []
-
-
-def test_without_the_submissions_nothing_is_promised_to_stand_side_by_side() -> None:
-    one, other = good("ann", digest="a"), good("bob", digest="b")
-    alike = lookalikes.LookAlikes(((lookalikes.Pair(one, other, 0.9),),), 2, 0, ())
-    assert "side by side" not in page.render(books.book(one, other), alike)

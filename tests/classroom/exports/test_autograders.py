@@ -18,9 +18,9 @@ from course_kit.classroom import autograder
 from course_kit.classroom.exports import autograder_results
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
-from course_kit.grading import GradingError, exercise, exercise_job
+from course_kit.grading import exercise, exercise_job
 from tests.classroom.exports import rules
-from tests.classroom.exports.books import SERVICE, bad, check, good, record, unreadable
+from tests.classroom.exports.books import SERVICE, bad, good, unreadable
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -49,11 +49,6 @@ def test_classroom_50_gets_whole_numbers(maker: object, score: int) -> None:
     result = of_classroom50(maker("jane"))  # type: ignore[operator]
     assert (result["score"], result["max-score"]) == (score, 100)
     assert (result["owner"], result["datetime"]) == ("jane", "2026-11-22T10:00:00Z")
-
-
-def test_half_points_are_kept_in_whole_numbers() -> None:
-    halves = [check("a", points=0.5), check("b", "failed", points=1.5), check("c", points=8.0)]
-    assert of_classroom50(record("jane", halves))["score"] == 85
 
 
 @pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
@@ -215,8 +210,3 @@ def test_nothing_that_is_there_is_written_over(kind: str, tmp_path: Path, capsys
     assert main(["export", kind, SERVICE.id, "--to", str(there)]) == 2
     assert "is there already" in capsys.readouterr().err
     assert [path.name for path in there.iterdir()] == ["mine.txt"]
-
-
-def test_an_unknown_exercise_has_no_autograder(tmp_path: Path) -> None:
-    with pytest.raises(GradingError, match="no_such"):
-        autograders.gradescope("no_such", tmp_path / "a.zip")

@@ -12,7 +12,6 @@ import nbformat
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import feedback
 from course_kit.classroom.records import Record, Records
 from course_kit.grading.render.html import render_page
 from course_kit.grading.report import Report
@@ -122,11 +121,3 @@ def test_nobody_of_the_platform_no_zip_and_none_of_before_stays(tmp_path: Path, 
     assert path.is_file()
     written(book(good("jane")), tmp_path)
     assert not path.exists()
-
-
-def test_a_zip_is_the_same_for_the_same_results(tmp_path: Path) -> None:
-    gradebook = book(of_moodle(4711, "Jane"))
-    path = written(gradebook, tmp_path) / feedback.MOODLE.format(SERVICE.id)
-    before = path.read_bytes()
-    exports.write_all(gradebook, tmp_path)
-    assert path.read_bytes() == before

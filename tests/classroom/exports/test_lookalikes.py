@@ -10,19 +10,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom.exports import attention, lookalikes
-from course_kit.grading import readings
-from course_kit.grading.reading import Reader
 from course_kit.grading.render.program import LONGEST
-from course_kit.reader.fingerprints import RUN, WINDOW, fingerprints
-from tests.classroom.exports import programs
 from tests.classroom.exports.books import CHOICE, SERVICE, book, good, unreadable
 from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised, moved, starter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
-
-    from course_kit.grading.submission import Copy
 
 
 def names(found: lookalikes.LookAlikes) -> list[tuple[str, str]]:
@@ -39,19 +33,6 @@ def test_a_changed_copy_looks_alike(tmp_path: Path, change: Callable[[str], str]
     assert names(found) == [("ann", "cid")]
     assert found.pairs[0].similarity >= lookalikes.THRESHOLD
     assert found.compared == 3
-
-
-def test_renaming_and_comments_change_no_fingerprint() -> None:
-    assert fingerprints(disguised(ORIGINAL)) == fingerprints(ORIGINAL)
-
-
-def test_every_common_run_of_tokens_is_found() -> None:
-    """The promise of winnowing: a run of this length leaves a fingerprint wherever it stands."""
-    common = " ".join(["if", "(", "[", "+", "not", "-"] * RUN).split()[: RUN + WINDOW - 1]
-    for before in range(12):
-        one = " ".join(["while ; :"] * before + common + ["] , )"] * 9)
-        other = " ".join(["% ^ & *"] * (12 - before) + common + ["@ | ~"] * 7)
-        assert fingerprints(one) & fingerprints(other)
 
 
 def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
@@ -87,15 +68,6 @@ def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
 
     class_ = class_of(tmp_path, **{f"s{number:02}": own(number) for number in range(40)}, thief=disguised(own(11)))
     assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("s11", "thief")]
-
-
-def test_a_program_that_half_the_class_has_renamed_is_found(tmp_path: Path) -> None:
-    """However many have it: each is paired with the first."""
-    copies = {f"s{number:02}": ORIGINAL.replace("lowest", f"name{number}") for number in range(60)}
-    found = lookalikes.find(book(*class_of(tmp_path, **copies, zoe=OTHER), root=tmp_path))
-    assert names(found) == [("s00", f"s{number:02}") for number in range(1, 60)]
-    assert len(found.groups) == 1
-    assert (found.compared, found.unread) == (61, 0)
 
 
 def test_a_copy_of_a_copy_is_in_the_group_of_the_original() -> None:
@@ -134,46 +106,6 @@ def test_answers_of_a_quiz_are_not_compared(tmp_path: Path) -> None:
     found = lookalikes.find(book(good("ann", of=CHOICE), exercises=(CHOICE,), root=tmp_path))
     assert found.left_out == (CHOICE.title,)
     assert found.groups == ()
-
-
-@pytest.mark.answers
-def test_independent_solutions_of_our_own_are_not_alike(tmp_path: Path) -> None:
-    """The course's solution by one author, and by another two programs that come from one."""
-    ours, *twins = (
-        (programs.REPOSITORY / path).read_text(encoding="utf-8")
-        for path in (
-            "solutions/temperature_service/temperature_service.py",
-            "tests/broken/temperature_service/math.formula.py",
-            "tests/broken/temperature_service/name.node.py",
-        )
-    )
-    class_ = class_of(tmp_path, ann=ours, bob=twins[0], bud=twins[1], cid=ORIGINAL, dan=OTHER)
-    assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("bob", "bud")]
-
-
-def test_each_program_is_read_once_to_find_pairs_and_to_show_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each reading is a process; and one process serves them all."""
-    reading: list[str] = []
-    starts: list[object] = []
-
-    class CountingReader(Reader):
-        def _start(self) -> None:
-            starts.append(self)
-            super()._start()
-
-        def _exchange(self, request: dict[str, object], copy: Copy) -> tuple[dict[str, object], bytes]:
-            reading.append(copy.digest)
-            return super()._exchange(request, copy)
-
-    monkeypatch.setattr(readings, "Reader", CountingReader)
-    class_ = class_of(tmp_path, **{f"s{number}": ORIGINAL.replace("lowest", f"name{number}") for number in range(5)})
-    with lookalikes.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
-        found = lookalikes.find(gradebook, texts)
-        assert len(list(lookalikes.pages(texts, found.pairs, attention.labels(gradebook)))) == 4
-    assert len(starts) == 1
-    assert len(set(reading)) == len(reading) == len(class_) + 2  # the starter and the notebook, too
 
 
 @pytest.mark.attack("Two programs of endless lines")

@@ -11,12 +11,10 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import page
-from course_kit.classroom.records import Records, safe_name
-from course_kit.text.sanitize import escaped
+from course_kit.classroom.records import Records
 from tests.classroom.exports import books
 from tests.classroom.exports.books import (
     HOSTILE,
-    ROBOT,
     SERVICE,
     bad,
     book,
@@ -169,37 +167,3 @@ def test_the_distribution_counts_every_score_once() -> None:
     bars = page.distribution(SERVICE, [*records, not_graded("ole")])
     assert [bar.count for bar in bars] == [2, 1, 0, 0, 0, 0, 1, 0, 0, 1, 2]
     assert [bar.label for bar in bars] == [str(number) for number in range(11)]
-
-
-def test_checks_are_counted_by_their_outcome() -> None:
-    first, second = page.count_checks([good("a"), bad("b"), bad("c"), unreadable("d")])
-    assert (first.by_status["passed"], first.by_status["failed"], first.run) == (1, 2, 3)
-    assert (second.by_status["passed"], second.by_status["skipped"], second.run) == (1, 2, 1)
-
-
-def test_diagnoses_are_counted_by_exercise_and_by_score() -> None:
-    half = record("d", [check("first"), check("second", "failed", diagnosis="math.formula")])
-    gradebook = book(bad("a"), bad("b"), bad("a", "name.node", of=ROBOT), half, good("c"), exercises=(SERVICE, ROBOT))
-    assert page.diagnoses_by_exercise(gradebook) == {
-        "service.no_return": [2, 0],
-        "math.formula": [1, 0],
-        "name.node": [0, 1],
-    }
-    by_band = page.diagnoses_by_band(gradebook.of(SERVICE.id))
-    assert by_band == {"service.no_return": [2, 0, 0, 0], "math.formula": [0, 0, 1, 0]}
-
-
-def test_a_link_is_the_reports_path() -> None:
-    one = good("Jörg #1?")
-    assert unquote(page.report_link(one)) == f"students/{safe_name('Jörg #1?')}/temperature_service.html"
-    assert not set(page.report_link(one)) & set("#? ")
-
-
-def test_three_hundred_students_are_on_it_and_in_every_file(tmp_path: Path) -> None:
-    gradebook = books.large_book(300)
-    text = exports.write_all(gradebook, tmp_path).read_text(encoding="utf-8")
-    document = Document(text)
-    assert all(escaped(student) in document.text for student in gradebook.students)
-    assert len(text) < 2_000_000
-    assert len((tmp_path / "grades.csv").read_text(encoding="utf-8").splitlines()) == 301
-    assert len(list((tmp_path / "exports" / "gradescope").rglob("results.json"))) == 600
