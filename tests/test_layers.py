@@ -64,7 +64,6 @@ STILL_ABOVE = {
     "course_kit/ros2cli": 3821,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,
-    "course_kit/learner": 1064,
     "course_kit/cli": 1538,
     "tests": 46000,
 }

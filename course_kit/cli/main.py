@@ -313,24 +313,24 @@ def _drills(options: argparse.Namespace) -> int:
 
 
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit.learner import hints
+    from course_kit.learner import handouts
 
-    text, trouble = hints.hint(options.exercise, f"{environment.command()} hint", again=options.again)
+    text, trouble = handouts.hint(options.exercise, f"{environment.command()} hint", again=options.again)
     print(text, end="")
     tell(trouble)
     return 0
 
 
 def _reset(options: argparse.Namespace) -> int:
-    from course_kit.learner import starters
+    from course_kit.learner import handouts
 
-    return starters.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
+    return handouts.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:
-    from course_kit.learner import starters
+    from course_kit.learner import handouts
 
-    return starters.solution(options.exercise, show=options.show, copy=options.copy)
+    return handouts.solution(options.exercise, show=options.show, copy=options.copy)
 
 
 def read_names_as_utf_8() -> None:

@@ -124,7 +124,7 @@ USAGE = "Use it as %hint EXERCISE. --again repeats those you have already seen."
 
 def hint_line(line: str) -> None:
     """Show one more hint for what failed last: `%hint EXERCISE`; `--again` repeats those given so far."""
-    from course_kit.learner import hints
+    from course_kit.learner import handouts
 
     words = line.split()
     again = "--again" in words
@@ -133,7 +133,7 @@ def hint_line(line: str) -> None:
         sys.stderr.write(f"{USAGE} {the_exercises()}\n")
         return
     try:
-        text, trouble = hints.hint(names[0], "%hint", again=again)
+        text, trouble = handouts.hint(names[0], "%hint", again=again)
     except GradingError as problem:
         sys.stderr.write(f"{problem}\n")
         return

@@ -14,7 +14,7 @@ from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
 from course_kit.grading.exercise import Exercise
-from course_kit.learner import progress, starters, workspace
+from course_kit.learner import handouts, progress, workspace
 from course_kit.quiz import guesses
 from course_kit.ros.names import did_you_mean
 from course_kit.text.console import wrapped
@@ -36,13 +36,6 @@ class Row:
     task: Exercise
     known: ProgressRecord
 
-    @property
-    def state(self) -> str:
-        """In words, for those who see no tick."""
-        if self.known.passed:
-            return "passed"
-        return "not passed yet" if self.known.tries else "not tried yet"
-
     def to_mapping(self) -> dict[str, object]:
         """The row as JSON shows it."""
         return {
@@ -61,7 +54,7 @@ class Row:
 
 def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used."""
-    records, trouble = progress.read_or_tell()
+    records, trouble = progress.read()
     found_folders = exercise.find(folder)
     names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
     loaded = [_load(name, folder) for name in sorted(names)]
@@ -122,7 +115,8 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     head = f"[{mark}] {task.order:>2} {task.id:<{width}}  {task.points:>6g}  {task.pass_mark:>7g}  {best:>4}  "
     title = wrapped(task.title, " " * 7, " " * 7)
     where = [f"       {workspace.shown(task.folder / task.notebook)}"] if exercise_folders.is_added(task.folder) else []
-    return [f"{head}{known.tries:>5}  {row.state}", *title, *where]
+    state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"  # for who sees no tick
+    return [f"{head}{known.tries:>5}  {state}", *title, *where]
 
 
 def tick(encoding: str | None) -> str:
@@ -161,12 +155,13 @@ def _comparison(task: Exercise | None) -> str:
     return f" Compare yours with ours: {environment.command()} solution {task.id}{where}"
 
 
-def describe_drills(encoding: str | None, folder: Path | None = None) -> tuple[str, list[str]]:
+def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files."""
-    found, told = rows(folder, practice=True)
+    found, told = rows(practice=True)
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
-        lines += _drill_lines(row, tick(encoding))
+        mark, done = (tick(encoding), ": done") if row.known.passed else (" ", "")
+        lines += [f"[{mark}] {row.task.order} {row.task.id}{done}", *wrapped(row.task.symptom, _INDENT, _INDENT)]
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
     following = next((row.task.id for row in found if not row.known.passed), None)
     if following is not None:
@@ -174,13 +169,19 @@ def describe_drills(encoding: str | None, folder: Path | None = None) -> tuple[s
     return "\n".join(lines), told
 
 
-def begin_drill(drill_id: str, folder: Path | None = None) -> str:
+def begin_drill(drill_id: str) -> str:
     """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
-    task = _drill(drill_id, folder)
-    place = workspace.exercise_folder(task) if folder is None else task.folder
+    found = {row.task.id: row.task for row in rows(practice=True)[0]}
+    if drill_id in exercise.ids() and drill_id not in found:
+        raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
+    if drill_id not in found:
+        guess = did_you_mean(drill_id, found)
+        raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(found) or 'none'}.")
+    task = found[drill_id]
+    place = workspace.exercise_folder(task)
     if place is None:
         raise workspace.no_files_of(task, "watch")
-    for missing in starters.changed(task, place):
+    for missing in handouts.changed(task, place):
         if not missing.file.exists():
             missing.carry_out()
     command, program = environment.command(), workspace.shown(place / task.starter)
@@ -198,20 +199,3 @@ def begin_drill(drill_id: str, folder: Path | None = None) -> str:
             f"Start again:     {command} reset {task.id}",
         ]
     )
-
-
-def _drill(drill_id: str, folder: Path | None) -> Exercise:
-    found = {row.task.id: row.task for row in rows(folder, practice=True)[0]}
-    if drill_id in found:
-        return found[drill_id]
-    if drill_id in exercise.ids(folder):
-        raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
-    guess = did_you_mean(drill_id, found)
-    raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(found) or 'none'}.")
-
-
-def _drill_lines(row: Row, mark: str) -> list[str]:
-    head = f"[{mark if row.known.passed else ' '}] {row.task.order} {row.task.id}" + (
-        ": done" if row.known.passed else ""
-    )
-    return [head, *wrapped(row.task.symptom, _INDENT, _INDENT)]

@@ -83,35 +83,23 @@ def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
     )
 
 
-def read() -> dict[str, ProgressRecord]:
-    """All records, by exercise."""
+def read() -> tuple[dict[str, ProgressRecord], str]:
+    """All records by exercise, none when they cannot be read, and what to tell the user about that."""
     try:
         path = environment.paths.progress_file()
-        return {} if path is None else _read(path)
-    except OSError as problem:
-        raise ProgressError(_sentence(problem)) from problem
-
-
-def read_or_tell() -> tuple[dict[str, ProgressRecord], str]:
-    """All records, none when they cannot be read, and what to tell the user about that."""
-    try:
-        return read(), ""
-    except ProgressError as problem:
-        return {}, str(problem)
+        return {} if path is None else _read(path), ""
+    except (ProgressError, OSError) as problem:
+        return {}, _reason(problem)
 
 
 def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
     """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile."""
     try:
-        path = environment.paths.progress_file()
-        if path is None:
-            return ""
-        with _locked(path):
-            _update(path, exercise, change)
-    except ProgressError as problem:
-        return f"{problem} Nothing was recorded."
-    except OSError as problem:
-        return f"{_sentence(problem)} Nothing was recorded."
+        if (path := environment.paths.progress_file()) is not None:
+            with _locked(path):
+                _update(path, exercise, change)
+    except (ProgressError, OSError) as problem:
+        return f"{_reason(problem)} Nothing was recorded."
     return ""
 
 
@@ -125,8 +113,10 @@ def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], Progre
     environment.write_atomically(path, text, mode=0o600)  # nobody else's business
 
 
-def _sentence(problem: OSError) -> str:
-    return f"The progress file cannot be used: {problem.filename or 'it'}: {problem.strerror or problem}."
+def _reason(problem: Exception) -> str:
+    if isinstance(problem, OSError):
+        return f"The progress file cannot be used: {problem.filename or 'it'}: {problem.strerror or problem}."
+    return str(problem)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading import Worker, advice_for_root, exercise, grade
 from course_kit.grading.errors import GradingError
 from course_kit.learner import progress, workspace
-from course_kit.text.console import in_points, tell, wrapped
+from course_kit.text.console import tell, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +29,7 @@ _NOT_GRADED = frozenset({"unreadable", "error"})
 def watch(exercise_id: str, path: Path | None = None) -> int:
     """Grade at once and after each save, until Ctrl-C, which is the way to end it: 0."""
     task = exercise.load(exercise_id)
-    path = workspace.own_file(task, "watch") if path is None else path
+    path = workspace.choose_own(task, "watch")[0] if path is None else path
     if path.is_dir():
         raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
     if not path.is_file():
@@ -53,7 +53,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
             before = report
             best = report if best is None or report.score > best.score else best
     except KeyboardInterrupt:
-        print("\nNo longer watching." + ("" if best is None else _best(best)))
+        print("\nNo longer watching." + ("" if best is None else f" Best: {best.verdict}."))
     finally:
         worker.close()
     return 0
@@ -94,14 +94,12 @@ def card(report: Report, before: Report | None) -> str:
             lines += _first(check)
     if report.problem:
         lines += wrapped(report.problem, "  ", "  ")
-    lines += _others(report)
+    skipped, passed = (sum(one.status == status for one in report.checks) for status in ("skipped", "passed"))
+    if skipped:
+        lines.append(f"  skip  {skipped} that need these to pass first")
+    if passed:
+        lines.append(f"  PASS  {passed} of {len(report.checks)} checks")
     return "\n".join(lines)
-
-
-def _best(report: Report) -> str:
-    if report.practice:
-        return f" {report.verdict.capitalize()}."
-    return f" Best score: {in_points(report.score)}."
 
 
 def _difference(report: Report, before: Report | None) -> str:
@@ -115,9 +113,3 @@ def _first(check: CheckReport) -> list[str]:
     names = ("sent", "expected", "got", "why", "hint")
     parts = zip(names, (check.sent, check.expected, check.got, check.message, check.hint), strict=True)
     return [line for name, text in parts if text for line in wrapped(f"{name:<9} {text}", " " * 8, " " * 18)]
-
-
-def _others(report: Report) -> list[str]:
-    skipped, passed = (sum(one.status == status for one in report.checks) for status in ("skipped", "passed"))
-    lines = [f"  skip  {skipped} that need these to pass first"] if skipped else []
-    return [*lines, f"  PASS  {passed} of {len(report.checks)} checks"] if passed else lines

@@ -3,16 +3,21 @@
 In a clone it lies inside, where git ignores it: lessons that have been run never make the clone differ from its
 commit. Where the course is an installed package, or a folder that belongs to somebody else, it lies in the learner's
 home directory. `watch`, `reset` and the like find the files there, or where one stands.
+
+A manifest in it says what was handed out. A new version takes the place of what the learner has not changed, and is
+laid beside what they have. What they have deleted, and what the course no longer has, stays as it is.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import shutil
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import exercise, exercise_folders
@@ -20,20 +25,21 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.reading_answers import Glance
 from course_kit.grading.readings import Readings, starter_identities
 from course_kit.grading.submission import Copy, UnreadableError
-from course_kit.learner import learner_folder
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from course_kit.grading.exercise import Exercise
 
+BESIDE = "new-version"
 _COMMAND = "course"
+_FORMAT_VERSION = 1
 # A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
 _IN_AUTHORS_COURSE = (environment.PACKAGE / "authoring").is_dir()
 _AT_ONCE_S = 60.0  # files that one download or one copy wrote are of one age
 _LEFT_OUT = shutil.ignore_patterns(
-    ".ipynb_checkpoints", "__pycache__", "*.backup-*", f"*.{learner_folder.BESIDE}*", "solution", exercise_folders.PROOF
+    ".ipynb_checkpoints", "__pycache__", "*.backup-*", f"*.{BESIDE}*", "solution", exercise_folders.PROOF
 )
 
 
@@ -58,16 +64,109 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
     """Make a learner's folder, or bring new versions into one; with `restore` also what the learner has deleted."""
     target.parent.mkdir(parents=True, exist_ok=True)
     course = {
-        source.relative_to(root).as_posix(): learner_folder.as_handed_out(source.name, source.read_bytes())
-        for source in _files(root)
+        source.relative_to(root).as_posix(): as_handed_out(source.name, source.read_bytes()) for source in _files(root)
     }
-    for sentence in learner_folder.update(target, course, restore=restore):
+    for sentence in bring_up_to_date(target, course, restore=restore):
         tell(sentence)
     with suppress(OSError):  # a convenience: `course-kit` does the same
         _put_command(target / _COMMAND, root)
     ignored = target / ".gitignore"
     if target.parent == root and _IN_AUTHORS_COURSE and not ignored.exists():
         environment.write_atomically(ignored, "*\n")
+
+
+def bring_up_to_date(folder: Path, course: Mapping[str, bytes], *, restore: bool = False) -> list[str]:
+    """Make a learner's folder, or bring new versions into it; returns what to tell the learner."""
+    known = _read_manifest(folder)
+    renewed: list[str] = []
+    beside: list[str] = []
+    handed_out = {path: digest(path, content) for path, content in course.items()}
+    for path, content in course.items():
+        file, new, given = folder / path, handed_out[path], known.get(path)
+        theirs = _digest_of(file)
+        is_missing = theirs is None and (restore or given != new)
+        if is_missing or (theirs == given and new != given):
+            environment.write_atomically(file, content, durable=not is_missing)
+            renewed += [path] if given not in (None, new) else []
+        elif theirs not in (None, new) and new != given:
+            beside.append(f"{path} as {_lay_beside(file, content)}")
+    if (now := {**known, **handed_out}) != known:
+        manifest = {"format_version": _FORMAT_VERSION, "handed_out": now}
+        environment.write_atomically(folder / environment.paths.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
+    told = [f"New version of {', '.join(renewed)}; you had not changed the old one."] if renewed else []
+    if beside:
+        told.append(
+            f"You have changed files that have a new version. Yours stay; the new version of {', '.join(beside)}."
+        )
+    return told
+
+
+def as_handed_out(name: str, content: bytes) -> bytes:
+    """A file of the course as a learner gets it: a notebook opens without outputs, which would tell what comes."""
+    notebook = _notebook(name, content)
+    if notebook is None:
+        return content
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            cell["outputs"], cell["execution_count"] = [], None
+    notebook.setdefault("metadata", {})["language_info"] = language_info()
+    return f"{json.dumps(notebook, indent=1, ensure_ascii=False)}\n".encode()
+
+
+def language_info() -> dict[str, Any]:
+    """What a kernel says of its language: JupyterLab writes it into each notebook, and then calls it unsaved."""
+    from ipykernel.ipkernel import IPythonKernel
+
+    return dict(IPythonKernel.language_info)
+
+
+def digest(name: str, content: bytes) -> str:
+    """What a learner has written in a file, as a hash: of a notebook its cells, whatever their outputs are."""
+    if (notebook := _notebook(name, content)) is not None:
+        cells = [[cell["cell_type"], "".join(cell.get("source", ""))] for cell in notebook["cells"]]
+        content = json.dumps(cells).encode()
+    return hashlib.sha256(content).hexdigest()
+
+
+def _digest_of(path: Path) -> str | None:
+    """The hash of a file; None where there is none, and "" for what cannot be read, such as a folder: nobody's hash."""
+    try:
+        return digest(path.name, path.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (IsADirectoryError, PermissionError):
+        return ""
+
+
+def _lay_beside(file: Path, content: bytes) -> str:
+    """Write a new version beside a learner's file; returns its name. Another one that they changed stays, too."""
+    number, name = 1, f"{file.stem}.{BESIDE}{file.suffix}"
+    while _digest_of(file.with_name(name)) not in (None, digest(name, content)):
+        number += 1
+        name = f"{file.stem}.{BESIDE}-{number}{file.suffix}"
+    environment.write_atomically(file.with_name(name), content)
+    return name
+
+
+def _read_manifest(folder: Path) -> dict[str, str]:
+    """By path the hash of what was handed out; empty where nobody knows."""
+    try:
+        found = json.loads((folder / environment.paths.MANIFEST).read_bytes())["handed_out"]
+        return {str(path): str(value) for path, value in found.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}
+
+
+def _notebook(name: str, content: bytes) -> dict[str, Any] | None:
+    """A notebook's content; None for anything else, a damaged one too."""
+    if not name.endswith(".ipynb"):
+        return None
+    try:
+        found: dict[str, Any] = json.loads(content)
+        whole = all(isinstance(cell["cell_type"], str) for cell in found["cells"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return found if whole and isinstance(found.get("metadata", {}), dict) else None
 
 
 def _put_command(command: Path, root: Path) -> None:
@@ -130,12 +229,7 @@ def no_files_of(task: Exercise, verb: str) -> GradingError:
     )
 
 
-def own_file(task: Exercise, verb: str) -> Path:
-    """This user's program of an exercise, or its notebook where that is the answer: see `_choose_own`."""
-    return _choose_own(task, verb)[0]
-
-
-def _choose_own(task: Exercise, verb: str) -> tuple[Path, str]:
+def choose_own(task: Exercise, verb: str) -> tuple[Path, str]:
     """Of program and notebook the one that a class run would grade, and why where both are there."""
     folder = exercise_folder(task)
     if folder is None:
@@ -172,8 +266,14 @@ def _glance(readings: Readings, path: Path, task: Exercise) -> Glance:
 def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     """What `grade` means, and what to say about it: the file that is named, or where none is this user's own."""
     if path is None:
-        own, why = _choose_own(exercise.load(exercise_id), "grade")
+        own, why = choose_own(exercise.load(exercise_id), "grade")
         return str(shown(own)), f"grading {shown(own)}{why}"
+    course, given = exercise_folders.course_folder(), Path(path).absolute()
+    if course is not None and given.is_relative_to(course):
+        yours = _my_folder() / "exercises" / given.relative_to(course)
+        if yours.is_file():
+            command = f"{environment.command()} grade {exercise_id}"
+            return path, f"{path} is the course's own file. Yours is {shown(yours)}: {command}"
     return path, ""
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import nbformat
 
 from course_kit.environment import PACKAGE
-from course_kit.learner import learner_folder
+from course_kit.learner import workspace
 from course_kit.presentation import projected
 from course_kit.presentation.demos import LESSONS, PresentationError, demos
 from course_kit.presentation.scratch import make_writable
@@ -49,7 +49,7 @@ def prepare(root: Path, folder: Path, opened: Path) -> None:
     for path in (folder / FILES).rglob("*.ipynb"):
         with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
             shown = projected.project(_read(path))
-            shown.metadata["language_info"] = learner_folder.language_info()  # or JupyterLab calls it unsaved
+            shown.metadata["language_info"] = workspace.language_info()  # or JupyterLab calls it unsaved
             nbformat.write(shown, path)
     for name, values in _SETTINGS.items():
         path = folder / SETTINGS / name

@@ -9,7 +9,7 @@ import pytest
 
 from course_kit.grading import GradingError, exercise
 from course_kit.grading.diagnosis import catalogue
-from course_kit.learner import hints, progress
+from course_kit.learner import handouts, progress
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,7 +57,7 @@ def failed(check: str, code: str | None = None) -> None:
 
 
 def ask(folder: Path, *, again: bool = False) -> list[str]:
-    text, trouble = hints.hint("walk", "course-kit hint", again=again, folder=folder)
+    text, trouble = handouts.hint("walk", "course-kit hint", again=again, folder=folder)
     assert trouble == ""
     assert max(map(len, text.splitlines())) <= 80
     return [line for line in text.splitlines() if line.startswith("Hint ")]
@@ -70,7 +70,7 @@ def test_without_a_grading_the_ladder_begins_at_its_foot(folder: Path) -> None:
     assert ask(folder) == ["Hint 3 of 4: A shove."]
     assert ask(folder) == ["Hint 4 of 4: The end."]
     assert ask(folder) == ["Hint 4 of 4: The end."]
-    assert sum(progress.read()["walk"].hints.values()) == 4
+    assert sum(progress.read()[0]["walk"].hints.values()) == 4
 
 
 def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
@@ -87,51 +87,51 @@ def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
 
 def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(folder: Path) -> None:
     failed("start", "service.exception")
-    found = hints.ladder(exercise.load("walk", folder), progress.read()["walk"])
+    found = handouts.ladder(exercise.load("walk", folder), progress.read()[0]["walk"])
     assert found.rungs == ("A push.", "A nudge.", "A shove.")
 
 
 def test_a_cause_without_a_hint_here_has_the_catalogues(folder: Path) -> None:
     failed("start", "service.no_return")
-    found = hints.ladder(exercise.load("walk", folder), progress.read()["walk"])
+    found = handouts.ladder(exercise.load("walk", folder), progress.read()[0]["walk"])
     assert found.rungs == (catalogue.catalogue()["service.no_return"].hint, "A nudge.", "A push.", "A shove.")
 
 
 def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     failed("nowhere", "service.no_return")
-    text, _ = hints.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.hint("walk", "%hint", folder=folder)
     assert catalogue.catalogue()["service.no_return"].notebook in text
     assert "%hint walk --again" in text
 
 
 def test_where_to_read_on_is_where_the_exercise_says(folder: Path) -> None:
     failed("nowhere", "limit.time")
-    text, _ = hints.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.hint("walk", "%hint", folder=folder)
     assert "notebooks/02_actions.ipynb#Cancelling" in text
     assert catalogue.catalogue()["limit.time"].notebook not in text
 
 
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
-    text, _ = hints.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.hint("walk", "%hint", folder=folder)
     assert "There are no hints for this one" in text
     assert "last one" not in text
 
 
 def test_when_nothing_failed_there_is_nothing_to_hint_at(folder: Path) -> None:
     assert progress.update("walk", lambda old: replace(old, tries=1)) == ""
-    text, _ = hints.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.hint("walk", "%hint", folder=folder)
     assert "Nothing failed" in text
 
 
 def test_without_a_usable_file_there_are_hints_all_the_same(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "file").touch()
     monkeypatch.setenv(progress.VARIABLE, str(folder / "file" / "progress.json"))
-    text, trouble = hints.hint("walk", "%hint", folder=folder)
+    text, trouble = handouts.hint("walk", "%hint", folder=folder)
     assert "Hint 1 of 4" in text
     assert "cannot be used" in trouble
 
 
 def test_an_exercise_that_is_misspelt_gets_the_nearest_name(folder: Path) -> None:
     with pytest.raises(GradingError, match="Did you mean walk"):
-        hints.hint("wakl", "%hint", folder=folder)
+        handouts.hint("wakl", "%hint", folder=folder)

@@ -12,7 +12,7 @@ from ipykernel.ipkernel import IPythonKernel
 
 from course_kit import environment
 from course_kit.environment import LEARNER_FOLDER
-from course_kit.learner import learner_folder, workspace
+from course_kit.learner import workspace
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course, copy_course, starter
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def notebook(source: str, output: str = "") -> bytes:
 
 
 def given(*sources: tuple[str, str]) -> dict[str, bytes]:
-    return {path: learner_folder.as_handed_out(path, notebook(source)) for path, source in sources}
+    return {path: workspace.as_handed_out(path, notebook(source)) for path, source in sources}
 
 
 def cell_of(path: Path) -> dict[str, Any]:
@@ -40,22 +40,22 @@ def cell_of(path: Path) -> dict[str, Any]:
 
 
 def test_a_notebook_opens_without_outputs_and_jupyterlab_has_nothing_to_add() -> None:
-    opened = json.loads(learner_folder.as_handed_out(LESSON, notebook("1 + 1", "2")))
+    opened = json.loads(workspace.as_handed_out(LESSON, notebook("1 + 1", "2")))
     assert opened["cells"][0]["outputs"] == []
     assert opened["cells"][0]["execution_count"] is None
     assert opened["metadata"]["language_info"] == IPythonKernel.language_info
     for other in (b"no notebook", b'{"cells": [1]}', b"[]"):
-        assert learner_folder.as_handed_out(LESSON, other) == other
-    assert learner_folder.as_handed_out("a.py", b"x = 1\n") == b"x = 1\n"
+        assert workspace.as_handed_out(LESSON, other) == other
+    assert workspace.as_handed_out("a.py", b"x = 1\n") == b"x = 1\n"
 
 
 def test_what_was_not_changed_becomes_the_new_version(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("old", "it was run"))
-    assert learner_folder.update(folder, given((LESSON, "old"))) == []
+    assert workspace.bring_up_to_date(folder, given((LESSON, "old"))) == []
     assert cell_of(folder / LESSON)["outputs"], "an update without news takes away what the cells have shown"
-    assert learner_folder.update(folder, given((LESSON, "new"))) == [
+    assert workspace.bring_up_to_date(folder, given((LESSON, "new"))) == [
         f"New version of {LESSON}; you had not changed the old one."
     ]
     assert cell_of(folder / LESSON)["source"] == ["new"]
@@ -63,40 +63,40 @@ def test_what_was_not_changed_becomes_the_new_version(tmp_path: Path) -> None:
 
 def test_what_was_changed_stays_and_the_new_version_lies_beside_it_once(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("mine"))
-    assert learner_folder.update(folder, given((LESSON, "old"))) == []
-    [said] = learner_folder.update(folder, given((LESSON, "new")))
+    assert workspace.bring_up_to_date(folder, given((LESSON, "old"))) == []
+    [said] = workspace.bring_up_to_date(folder, given((LESSON, "new")))
     assert "01_lesson.new-version.ipynb" in said
     assert cell_of(folder / LESSON)["source"] == ["mine"]
     assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["new"]
-    assert learner_folder.update(folder, given((LESSON, "new"))) == []
+    assert workspace.bring_up_to_date(folder, given((LESSON, "new"))) == []
     (folder / "notebooks/01_lesson.new-version.ipynb").write_bytes(notebook("mine, too"))
-    learner_folder.update(folder, given((LESSON, "newest")))
+    workspace.bring_up_to_date(folder, given((LESSON, "newest")))
     assert cell_of(folder / "notebooks/01_lesson.new-version.ipynb")["source"] == ["mine, too"]
     assert cell_of(folder / "notebooks/01_lesson.new-version-2.ipynb")["source"] == ["newest"]
 
 
 def test_what_was_deleted_comes_back_only_as_a_new_version_or_when_asked_for(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     (folder / LESSON).unlink()
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     assert not (folder / LESSON).exists()
-    learner_folder.update(folder, given((LESSON, "old")), restore=True)
+    workspace.bring_up_to_date(folder, given((LESSON, "old")), restore=True)
     assert (folder / LESSON).exists()
     (folder / LESSON).unlink()
-    learner_folder.update(folder, given((LESSON, "new")))
+    workspace.bring_up_to_date(folder, given((LESSON, "new")))
     assert cell_of(folder / LESSON)["source"] == ["new"]
 
 
 @pytest.mark.parametrize("damage", ["{", '{"handed_out": 1}'])
 def test_a_damaged_manifest_costs_no_work(damage: str, tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     (folder / LESSON).write_bytes(notebook("mine"))
     (folder / environment.paths.MANIFEST).write_text(damage)
-    learner_folder.update(folder, given((LESSON, "old")))
+    workspace.bring_up_to_date(folder, given((LESSON, "old")))
     assert cell_of(folder / LESSON)["source"] == ["mine"]
 
 
@@ -161,20 +161,20 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
 
 def test_what_the_course_no_longer_has_stays_and_is_not_new_when_it_comes_back(tmp_path: Path) -> None:
     folder, course = tmp_path / "mine", {**given((LESSON, "a")), PROGRAM: b"starter\n"}
-    learner_folder.update(folder, course)
-    assert learner_folder.update(folder, given((LESSON, "a"))) == []
+    workspace.bring_up_to_date(folder, course)
+    assert workspace.bring_up_to_date(folder, given((LESSON, "a"))) == []
     assert (folder / PROGRAM).read_bytes() == b"starter\n"
     (folder / PROGRAM).write_bytes(b"mine\n")
-    assert learner_folder.update(folder, course) == []
+    assert workspace.bring_up_to_date(folder, course) == []
     assert (folder / PROGRAM).read_bytes() == b"mine\n"
 
 
 def test_a_folder_in_place_of_a_file_stops_no_update(tmp_path: Path) -> None:
     folder = tmp_path / "mine"
-    learner_folder.update(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"})
+    workspace.bring_up_to_date(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"})
     (folder / PROGRAM).unlink()
     (folder / PROGRAM).mkdir()
-    renewed, beside = learner_folder.update(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"})
+    renewed, beside = workspace.bring_up_to_date(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"})
     assert LESSON in renewed
     assert PROGRAM in beside
 

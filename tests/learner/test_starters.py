@@ -13,7 +13,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import GradingError
-from course_kit.learner import starters, workspace
+from course_kit.learner import handouts, workspace
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, copy_course
 
 if TYPE_CHECKING:
@@ -108,16 +108,14 @@ def test_without_a_terminal_and_without_yes_nothing_happens(course: Course, file
     assert file.read_text() == MINE
 
 
-def test_a_backup_that_cannot_be_written_leaves_the_file(
-    course: Course, file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
     file.write_text(MINE)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(GradingError, match="No space left"):
-        starters.reset(TEMPERATURE, yes=True, forget=False, place=file, folder=course.root / "exercises")
+        handouts.reset(TEMPERATURE, yes=True, forget=False, place=file)
     assert file.read_text() == MINE
 
 

@@ -118,7 +118,7 @@ def test_each_save_gets_one_verdict_and_ctrl_c_ends_it(watching: Watching, file:
     workers = workers_of(watching.process)
     assert workers
     rest = watching.interrupt()
-    assert "No longer watching. Best score: 10 points." in rest
+    assert "No longer watching. Best: 10 of 10 points, passed." in rest
     assert "points: " not in rest
     assert "Traceback" not in rest
     assert psutil.wait_procs(workers, DEADLINE)[1] == []

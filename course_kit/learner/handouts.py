@@ -1,0 +1,229 @@
+"""`course-kit hint`, `reset` and `solution`: what the course hands out for an exercise beside its task.
+
+A hint is one more rung of an exercise's ladder, for what failed last. Learners work in a folder of their own, so the
+files in `exercises/` are the starters.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from course_kit import environment
+from course_kit.grading import exercise
+from course_kit.grading.errors import GradingError
+from course_kit.learner import progress, workspace
+from course_kit.learner.workspace import shown
+from course_kit.text.console import cannot, tell, wrapped
+
+if TYPE_CHECKING:
+    from course_kit.grading.exercise import Exercise
+    from course_kit.learner.progress import ProgressRecord
+
+_wrap = partial(wrapped, following="  ", whole_words=True)
+_BEGINNING = "the beginning"  # the ladder of who has not been graded yet
+
+
+@dataclass(frozen=True)
+class HintLadder:
+    """The hints for one thing."""
+
+    key: str
+    rungs: tuple[str, ...]
+    about: str
+    read_on: str = ""
+    in_report: int = 0
+
+
+def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
+    """The next hint, and from then on the one after it; never the solution."""
+    task = exercise.load(exercise_id, folder)
+    records, trouble = progress.read()
+    known = records.get(task.id, progress.ProgressRecord())
+    if known.tries and known.failed is None:
+        return f"Nothing failed when {task.id} was last graded, so there are no hints to give.\n", trouble
+    found = ladder(task, known)
+    given = min(known.hints.get(found.key, 0), len(found.rungs))
+    if again:
+        return _text(task, found, 0, max(given, found.in_report), command), trouble
+    # The first call repeats what the report has shown, which may be long gone, and adds the rung after it.
+    first, last = (given, given + 1) if given else (0, 1 + found.in_report)
+    last = min(last, len(found.rungs))
+    if last > given:
+        trouble = progress.update(task.id, lambda old: _with_hints(old, found.key, last)) or trouble
+    return _text(task, found, min(first, max(last - 1, 0)), last, command), trouble
+
+
+def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
+    return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
+
+
+def ladder(task: Exercise, known: ProgressRecord) -> HintLadder:
+    """The hints for what failed last: those of its cause, then those of its check. Without a failure, all there are."""
+    failed = known.failed
+    if failed is None:
+        return HintLadder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
+    cause = task.diagnosis(failed.diagnosis)
+    of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
+    rungs = tuple(dict.fromkeys((*of_cause, *task.ladder(failed.check))))
+    read_on = cause.link if cause and environment.paths.lesson(cause.notebook) else ""
+    key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
+    return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
+
+
+def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
+    count = len(found.rungs)
+    lines = _wrap(f"{task.title} ({task.id}): hints {found.about}")
+    for number in range(first + 1, last + 1):
+        shown = ", as in the report" if number <= found.in_report else ""
+        lines += ["", *_wrap(f"Hint {number} of {count}{shown}: {found.rungs[number - 1]}")]
+    lines.append("")
+    if not count:
+        lines += _wrap("There are no hints for this one. Read what the report says about it again.")
+    elif last < count:
+        lines.append(f"Next hint: {command} {task.id}")
+    else:
+        lines += ["That was the last one. To see all of them again:", f"  {command} {task.id} --again"]
+    if found.read_on and last >= count:
+        lines += _wrap(f"Read on: {found.read_on}")
+    if found.key == _BEGINNING:
+        lines += _wrap("Once you have graded your file, the hints are about what fails in it.")
+    return "\n".join(lines) + "\n"
+
+
+@dataclass(frozen=True)
+class Return:
+    """A learner's file that is not the starter any more, or is gone."""
+
+    file: Path
+    starter: bytes
+
+    @property
+    def backup(self) -> Path:
+        """The first free name beside the file; the highest number is the newest."""
+        number = 1
+        while os.path.lexists(free := self.file.with_name(f"{self.file.stem}.backup-{number}{self.file.suffix}")):
+            number += 1
+        return free
+
+    def carry_out(self) -> None:
+        """Save what is there, put the starter in its place, and say so; if that fails, the learner's file stays."""
+        kept = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
+        try:
+            if kept:
+                saved = self.backup
+                environment.files.write_new(saved, self.file.read_bytes())
+                shutil.copystat(self.file, saved)
+            environment.write_atomically(self.file, self.starter)
+        except OSError as problem:
+            raise GradingError(
+                f"{self.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
+            ) from problem
+        print(f"{shown(self.file)} is the starter{kept}.")
+
+
+def changed(task: Exercise, place: Path | None = None) -> list[Return]:
+    """The starter files of an exercise that the learner has changed, or that are not there."""
+    found = []
+    try:
+        for name, file in _files(task, task.folder if place is None else place).items():
+            starter = (task.folder / name).read_bytes()
+            content = starter if file.parent == task.folder else workspace.as_handed_out(name, starter)
+            if not file.exists() or file.read_bytes() not in (content, starter):
+                found.append(Return(file, content))
+    except OSError as problem:
+        raise GradingError(f"{problem.filename} cannot be read: {problem.strerror}. Nothing was changed.") from None
+    return found
+
+
+def _files(task: Exercise, place: Path) -> dict[str, Path]:
+    """Where each starter file belongs, by its name: both in a folder, or the one that a file's ending says."""
+    if place.is_dir() or not place.suffix:
+        return {name: place / name for name in (task.starter, task.notebook)}
+    for name in (task.starter, task.notebook):
+        if place.suffix == Path(name).suffix:
+            return {name: place}
+    raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
+
+
+def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None) -> int:
+    """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no."""
+    task = exercise.load(exercise_id)
+    place = place or workspace.exercise_folder(task)
+    if place is None and not forget:
+        raise workspace.no_files_of(task, "reset")
+    returns = [] if place is None else changed(task, place)
+    if not returns and not forget and place is not None:
+        print(f"{task.id} already matches the starter: {shown(place)}")
+        return 0
+    nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
+    if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
+        print("Nothing was changed.")
+        return 1
+    for each in returns:
+        each.carry_out()
+    if returns:
+        print("If it is open in JupyterLab: File > Reload from Disk.")
+    if forget:
+        if trouble := progress.update(task.id, lambda _: None):
+            return cannot(trouble)
+        print(f"The progress of {task.id} is deleted.")
+    return 0
+
+
+def _agreed(returns: list[Return], *, forget: bool) -> bool:
+    for each in returns:
+        if each.file.exists():
+            print(f"{shown(each.file)} will be the starter again (yours is kept as {each.backup.name}).")
+        else:
+            print(f"{shown(each.file)} will be created.")
+    if forget:
+        print("Its progress will be deleted: best score, tries, hints.")
+    if not sys.stdin.isatty():
+        raise GradingError(
+            "Nothing was changed: there is no terminal to ask you in. Add --yes to do it without asking."
+        )
+    try:
+        return input("Go on? [y/N] ").strip().lower() in ("y", "yes")
+    except EOFError:
+        print()
+        return False
+
+
+def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
+    """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
+    task = exercise.load(exercise_id)
+    source = task.solution
+    if not source.is_file():
+        raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
+    records, trouble = progress.read()
+    tell(trouble)
+    known = records.get(task.id, progress.ProgressRecord())
+    if not known.passed and not show:
+        tell(_not_yet(task, known))
+        return 1
+    if copy is None:
+        print(source.read_text(encoding="utf-8"), end="")
+        return 0
+    target = copy / source.name if copy.is_dir() else copy
+    try:
+        environment.files.write_new(target, source.read_bytes())
+    except FileExistsError:
+        raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
+    except OSError as problem:
+        raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
+    print(f"The solution of {task.id} is in {shown(target)}.")
+    return 0
+
+
+def _not_yet(task: Exercise, known: ProgressRecord) -> str:
+    so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
+    return (
+        f"you can see the solution once you have passed: {task.pass_mark:g} of {task.points:g} points; "
+        f"{so_far}.\nStuck? {environment.command()} hint {task.id}\nInstructors: add --show."
+    )
