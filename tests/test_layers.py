@@ -64,7 +64,6 @@ STILL_ABOVE = {
     "course_kit/ros2cli": 3821,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,
-    "course_kit/cli": 1538,
     "tests": 46000,
 }
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server

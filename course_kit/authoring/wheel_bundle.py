@@ -6,6 +6,7 @@ its own; so they are read here.
 
 from __future__ import annotations
 
+import platform
 import re
 import subprocess
 import sys
@@ -30,6 +31,7 @@ _PIP = (
     "runpy.run_module('pip', run_name='__main__', alter_sys=True)"
 )
 _DEADLINE_S = 3600.0
+_MB = 2**20
 
 LOCK = Path("course_setup/locked")
 _PACKAGE = re.compile(r"(?P<name>[a-z0-9-]+)==(?P<version>[^ ;]+)(?: ; (?P<marker>.+))?")
@@ -92,6 +94,24 @@ def read_lock(root: Path, names: Iterable[str]) -> list[LockedPackage]:
 
 class BundleError(RuntimeError):
     """The files could not be downloaded; the text is for the user."""
+
+
+def make(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: Path, *, tests: bool) -> None:
+    """Download what the Pythons need that are asked for, `all` or else this one, and say how much it is."""
+    wanted = list(dict.fromkeys(asked or [".".join(platform.python_version_tuple()[:2])]))
+    wanted = list(known) if "all" in wanted else wanted
+    if unknown := [version for version in wanted if version not in known]:
+        raise BundleError(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
+    folder.mkdir(parents=True, exist_ok=True)
+    for python in wanted:
+        found = packages(root, python, tests=tests)
+        print(f"course: {len(found)} packages for Python {python}", flush=True)
+        download(found, python, folder)
+    size = sum(path.stat().st_size for path in folder.glob("*.whl")) // _MB
+    print(
+        f"course: {size} MB in {folder}. Take it to the classroom with the course's folder; there run: "
+        "./course lab --find-links DIR"
+    )
 
 
 def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:

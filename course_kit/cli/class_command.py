@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+import signal
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.cli.class_words import (
-    FAILED,
-    INTERRUPTED,
-    command_to_continue,
-    grade_again,
-    interrupts,
-    many,
-    say,
-    say_of_intake,
-    some,
-    told,
-)
+from course_kit import environment
 from course_kit.text.console import tell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from course_kit.classroom.executors import Executor
+    from course_kit.classroom.grading_loop import RunProgress
+    from course_kit.classroom.intake.collecting import Intake
+    from course_kit.classroom.intake.roster import Roster
+    from course_kit.classroom.intake.roster_matching import Fit
     from course_kit.classroom.records import Entry, Gradebook
+    from course_kit.classroom.regrade import GradeChange
     from course_kit.classroom.rules.seeds import Seeds
-    from course_kit.classroom.run import Plan
+    from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading.exercise import Exercise
+
+FAILED, INTERRUPTED = 2, 130
+_MOST_NAMED = 20  # students in a sentence; the class page has them all
 
 
 def add_to(verbs: Any) -> None:
@@ -83,42 +82,46 @@ def add_to(verbs: Any) -> None:
         metavar="CSV",
         help="two columns, student and seed: each student gets other questions, where an exercise draws them",
     )
-    add_where(parser)
-    parser.set_defaults(run=run)
-
-
-def add_where(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where submissions are graded."""
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
-        type=_positive,
+        type=positive,
         metavar="N",
         help="number of gradings at the same time on this machine, more while they only wait",
     )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
+    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Grade the class."""
-    return told(_run, options)
+    """Grade the class, and say in a sentence what stopped it."""
+    from course_kit.classroom.executors import SchedulerLostError
+    from course_kit.grading import GradingError
 
-
-def require_machine(options: argparse.Namespace, exercises: Iterable[Exercise]) -> None:
-    """See that this machine can give submissions what their exercises promise; say where root gets less."""
-    from course_kit.grading import advice_for_root, isolation_status, needs
-
-    if not options.scheduler:
-        tell(advice_for_root())
-        for one in exercises:
-            needs.require(one.limits)
-        if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
-            isolation_status().require()
+    try:
+        return _run(options)
+    except KeyboardInterrupt:  # before the first grading; what had begun ends by itself, and says how to go on
+        say("\ncourse-kit: stopped. Nothing was graded; run the same command again.")
+        return INTERRUPTED
+    except SchedulerLostError as problem:
+        say(
+            f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"
+            f"  {command_to_continue(options)}"
+        )
+    except GradingError as problem:
+        say(f"course-kit: {problem}")
+    except OSError as problem:
+        where = f" ({problem.filename})" if problem.filename else ""
+        say(
+            f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
+            f"are safe. Fix this, then run:\n  {command_to_continue(options)}"
+        )
+    return FAILED
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, exercise
+    from course_kit.grading import GradingError, advice_for_root, exercise, isolation_status, needs
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
@@ -129,10 +132,16 @@ def _run(options: argparse.Namespace) -> int:
         raise GradingError(f"--again names {', '.join(unknown)}, and --exercise does not. Name it with both.")
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
-    require_machine(options, chosen.values())
+    if not options.scheduler:
+        tell(advice_for_root())
+        for one in chosen.values():
+            needs.require(one.limits)
+        if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
+            isolation_status().require()
     with ExitStack() as ends:
-        early = _early_executor(options, list(chosen.values()))
-        if early is not None:
+        early = None  # the workers of this machine get ready while all else is loaded; a resumed run may need none
+        if not (options.scheduler or options.resume):
+            early = executor(options, list(chosen.values()))
             ends.callback(early.close)
         return _grade(options, _plan(options, chosen.values()), early)
 
@@ -216,12 +225,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     out = options.out
     page = exports.write_all(book, out)
     if book.left:
-        what = (
-            "1 other file in the folder was not graded; it is"
-            if len(book.left) == 1
-            else f"{len(book.left)} other files in the folder were not graded; they are"
-        )
-        say(f"{what} listed in {page.name}, with the reason.")
+        say(f"Not graded: {many(book.left, 'other file')} in the folder. {page.name} says why.")
     if book.odd:
         odd = _each_named(book.odd, book.entries)
         say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
@@ -274,11 +278,6 @@ def _left_out(dropped: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> s
     return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
 
 
-def _early_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor | None:
-    """The workers of this machine, to get ready while all else is loaded; None where none may be needed."""
-    return None if options.scheduler or options.resume else executor(options, exercises)
-
-
 def executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
     """Where submissions are graded, as the options say."""
     from course_kit.classroom import executors
@@ -292,8 +291,131 @@ def executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Exec
     return started
 
 
-def _positive(text: str) -> int:
+def positive(text: str) -> int:
+    """A number of workers."""
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError("at least 1")
     return number
+
+
+def command_to_continue(options: argparse.Namespace) -> str:
+    """The command that goes on where this one has ended, as one would type it."""
+    more = [] if options.resume else ["--resume"]
+    return shlex.join([environment.command(), *options.arguments, *more])
+
+
+def say(text: str) -> None:
+    """Tell a person something in which names of strangers may stand."""
+    from course_kit.text.sanitize import printable
+
+    print(printable(text), file=sys.stderr)
+
+
+def many(of_what: Sequence[object], name: str) -> str:
+    """`1 student`, `2 students`."""
+    return f"{len(of_what)} {name}{'s' * (len(of_what) != 1)}"
+
+
+def some(parts: Sequence[str], between: str = ", ") -> str:
+    """The first ones, and how many more there are."""
+    more = len(parts) - _MOST_NAMED
+    return between.join(parts[:_MOST_NAMED]) + (f"{between}and {more} more" if more > 0 else "")
+
+
+@contextmanager
+def interrupts() -> Iterator[Callable[[], int]]:
+    """Count Ctrl-C instead of being cut off by it in the middle of a result."""
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
+    try:
+        yield lambda: len(pressed)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def say_of_intake(found: Intake, exercises: Iterable[Exercise]) -> None:
+    """Tell what somebody should look at."""
+    for sentence in _sentences(found, exercises):
+        say(sentence)
+
+
+def _sentences(found: Intake, exercises: Iterable[Exercise]) -> Iterator[str]:
+    called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
+    doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
+    if doubtful:
+        yield f"Look at the choice of file in intake.csv: {some(doubtful)}."
+    if found.roster is not None:
+        yield from _of_roster(found.roster, called)
+        yield from _of_canvas(found.roster.roster, exercises)
+
+
+def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
+    read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
+    total = len(fit.roster.people)
+    yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
+    if fit.absent:
+        yield f"Not handed in: {some([one.name or one.student for one in fit.absent])}."
+    if fit.unknown:
+        unknown = [f"{called.get(who, who)} ({why})" for who, why in fit.unknown]
+        yield f"Not matched with {fit.roster.called}: {some(unknown)}."
+
+
+def _of_canvas(roster: Roster, exercises: Iterable[Exercise]) -> Iterator[str]:
+    """Which exercises of Canvas's gradebook have no assignment: its import would make a new one without asking."""
+    from course_kit.classroom.exports.tables import CANVAS, canvas_assignment
+
+    named = roster.canvas_assignments
+    absent = [one.id for one in exercises if named and not canvas_assignment(one, named)]
+    if absent:
+        yield (
+            f"No assignment in {roster.called}, or more than one, is called like {', '.join(absent)}, so {CANVAS} has "
+            "a new column for it. To fill an existing one, put the exercise's name into its title in Canvas and export "
+            "the gradebook again."
+        )
+
+
+def grade_again(
+    options: argparse.Namespace,
+    class_run: ClassRun,
+    progress: RunProgress,
+    start: Callable[[], Executor],
+    stops: Callable[[], int],
+) -> Gradebook | None:
+    """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""
+    from course_kit.classroom.regrade import Regrade
+
+    regrade = Regrade(class_run, options.out, options.again, progress)
+    changes = regrade.grade(start, stops)
+    if not regrade.complete:
+        say("course-kit: stopped. No result was changed. The same command goes on.")
+        return None
+    book = regrade.write() if _is_wanted(changes, options) else None
+    if regrade.failed:
+        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
+        say(
+            f"course-kit: the grader failed for {many(whose, 'submission')}: "
+            f"{some(whose, '; ')}. Their results stay as they are. Run the same command again."
+        )
+    return book
+
+
+def _is_wanted(changes: Sequence[GradeChange], options: argparse.Namespace) -> bool:
+    """Show what would change, and ask."""
+    from course_kit.classroom.regrade import TABLE, table
+    from course_kit.text.sanitize import printable
+
+    for line in table(changes) if changes else ["No result changes."]:
+        print(printable(line))
+    print(f"The same as a file: {options.out / TABLE}", flush=True)
+    if options.write or not changes:
+        return bool(options.write)
+    if not sys.stdin.isatty():
+        say("Nothing was written. To write it, run the same command with --write; nothing is graded twice.")
+        return False
+    wanted = many([change.row[0] for change in changes], "result")
+    print(f"Write {wanted}? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() in ("y", "yes"):
+        return True
+    say("Nothing was written.")
+    return False

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
-import shutil
 import subprocess
 import sys
 import textwrap
@@ -22,10 +21,8 @@ if TYPE_CHECKING:
 
 VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
 _NO_COURSE = "Live nodes, panels, message types and ros2 work; lab, list and grade do not. Install the course again."
-_PLENTY_OF_SHM = 64 * 2**20  # bytes
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
-_SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
 DEADLINE_S = 20.0
 
 # A service server in a process of its own: what the doctor's client has to discover.
@@ -38,10 +35,7 @@ def answer(request, response):
     response.success = True
     return response
 node.create_service(Trigger, "doctor", answer)
-try:
-    rclpy.spin(node)
-except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-    pass
+rclpy.spin(node)
 """
 
 
@@ -62,12 +56,9 @@ def run() -> int:
         bad += finding.verdict == "bad"
         print(render(finding), flush=True)
     print()
-    print("Everything the course needs is here." if not bad else _to_fix(bad))
+    problems = f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
+    print(problems if bad else "Everything the course needs is here.")
     return 1 if bad else 0
-
-
-def _to_fix(bad: int) -> str:
-    return f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
 
 
 def render(finding: Finding) -> str:
@@ -85,7 +76,7 @@ def findings() -> Iterator[Finding]:
         yield guarded(check)
     graph = guarded(settings)
     yield graph
-    for check in (jupyter, shared_memory, isolation):
+    for check in (jupyter, isolation):
         yield guarded(check)
     ros = guarded(rclpy_itself)
     yield ros
@@ -246,23 +237,6 @@ def _run(program: str, **environ: str) -> tuple[str, bool]:
     )
     failed = done.returncode != 0
     return ((done.stderr if failed else done.stdout).strip().splitlines() or ["no message"])[-1], failed
-
-
-def shared_memory() -> Finding:
-    """Free space in /dev/shm."""
-    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE")  # `settings` has seen to it
-    used = profile != str(environment.LOOPBACK_PROFILE)
-    try:
-        free = shutil.disk_usage(_SHARED_MEMORY).free
-    except OSError:
-        free = 0
-    need = "may use it" if used else "talk over UDP and do not need it"
-    found = f"{free / 2**20:,.0f} MB free in {_SHARED_MEMORY}; the course's nodes {need}"
-    if used and free < _PLENTY_OF_SHM:
-        return Finding(
-            "shared memory", found, "note", "Use the course's own settings (see ROS graph), or give /dev/shm more room."
-        )
-    return Finding("shared memory", found)
 
 
 def discovery() -> Finding:

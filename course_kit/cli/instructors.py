@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import platform
 import shlex
 import sys
 from pathlib import Path
@@ -13,10 +12,10 @@ from course_kit import environment
 from course_kit.cli import class_command
 from course_kit.integrations import otter
 from course_kit.integrations.jupyter import LabStartError
-from course_kit.text.console import cannot, tell
+from course_kit.text.console import cannot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001 - argparse has no other name for it
 
@@ -27,8 +26,6 @@ _KINDS = {
     "parameters": "one in which a node is set by parameters",
     "topic": "one in which a node answers messages with messages",
 }
-_MB = 2**20
-_INTERRUPTED = 130
 
 
 def add_to(verbs: Verbs) -> None:
@@ -82,7 +79,7 @@ def _add_seeds(verbs: Verbs) -> None:
     seeds.add_argument("roster", type=Path, help="the class list, as for class --roster")
     seeds.add_argument("--layout", default="", help="of the submissions, as for class: decides how students are named")
     seeds.add_argument("--out", type=Path, metavar="FILE", help="the list; printed when left out")
-    seeds.set_defaults(run=_writing(_seeds))
+    seeds.set_defaults(run=_seeds)
 
 
 def _add_export(verbs: Verbs) -> None:
@@ -101,7 +98,7 @@ def _add_export(verbs: Verbs) -> None:
     anonymous = kinds.add_parser("anonymous", help="the reports of a class run, by pseudonyms")
     anonymous.add_argument("results", type=Path, help="the folder that `class --out` named")
     anonymous.add_argument("--to", type=Path, required=True, metavar="DIR", help="a new folder")
-    export.set_defaults(run=_writing(_export))
+    export.set_defaults(run=_export)
 
 
 def _add_new(verbs: Verbs) -> None:
@@ -124,7 +121,7 @@ def _add_new(verbs: Verbs) -> None:
     new.add_argument(
         "--in", dest="folder", type=Path, metavar="DIR", help="the folder its folder is in; where you are if left out"
     )
-    new.set_defaults(run=_writing(_new))
+    new.set_defaults(run=_new)
 
 
 def _add_bundle(verbs: Verbs) -> None:
@@ -142,21 +139,7 @@ def _add_bundle(verbs: Verbs) -> None:
         help="the Python of the classroom, such as 3.12, or `all`; repeatable; this one if left out",
     )
     bundle.add_argument("--test", action="store_true", help="what ./course test needs, too")
-    bundle.set_defaults(run=_writing(_bundle))
-
-
-def _writing(work: Callable[[argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
-    """A command that says which file it could not write."""
-
-    def run(options: argparse.Namespace) -> int:
-        try:
-            return work(options)
-        except BrokenPipeError:
-            raise
-        except OSError as problem:
-            return cannot(f"{problem.filename or 'A file'} could not be written: {problem.strerror or problem}.")
-
-    return run
+    bundle.set_defaults(run=_bundle)
 
 
 def _release(options: argparse.Namespace) -> int:
@@ -237,27 +220,13 @@ def _bundle(options: argparse.Namespace) -> int:
     from course_kit.authoring import wheel_bundle
     from course_kit.dev import lock
 
-    root, known = environment.checkout(), lock.PYTHONS
+    root = environment.checkout()
     if root is None:
         return cannot("the list of packages belongs to the course's folder; run this in a clone of it.")
-    asked = options.python or [".".join(platform.python_version_tuple()[:2])]
-    wanted = known if "all" in asked else list(dict.fromkeys(asked))
-    if unknown := [version for version in wanted if version not in known]:
-        return cannot(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
-    folder = options.folder.absolute()
-    folder.mkdir(parents=True, exist_ok=True)
     try:
-        for python in wanted:
-            packages = wheel_bundle.packages(root, python, tests=options.test)
-            print(f"course: {len(packages)} packages for Python {python}", flush=True)
-            wheel_bundle.download(packages, python, folder)
+        wheel_bundle.make(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
     except wheel_bundle.BundleError as problem:
         return cannot(problem)
-    size = sum(path.stat().st_size for path in folder.glob("*.whl")) // _MB
-    print(
-        f"course: {size} MB in {folder}. Take it to the classroom with the course's folder; there run: "
-        "./course lab --find-links DIR"
-    )
     return 0
 
 
@@ -300,30 +269,20 @@ def _add_prove(verbs: Verbs) -> None:
     parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
     parser.add_argument(
-        "--workers", type=_count, default=0, metavar="N", help="gradings at a time (as fit this machine)"
+        "--workers",
+        type=class_command.positive,
+        default=0,
+        metavar="N",
+        help="gradings at a time (as fit this machine)",
     )
     parser.set_defaults(run=_prove)
 
 
 def _prove(options: argparse.Namespace) -> int:
-    """Prove; 0 when nothing was found, 1 when something was, 2 when it could not be tried, 130 when it was stopped."""
     from course_kit.authoring.prove import proving
-    from course_kit.grading import GradingError, exercise
+    from course_kit.grading import exercise
 
-    try:
-        task = exercise.load(options.exercise)
-        proof = proving.prove(task, quick=options.quick, seed=options.seed, workers=options.workers)
-    except GradingError as problem:
-        return cannot(problem)
-    except KeyboardInterrupt:
-        tell("Stopped.")
-        return _INTERRUPTED
+    task = exercise.load(options.exercise)
+    proof = proving.prove(task, quick=options.quick, seed=options.seed, workers=options.workers)
     print("\n".join(proving.describe(proof, quick=options.quick)))
     return 0 if proof.holds else 1
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 0:
-        raise argparse.ArgumentTypeError("it has to be a number from 0 up")
-    return number

@@ -165,8 +165,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = int(options.run(options))
         sys.stdout.flush()
         return code  # noqa: TRY300 - no more can go wrong
-    except environment.DomainError as problem:
-        return cannot(problem)
     except KeyboardInterrupt:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
@@ -175,13 +173,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has gone, as in `course-kit doctor | head`
         sys.stderr.close()
         return 0
+    except OSError as problem:
+        return cannot(f"{problem.filename or 'A file'} could not be read or written: {problem.strerror or problem}.")
 
 
-def _reasons_for_people() -> type[Exception]:
+def _reasons_for_people() -> tuple[type[Exception], ...]:
     """Errors whose text says why it could not be done; loaded when there is one."""
     from course_kit.grading import GradingError
 
-    return GradingError
+    return environment.DomainError, GradingError
 
 
 def _without_folders(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -232,8 +232,7 @@ def _hub(options: argparse.Namespace) -> int:
     return jupyter.run_on_hub(options.others)
 
 
-def _doctor(options: argparse.Namespace) -> int:
-    del options
+def _doctor(_options: argparse.Namespace) -> int:
     from course_kit.cli import doctor
 
     return doctor.run()
@@ -256,7 +255,8 @@ def _grade(options: argparse.Namespace) -> int:
         return _autograde(options)
     if not options.attach:  # on stderr, beside JSON as well
         tell(grading.advice_for_root())
-    _require_no_target(options)
+    if options.to is not None:  # nobody waits for a file that other formats do not write
+        raise grading.GradingError(f"--to is for --format {' and '.join(FORMATS)}. Redirect the output instead.")
     if not options.attach and options.exec_command is None:
         options.path, note = workspace.to_grade(options.exercise, options.path)
         tell(note)
@@ -279,10 +279,8 @@ def _grade(options: argparse.Namespace) -> int:
 
 
 def _watch(options: argparse.Namespace) -> int:
-    try:
-        from course_kit.learner import watch
-    except KeyboardInterrupt:  # it has hardly begun
-        return 0
+    from course_kit.learner import watch
+
     return watch.watch(options.exercise, options.path)
 
 
@@ -357,11 +355,7 @@ def print_json(document: str) -> None:
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
-    print(_UNUSUAL.sub(_escaped, document))
-
-
-def _escaped(found: re.Match[str]) -> str:
-    return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
+    print(_UNUSUAL.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], document))
 
 
 def _autograde(options: argparse.Namespace) -> int:
@@ -375,30 +369,18 @@ def _autograde(options: argparse.Namespace) -> int:
         raise GradingError(f"--format {options.format} grades what was handed in. Name the file or folder.")
     if options.format == "classroom50":  # before the grading: it would be for nothing
         autograder_results.require_runner(os.environ)
-    try:
-        record = autograder.grade(
-            options.exercise, Path(options.path), seed=options.seed, require_isolation=options.require_isolation
-        )
-        if options.format == "gradescope":
-            text = json_text(autograder_results.gradescope_result(record))
-        else:
-            text = json_text(autograder_results.classroom50_result(record, os.environ, datetime.now(timezone.utc)))
-        if options.to is None:
-            print_json(text)
-        else:
-            environment.write_atomically(options.to, f"{text}\n")
-    except OSError as problem:
-        where = f" ({problem.filename})" if problem.filename else ""
-        raise GradingError(f"The result could not be written: {problem.strerror or problem}{where}.") from problem
+    record = autograder.grade(
+        options.exercise, Path(options.path), seed=options.seed, require_isolation=options.require_isolation
+    )
+    if options.format == "gradescope":
+        text = json_text(autograder_results.gradescope_result(record))
+    else:
+        text = json_text(autograder_results.classroom50_result(record, os.environ, datetime.now(timezone.utc)))
+    if options.to is None:
+        print_json(text)
+    else:
+        environment.write_atomically(options.to, f"{text}\n")
     return 0
-
-
-def _require_no_target(options: argparse.Namespace) -> None:
-    """See that nobody waits for a file that other formats do not write."""
-    from course_kit.grading import GradingError
-
-    if options.to is not None:
-        raise GradingError(f"--to is for --format {' and '.join(FORMATS)}. Redirect the output instead.")
 
 
 if __name__ == "__main__":

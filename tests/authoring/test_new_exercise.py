@@ -109,7 +109,7 @@ def test_nothing_that_is_there_is_written_over(tmp_path: Path, capsys: pytest.Ca
     assert "There is an exercise 'temperature_service' already" in capsys.readouterr().err
     (tmp_path / "file").touch()
     assert main(["new", "exercise", "dead_band", "--topic", "--in", str(tmp_path / "file")]) == 2
-    assert "could not be written" in capsys.readouterr().err
+    assert "could not be read or written" in capsys.readouterr().err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dead_band", "file"]
 
 

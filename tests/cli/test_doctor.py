@@ -52,7 +52,6 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
         "RMW",
         "Jupyter",
         "message types",
-        "shared memory",
         "discovery",
     ):
         assert line_about(subject, done.stdout).startswith("ok"), done.stdout

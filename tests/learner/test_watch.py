@@ -230,7 +230,6 @@ def test_of_a_drill_the_card_says_no_points() -> None:
     before, after = (replace(report(score, check("One", "passed")), practice=True) for score in (2.0, 9.0))
     assert watch.card(before, None).splitlines()[1].endswith("not solved yet (1.2 s)")
     assert watch.card(after, before).splitlines()[1].endswith("solved (1.2 s)")
-    assert watch._best(after) == " Solved."
 
 
 def test_the_card_is_not_steered_by_what_the_program_has_printed() -> None:

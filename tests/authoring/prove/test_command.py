@@ -54,4 +54,4 @@ def test_ctrl_c_stops_it(known: Tiny, capsys: pytest.CaptureFixture[str], monkey
     code, _, err = run(capsys, "--seed", "7")
     del known
     assert code == 130
-    assert "Stopped." in err
+    assert "course-kit: stopped." in err
