@@ -59,7 +59,6 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/interfaces": 3398,
     "course_kit/lab": 7253,
     "course_kit/ros2cli": 3821,
     "course_kit/grading": 12080,

@@ -72,12 +72,6 @@ def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
     return f"There is no type {text!r}: {TYPE_EXAMPLES}"
 
 
-def for_long_type(text: str) -> str:
-    """What was expected instead of a type with more than one slash."""
-    parts = text.split("/")
-    return f"Expected a message type as package/Name, without a folder between: {parts[0]}/{parts[-1]}"
-
-
 def for_lonely_word(word: str) -> str:
     """What was expected instead of a line of one word."""
     if word.startswith("-"):

@@ -10,11 +10,11 @@ from course_kit.interfaces import hints
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition, TypeName
 from course_kit.interfaces.errors import InterfaceDefinitionError
 from course_kit.interfaces.message_class import make_message_class, make_metaclass, python_module
-from course_kit.interfaces.message_fields import LiveRecord, message_class, source_of
+from course_kit.interfaces.message_fields import message_class, remember
 from course_kit.interfaces.parser import parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from course_kit.interfaces.definition import Definition, Field
 
@@ -78,7 +78,8 @@ class Library:
         definition = parse(str(name), text)
         self._being_built.append(name)
         try:
-            nested = {field.type.base: self._nested(name, field) for field in _nested_fields(definition)}
+            fields = (field for part in _parts(definition) for field in part.fields if field.type.is_nested)
+            nested = {field.type.base: self._nested(name, field) for field in fields}
         finally:
             self._being_built.pop()
         return _build_classes(Built(text, definition, nested), definition)
@@ -104,7 +105,6 @@ class Library:
 def _no_message(package: str, name: str) -> str:
     """What to say of a message that cannot be found."""
     from course_kit.interfaces import known_types
-    from course_kit.interfaces.known_types import types
 
     wanted = f"{package}/{name}"
     idl = known_types.idl_file(package, name)
@@ -113,7 +113,7 @@ def _no_message(package: str, name: str) -> str:
             f"{wanted} exists only as IDL, which the course does not read: {idl}. Expected {name}.msg beside it: write "
             "its fields there, a line each."
         )
-    known = [full.replace("/msg/", "/") for full in types(kind="msg")]
+    known = [full.replace("/msg/", "/") for full in known_types.types(kind="msg")]
     if name in hints.OTHER_NAMES:
         return f"There is no message {wanted}: did you mean {hints.OTHER_NAMES[name]}?"
     similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest(wanted, known)
@@ -129,17 +129,10 @@ def _parts(definition: Definition) -> tuple[MessageDefinition, ...]:
     return (definition,)
 
 
-def _nested_fields(definition: Definition) -> Iterator[Field]:
-    for part in _parts(definition):
-        yield from (field for field in part.fields if field.type.is_nested)
-
-
 def _build_classes(built: Built, definition: Definition) -> Built:
     if isinstance(definition, MessageDefinition):
         _add_message(built, definition, built.text)
     elif isinstance(definition, ServiceDefinition):
-        _add_message(built, definition.request)
-        _add_message(built, definition.response)
         _add_service(built, definition, built.text)
     else:
         _add_action(built, definition)
@@ -151,68 +144,48 @@ def _add_message(built: Built, definition: MessageDefinition, text: str | None =
     nested = {}
     for field in definition.fields:
         if field.type.is_nested:
-            own = built.classes.get(field.type.base.rpartition("/")[2]) if _is_part(field.type.base) else None
+            _, kind, name = field.type.base.split("/")
+            own = built.classes.get(name) if kind != "msg" else None  # a part of this service or action
             nested[field.type.base] = own or built.nested.get(field.type.base) or message_class(field.type.base)
     cls = make_message_class(definition, nested, text)
     built.classes[definition.name.name] = cls
     return cls
 
 
-def _is_part(full_name: str) -> bool:
-    return full_name.split("/")[1] != "msg"
-
-
 def _add_service(built: Built, definition: ServiceDefinition, text: str | None = None) -> type:
-    for part in (definition.request, definition.response, definition.event):
-        if part.name.name not in built.classes:
-            _add_message(built, part)
-    request, response, event = (
-        built.classes[part.name.name] for part in (definition.request, definition.response, definition.event)
-    )
-    cls = make_service_class(definition, request, response, event, text)
-    built.classes[definition.name.name] = cls
-    return cls
+    parts = {"Request": definition.request, "Response": definition.response, "Event": definition.event}
+    return _bundle(built, definition, {name: _add_message(built, part) for name, part in parts.items()}, text)
 
 
 def _add_action(built: Built, definition: ActionDefinition) -> None:
-    parts = {
+    public = {
         "Goal": _add_message(built, definition.goal),
         "Result": _add_message(built, definition.result),
         "Feedback": _add_message(built, definition.feedback),
+    }
+    internal = {
         "SendGoalService": _add_service(built, definition.send_goal),
         "GetResultService": _add_service(built, definition.get_result),
         "FeedbackMessage": _add_message(built, definition.feedback_message),
+        "CancelGoalService": importlib.import_module("action_msgs.srv").CancelGoal,
+        "GoalStatusMessage": importlib.import_module("action_msgs.msg").GoalStatusArray,
     }
-    built.classes[definition.name.name] = make_action_class(definition, parts, built.text)
-
-
-def make_service_class(
-    definition: ServiceDefinition, request: type, response: type, event: type, text: str | None = None
-) -> type:
-    """Make the class of a service out of those of its parts."""
-    parts = {"Request": request, "Response": response, "Event": event}
-    return _bundle(definition, "service", parts, text)
-
-
-def make_action_class(definition: ActionDefinition, parts: dict[str, type], text: str) -> type:
-    """Make the class of an action."""
-    internal = {name: parts[name] for name in ("SendGoalService", "GetResultService", "FeedbackMessage")}
-    internal["CancelGoalService"] = importlib.import_module("action_msgs.srv").CancelGoal
-    internal["GoalStatusMessage"] = importlib.import_module("action_msgs.msg").GoalStatusArray
     inner = {"__module__": python_module(definition), "__qualname__": f"{definition.name.name}.Impl"}
-    implementation = type("Impl", (), {**inner, **internal})
-    public = {part: parts[part] for part in ("Goal", "Result", "Feedback")}
-    return _bundle(definition, "action", {**public, "Impl": implementation}, text)
+    _bundle(built, definition, {**public, "Impl": type("Impl", (), {**inner, **internal})}, built.text)
 
 
 def _bundle(
-    definition: ServiceDefinition | ActionDefinition, what: str, parts: dict[str, type], text: str | None
+    built: Built, definition: ServiceDefinition | ActionDefinition, parts: dict[str, type], text: str | None
 ) -> type:
+    """Make the class of a service or an action out of those of its parts."""
+    what = "service" if isinstance(definition, ServiceDefinition) else "action"
+
     def __init__(_: object) -> NoReturn:  # noqa: N807
         raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated")
 
     cls: type = make_metaclass(definition, what, {})(
         definition.name.name, (), {"__module__": python_module(definition), "__init__": __init__, **parts}
     )
-    LiveRecord(source_of(definition.name.kind, text)).attach(cls)
+    remember(cls, definition.name.kind, text)
+    built.classes[definition.name.name] = cls
     return cls

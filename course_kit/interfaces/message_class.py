@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from course_kit.interfaces.definition import FieldType, to_slot_type
 from course_kit.interfaces.field_checks import checks_by_default, field_check
-from course_kit.interfaces.message_fields import (
-    LiveRecord,
-    MessageField,
-    class_of,
-    default_text,
-    message_fields,
-    source_of,
-)
+from course_kit.interfaces.message_fields import MessageField, default_text, message_fields, remember
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -56,10 +49,10 @@ def python_module(definition: Definition) -> str:
     return f"{definition.name.package}.{definition.name.kind}.{definition.module}"
 
 
-def _import_type_support(metaclass: type) -> None:
+def _import_type_support(metaclass: Any) -> None:
     from course_kit.interfaces.type_support import add_support
 
-    add_support(class_of(metaclass))
+    add_support(metaclass._live.cls)  # noqa: SLF001 - its record
 
 
 def field_property(field: MessageField) -> property:
@@ -103,7 +96,8 @@ def make_message_class(
         MessageField(field.name, field.type, nested.get(field.type.base), default_text(field.default))
         for field in definition.fields
     )
-    defaults = {field.name: field.default for field in definition.fields if field.default is not None}
+    with_default = {f"{one.name.upper()}__DEFAULT": one for one in definition.fields if one.default is not None}
+    defaults = {field.name: field.default for field in with_default.values()}
     values = {constant.name: _python_value(constant.type, constant.value) for constant in definition.constants}
     name = definition.name.name
     metaclass = make_metaclass(
@@ -112,11 +106,7 @@ def make_message_class(
         {
             **dict.fromkeys(_CAPSULES),
             **{key: _constant(value) for key, value in values.items()},
-            **{
-                f"{field.name.upper()}__DEFAULT": _default(field)
-                for field in definition.fields
-                if field.name in defaults
-            },
+            **{key: _default(field) for key, field in with_default.items()},
         },
     )
     body: dict[str, object] = {
@@ -129,23 +119,14 @@ def make_message_class(
         "__repr__": _repr,
         "__eq__": _equality(fields),
         "__hash__": None,
-        "get_fields_and_field_types": classmethod(_get_fields_and_field_types),
+        "get_fields_and_field_types": classmethod(lambda cls: copy(cls._fields_and_field_types)),
         **values,
-        **{
-            f"{field.name.upper()}__DEFAULT": _python_value(field.type, field.default)
-            for field in definition.fields
-            if field.name in defaults
-        },
+        **{key: _python_value(field.type, field.default) for key, field in with_default.items()},
         **{field.name: field_property(field) for field in fields},
     }
     cls = cast("type[Message]", metaclass(name, (), body))
-    LiveRecord(source_of(definition.name.kind, text), fields).attach(cls)
+    remember(cls, definition.name.kind, text, fields)
     return cls
-
-
-def _get_fields_and_field_types(cls: Any) -> dict[str, str]:
-    names: dict[str, str] = copy(cls._fields_and_field_types)
-    return names
 
 
 def _documentation(name: str, constants: Sequence[str]) -> str:
@@ -222,21 +203,15 @@ def _python_value(kind: FieldType, value: Any) -> object:
 
 
 def _equality(fields: Sequence[MessageField]) -> Callable[[Message, object], bool]:
-    plain = [f"_{field.name}" for field in fields if not _is_numpy(field)]
-    arrays = [f"_{field.name}" for field in fields if _is_numpy(field)]
+    slots = [f"_{field.name}" for field in fields]
 
     def __eq__(self: Message, other: object) -> bool:  # noqa: N807
         if not isinstance(other, self.__class__):
             return False
-        if any(getattr(self, slot) != getattr(other, slot) for slot in plain):
-            return False
-        return not any((getattr(self, slot) != getattr(other, slot)).any() for slot in arrays)
+        differences = (getattr(self, slot) != getattr(other, slot) for slot in slots)
+        return not any(one.any() if hasattr(one, "any") else one for one in differences)  # numpy tells of each element
 
     return __eq__
-
-
-def _is_numpy(field: MessageField) -> bool:
-    return field.type.is_numeric_container and field.type.container == "array"
 
 
 def _repr(self: Message) -> str:

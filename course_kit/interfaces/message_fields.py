@@ -20,15 +20,10 @@ _ATTRIBUTE = "_live"
 class LiveRecord:
     """One live class."""
 
+    cls: type
     source: tuple[str, str]
-    fields: tuple[MessageField, ...] = ()
-    cls: type | None = None
+    fields: tuple[MessageField, ...]
     native: int = 0  # where the native helper keeps it
-
-    def attach(self, cls: type) -> None:
-        """Remember this for a class just made."""
-        self.cls = cls
-        setattr(type(cls), _ATTRIBUTE, self)
 
 
 def record_of(cls: type) -> LiveRecord | None:
@@ -36,15 +31,9 @@ def record_of(cls: type) -> LiveRecord | None:
     return getattr(type(cls), _ATTRIBUTE, None)
 
 
-def class_of(metaclass: type) -> type:
-    """The live class a metaclass was made for; rclpy asks metaclasses for type support."""
-    cls: type = getattr(metaclass, _ATTRIBUTE).cls
-    return cls
-
-
-def source_of(kind: str, text: str | None) -> tuple[str, str]:
-    """A `LiveRecord.source`."""
-    return ("implicit", "") if text is None else (kind, text)
+def remember(cls: type, kind: str, text: str | None, fields: tuple[MessageField, ...] = ()) -> None:
+    """Keep a record of a class just made where rclpy, which asks metaclasses for type support, finds it."""
+    setattr(type(cls), _ATTRIBUTE, LiveRecord(cls, ("implicit", "") if text is None else (kind, text), fields))
 
 
 class Message(Protocol):
@@ -58,7 +47,7 @@ class Message(Protocol):
         ...
 
 
-MessageClass = type[Message]
+MessageClass = type[Message]  # where `type` is the name of a field
 
 
 class MessageField(NamedTuple):

@@ -321,7 +321,8 @@ class _Section:
         if not slash and not text[:1].isupper():
             self._fail(line, hints.for_unknown_type(text, name, PRIMITIVE_NAMES))
         if "/" in package:
-            self._fail(line, hints.for_long_type(text))
+            short = f"{package.partition('/')[0]}/{type_name}"
+            self._fail(line, f"Expected a message type as package/Name, without a folder between: {short}")
         if not _LOWER_NAME.fullmatch(package) or not _TYPE_NAME.fullmatch(type_name):
             self._fail(line, f"{text!r} is not a type: {hints.TYPE_EXAMPLES}")
         return f"{package}/msg/{type_name}"

@@ -56,11 +56,6 @@ def describe(cls: type) -> DescribedType:
     return DescribedType(full_name(cls), fields, tuple(parts.values()))
 
 
-def referenced(cls: type) -> list[DescribedType]:
-    """Descriptions of all types a type refers to, directly or not, sorted by name."""
-    return [describe(other) for other in referenced_classes(cls)]
-
-
 def referenced_classes(cls: type) -> list[type]:
     """The classes a type refers to, directly or not, sorted by full name, without itself."""
     found: dict[str, type] = {}
@@ -78,7 +73,7 @@ def type_hash(cls: type) -> bytes:
     text = json.dumps(
         {
             "type_description": _hashed(describe(cls)),
-            "referenced_type_descriptions": [_hashed(other) for other in referenced(cls)],
+            "referenced_type_descriptions": [_hashed(describe(other)) for other in referenced_classes(cls)],
         },
         separators=(", ", ": "),
     )

@@ -219,7 +219,7 @@ def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], Payl
 
     @lru_cache(maxsize=1)
     def codecs() -> tuple[Encode, Callable[[bytes], Message], Callable[[bytes], Message]]:
-        return make_encoder(cls.Event), make_decoder(cls.Request), make_decoder(cls.Response)
+        return make_encoder(cls.Event, _helper()), make_decoder(cls.Request), make_decoder(cls.Response)
 
     def make_event(info: bytes, request: bytes | None, response: bytes | None) -> Payload:
         encode, decode_request, decode_response = codecs()

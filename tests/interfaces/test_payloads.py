@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from course_kit.interfaces.codec import make_decoder
+from course_kit.interfaces.codec.encoder import make_decoder
 from tests.interfaces.twins import PACKAGES, message_twins, random_message, seeded
 
 if TYPE_CHECKING:

@@ -189,7 +189,7 @@ def test_nbval_goes_on_with_its_own_kernel_where_ours_does_not_fit() -> None:
 OTHERS = {
     "_Environ", "_SubParsersAction", "_actions", "_asdict", "_clear", "_current_frames", "_exit", "_fields",
     "_format_action_invocation", "_replace", "_repr_mimebundle_", "_run_exitfuncs", "_shutdown", "_take_signals",
-    "_base_executable", "_register_atexit", "_grading_mode", "_getframe",
+    "_base_executable", "_live", "_register_atexit", "_grading_mode", "_getframe",
 }  # fmt: skip
 
 

@@ -4,7 +4,3 @@ It works for every class that follows rosidl_generator_py, compiled ones include
 so a compiled message inside a live one is part of the same generated code. The wire format is that of the OMG's
 "DDS for Extremely Lightweight" family: little-endian XCDR1, which Fast DDS writes.
 """
-
-from course_kit.interfaces.codec.encoder import make_decoder, make_encoder
-
-__all__ = ["make_decoder", "make_encoder"]

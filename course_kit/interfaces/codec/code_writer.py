@@ -20,7 +20,6 @@ _Values = TypeVar("_Values", bound="Sequence[object]")
 PADDING = [bytes(count) for count in range(8)]
 OCTETS = [bytes([value]) for value in range(256)]
 _LENGTH = struct.Struct("<I").pack
-_SHORT = [struct.Struct(f"<I{size + 4 - size % 4}s").pack for size in range(64)]  # of strings by their length
 
 
 def too_long(length: int, bound: int) -> NoReturn:
@@ -46,35 +45,11 @@ def encode_string(value: str) -> bytes:
 
 def encode_strings(values: Sequence[str]) -> bytes:
     """Strings one after another, each with its length, NUL and what keeps the next one aligned."""
-    try:
-        encoded = "\0".join(values).encode().split(b"\0")
-        plain = len(encoded) == len(values)
-    except TypeError:  # not of str itself; with the checks off
-        plain = False
-    if not plain:
-        encoded = [encode_string(value) for value in values]
-    short = _SHORT
-    try:
-        packed = [short[len(data)](len(data) + 1, data) for data in encoded]
-    except IndexError:
-        packed = [_LENGTH(len(data) + 1) + data + PADDING[4 - len(data) % 4] for data in encoded]
+    encoded = [encode_string(value) for value in values]
+    packed = [_LENGTH(len(data) + 1) + data + PADDING[4 - len(data) % 4] for data in encoded]
     if packed:
         packed[-1] = packed[-1][: 4 + len(encoded[-1]) + 1]  # what follows knows its own alignment
     return b"".join(packed)
-
-
-def not_packed(values: object) -> None:
-    """Stands where there is no native helper to pack a list."""
-    del values
-
-
-def encode_booleans(values: Sequence[bool]) -> bytes:
-    """A list of booleans as bytes 0 and 1."""
-    try:
-        data = bytes(values)
-    except (TypeError, ValueError):  # not of booleans; with the checks off
-        return bytes(map(bool, values))
-    return bytes(map(bool, data)) if data.translate(None, b"\0\1") else data
 
 
 def encode_octets(values: Sequence[bytes], count: int) -> bytes:

@@ -309,7 +309,7 @@ class Encoder(CodeWriter):
         if primitive.idl == "octet":
             self.emit(f"if len({values}): b += list_octets({values}) or encode_octets({values}, len({values}))")
         elif primitive.idl == "boolean":
-            self.emit(f"if len({values}): b += list_booleans({values}) or encode_booleans({values})")
+            self.emit(f"if len({values}): b += list_booleans({values}) or bytes(map(bool, {values}))")
         else:
             if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
                 self.emit(f"if len({values}): b += PADDING[(4 - len(b)) & 7]")
@@ -331,7 +331,7 @@ class Encoder(CodeWriter):
         self.repeat(lambda: self._field(field._replace(type=field.type.element), value))
 
 
-def make_encoder(cls: type[Message], native: ctypes.PyDLL | None = None) -> Encode:
+def make_encoder(cls: type[Message], native: ctypes.PyDLL) -> Encode:
     """Make the function that turns a message of `cls` into its CDR payload, header included."""
     writer = Encoder()
     source = writer.source(cls)
@@ -343,10 +343,9 @@ def make_encoder(cls: type[Message], native: ctypes.PyDLL | None = None) -> Enco
         "PADDING": code_writer.PADDING,
         "encode_string": code_writer.encode_string,
         "encode_strings": code_writer.encode_strings,
-        "encode_booleans": code_writer.encode_booleans,
         "encode_octets": code_writer.encode_octets,
-        "list_booleans": native.live_booleans if native else code_writer.not_packed,
-        "list_octets": native.live_octets if native else code_writer.not_packed,
+        "list_booleans": native.live_booleans,
+        "list_octets": native.live_octets,
         "encode_fixed": code_writer.encode_fixed,
         "exactly": code_writer.exactly,
         "explained": explained,
