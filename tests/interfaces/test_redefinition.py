@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-import textwrap
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -36,10 +31,9 @@ def graph(domain: int) -> Iterator[Graph]:
 
 
 @pytest.fixture(autouse=True)
-def own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+def own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Definitions of tests are not saved among the learner's."""
     monkeypatch.setattr(environment, "run_dir", lambda: tmp_path)
-    return tmp_path / "interfaces"
 
 
 OLD_INFO, NEW_INFO = "string name\nint32 age\n", "float64[] values\nstring name\nbool ok\n"
@@ -183,69 +177,3 @@ def test_an_invalid_text_leaves_the_old_definition() -> None:
     with pytest.raises(interfaces.InterfaceDefinitionError):
         interfaces.define("redefined_invalid/msg/Info", "sting name\n")
     assert interfaces.get_type("redefined_invalid/msg/Info") is first
-
-
-PROGRAM = """
-    import sys
-    import rclpy
-    from redefined_elsewhere.srv import Ask
-
-    rclpy.init()
-    node = rclpy.create_node("elsewhere")
-    def answer(request, response):
-        print("asked", request, flush=True)
-        response.answer = type(response.answer)(len(request.question))
-        return response
-    node.create_service(Ask, "ask", answer)
-    print("ready", flush=True)
-    rclpy.spin(node)
-"""
-
-
-@contextmanager
-def program(stderr: Path) -> Iterator[None]:
-    """A process with a service of the definition that is saved at this moment."""
-    environ = environment.child_environment(COURSE_KIT_INTERFACE_PATH=os.environ["COURSE_KIT_INTERFACE_PATH"])
-    command = [sys.executable, "-c", textwrap.dedent(PROGRAM)]
-    with (
-        stderr.open("w") as errors,
-        subprocess.Popen(command, env=environ, stdout=subprocess.PIPE, stderr=errors, text=True) as started,
-    ):
-        try:
-            assert started.stdout is not None
-            assert started.stdout.readline() == "ready\n", stderr.read_text()
-            yield
-        finally:
-            started.kill()
-
-
-def test_another_process_keeps_the_old_definition(
-    graph: Graph, own_folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv("COURSE_KIT_INTERFACE_PATH", str(own_folder))
-    errors = tmp_path / "errors"
-    old = interfaces.define("redefined_elsewhere/srv/Ask", OLD_ASK)
-    old_client = graph.old.create_client(old, "ask")
-    with program(errors):
-        assert graph.answer(old_client, old.Request(question="abc")).answer == 3
-        new = interfaces.define("redefined_elsewhere/srv/Ask", "int64[] question\nfloat64 weight\n---\nint64 answer\n")
-        new_client = graph.new.create_client(new, "ask")
-        graph.wait_for(new_client.service_is_ready, "/ask")
-        # Ready on this side does not mean ready on the other: the first requests may not even arrive.
-        request = new.Request(question=[1, 2], weight=1.0)
-        graph.wait_for(lambda: new_client.call_async(request) and errors.read_text(), "a complaint")
-        assert "not a redefined_elsewhere/srv/Ask_Request as this program knows it" in errors.read_text()
-        assert graph.answer(old_client, old.Request(question="abcd")).answer == 4
-    with program(errors):
-        # The killed program is still on the graph for a while, and silent: calls go to whoever answers.
-        graph.wait_for(lambda: is_answered(graph, new_client, request), "an answer of the program started anew")
-
-
-def is_answered(graph: Graph, client: Any, request: Any) -> bool:
-    future = client.call_async(request)
-    for _ in range(20):
-        graph.executor.spin_once(timeout_sec=0.05)
-        if future.done():
-            assert future.result().answer == 2
-            return True
-    return False
