@@ -21,7 +21,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     from course_kit.integrations import grade_magics, magics
     from course_kit.integrations.magics import hint_line
     from course_kit.interfaces.sources import PATH_VARIABLE
-    from course_kit.ros2cli.magic import ros2_line
+    from course_kit.ros2cli.cli import ros2_line
 
     magics.register(shell)
     shell.register_magics(grade_magics.GradeMagics)

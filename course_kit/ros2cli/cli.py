@@ -124,6 +124,21 @@ def run(
         return 0
 
 
+def ros2_line(line: str) -> None:
+    """Run `%ros2 service list` and the like in the kernel, in the context of its nodes: all are discovered there."""
+    import shlex
+
+    from course_kit import lab
+
+    try:
+        words = shlex.split(line)
+    except ValueError as error:
+        sys.stderr.write(f"%ros2 {line}: {error}.\n")
+        return
+    engine = lab.current().engine
+    run(words, engine.node.context, engine.guests)
+
+
 def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None, *, visits: bool) -> int:
     from course_kit import environment
     from course_kit.ros2cli.session import Session

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import argparse
     from argparse import Namespace
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-    from course_kit.ros2cli.graph import Graph
+    from course_kit.ros2cli.graph import Graph, Names
 
 _PATIENCE = 2.0  # seconds; somebody is waiting with a finger on the Tab key
 
@@ -24,103 +24,52 @@ def complete(parser: argparse.ArgumentParser) -> None:
     argcomplete.autocomplete(parser, always_complete_options=False)
 
 
-def services(**about: object) -> list[str]:
-    """Service names, without the hidden ones."""
-    del about
-    return _shown(_graph().services)
+def candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
+    """What may stand where `wanted` is named, behind the words given so far; `begun` is the word being typed."""
+    from course_kit import interfaces
+    from course_kit.launch import executables
+
+    def types(kind: str, names_of: Callable[[Graph], Names], argument: str) -> list[str]:
+        """The type of what was named before; all of its kind when that is not on the graph."""
+        return names_of(_graph()).get(getattr(given, argument, None) or "") or interfaces.types(kind=kind)
+
+    found: dict[str, Callable[[], list[str]]] = {
+        "services": lambda: _shown(_graph().services),
+        "topics": lambda: _shown(_graph().topics),
+        "actions": lambda: sorted(_graph().actions()),
+        "nodes": lambda: _shown(_graph().nodes),
+        "parameters": lambda: _parameters(given.node_name),
+        "service_types": lambda: types("srv", lambda graph: graph.services, "service_name"),
+        "action_types": lambda: types("action", lambda graph: graph.actions(), "action_name"),
+        "message_types": lambda: types("msg", lambda graph: graph.topics, "topic_name"),
+        "all_types": interfaces.types,
+        "interface_packages": interfaces.packages,
+        "run_packages": executables.packages,
+        "run_executables": lambda: executables.executables(given.package_name),
+        "launch_files": lambda: _launch_files(begun),
+    }
+    return found[wanted]()
 
 
-def topics(**about: object) -> list[str]:
-    """Topic names, without the hidden ones."""
-    del about
-    return _shown(_graph().topics)
-
-
-def actions(**about: object) -> list[str]:
-    """Action names."""
-    del about
-    return sorted(_graph().actions())
-
-
-def nodes(**about: object) -> list[str]:
-    """Node names, without the hidden ones."""
-    del about
-    return _shown(_graph().nodes)
-
-
-def parameters(*, parsed_args: Namespace, **about: object) -> list[str]:
-    """The parameters of the node named before."""
-    del about
-    from course_kit.ros import parameters as of_a_node
+def _parameters(node_name: str) -> list[str]:
+    from course_kit.ros import parameters
     from course_kit.ros.names import from_root
     from course_kit.ros2cli.parameters import ParameterClient
     from course_kit.ros2cli.session import Session
 
     session = Session(visits=True)
     try:
-        client = ParameterClient(session, from_root(parsed_args.node_name), _PATIENCE)
-        return sorted(client.ask(of_a_node.names()))
+        client = ParameterClient(session, from_root(node_name), _PATIENCE)
+        return sorted(client.ask(parameters.names()))
     finally:
         session.close()
 
 
-def service_types(*, parsed_args: Namespace, **about: object) -> list[str]:
-    """The type of the service named before; all service types when it is not on the graph."""
-    del about
-    return _types("srv", _graph().services.get(getattr(parsed_args, "service_name", None) or "", []))
-
-
-def action_types(*, parsed_args: Namespace, **about: object) -> list[str]:
-    """The same for actions."""
-    del about
-    return _types("action", _graph().actions().get(getattr(parsed_args, "action_name", None) or "", []))
-
-
-def message_types(*, parsed_args: Namespace, **about: object) -> list[str]:
-    """The same for topics."""
-    del about
-    return _types("msg", _graph().topics.get(getattr(parsed_args, "topic_name", None) or "", []))
-
-
-def all_types(**about: object) -> list[str]:
-    """The names of all interfaces."""
-    del about
-    from course_kit import interfaces
-
-    return interfaces.types()
-
-
-def interface_packages(**about: object) -> list[str]:
-    """The packages that have interfaces."""
-    del about
-    from course_kit import interfaces
-
-    return interfaces.packages()
-
-
-def run_packages(**about: object) -> list[str]:
-    """The packages that have programs."""
-    del about
-    from course_kit.launch.executables import packages
-
-    return packages()
-
-
-def run_executables(*, parsed_args: Namespace, **about: object) -> list[str]:
-    """The programs of the package named before."""
-    del about
-    from course_kit.launch.executables import executables
-
-    return executables(parsed_args.package_name)
-
-
-def launch_files(*, prefix: str, **about: object) -> list[str]:
-    """Launch files at the path typed so far."""
-    del about
+def _launch_files(begun: str) -> list[str]:
     from pathlib import Path
 
-    folder, _, begun = prefix.rpartition("/")
-    found = [*Path(folder or ".").glob(f"{begun}*.launch.py"), *Path(folder or ".").glob(f"{begun}*/*.launch.py")]
+    folder, _, name = begun.rpartition("/")
+    found = [*Path(folder or ".").glob(f"{name}*.launch.py"), *Path(folder or ".").glob(f"{name}*/*.launch.py")]
     return [str(path) for path in found]
 
 
@@ -139,9 +88,3 @@ def _shown(names: Iterable[str]) -> list[str]:
     from course_kit.ros.names import is_hidden
 
     return sorted({name for name in names if not is_hidden(name)})
-
-
-def _types(kind: str, known: list[str]) -> list[str]:
-    from course_kit import interfaces
-
-    return known or interfaces.types(kind=kind)

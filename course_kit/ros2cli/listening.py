@@ -1,4 +1,4 @@
-"""Listening to a topic, for `topic echo`, `hz`, `bw` and `delay`."""
+"""Listening to a topic, for `topic echo`, `hz`, `bw` and `delay`, and publishing on one, for `topic pub`."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from collections import deque
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
 from course_kit.ros.topic import Inbox
-from course_kit.ros2cli import values
+from course_kit.ros2cli import qos, values
 from course_kit.ros2cli.errors import CommandError
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable
 
+    from rclpy.publisher import Publisher
     from rclpy.subscription import Subscription
 
     from course_kit.ros.messages import Message, MessageType
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.session import Session
     from course_kit.ros2cli.text import Layout
 
-REPORT_EVERY = 1.0  # seconds between two lines of figures
+REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
 _WORD_AFTER = 10.0  # seconds without a message until somebody is told that nothing comes
 _SPIN_S = 0.5
 _NS = 1e9
@@ -85,8 +87,6 @@ class Listener:
 
     def subscribe(self, *, wait: bool, raw: bool = False) -> None:
         """Subscribe."""
-        from course_kit.ros2cli import qos
-
         node = self._session.node
         named = getattr(self._options, "message_type", None)
         message_type = values.find_type(named or self._type_on_graph(wait=wait), "msg")
@@ -249,3 +249,60 @@ def _filter_of(expression: str | None) -> Callable[[Message], bool]:
             raise CommandError(f"--filter {expression!r} has failed: {type(error).__name__}: {error}.") from error
 
     return matches
+
+
+def publish(options: Namespace, session: Session, topic: str) -> None:
+    """Publish as `topic pub` does."""
+    if options.rate <= 0:
+        raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
+    times = 1 if options.once else options.times
+    wanted = (1 if times else 0) if options.wait_matching_subscriptions is None else options.wait_matching_subscriptions
+    if not wanted and options.max_wait is not None:
+        raise CommandError("--max-wait-time-secs needs --wait-matching-subscriptions, --once or --times.")
+    message_type = values.find_type(options.message_type, "msg")
+    given = values.TypedValues(values.typed(options, "values"), type_name(message_type))
+    message = message_type()
+    given.put_into(message)
+    if options.node_name:
+        session.call_node(options.node_name)
+    publisher = session.node.create_publisher(message_type, topic, qos.for_publishing(options))
+    _wait_for_subscriptions(publisher, topic, wanted, options, session)
+    print("publisher: beginning loop", flush=True)
+    count = 0
+    while True:
+        count += 1
+        if count > 1 and given.are_of_the_moment:
+            given.put_into(message)
+        if options.print_every and count % options.print_every == 0:
+            print(f"publishing #{count}: {message!r}\n", flush=True)
+        publisher.publish(message)
+        if count == times:
+            break
+        time.sleep(1.0 / options.rate)
+    _wait_for_delivery(publisher, options.timeout)
+
+
+def _wait_for_subscriptions(
+    publisher: Publisher, topic: str, wanted: int, options: Namespace, session: Session
+) -> None:
+    timeout = options.timeout if options.max_wait is None else options.max_wait
+    deadline = time.monotonic() + timeout
+    while publisher.get_subscription_count() < wanted:
+        print(f"Waiting for at least {wanted} matching subscription(s)...", flush=True)
+        left = deadline - time.monotonic()
+        if session.wait_on_graph(lambda: publisher.get_subscription_count() >= wanted, min(left, REPORT_EVERY)):
+            return
+        if time.monotonic() >= deadline:
+            topics = {name for name, _ in session.node.get_topic_names_and_types()} - {topic}
+            found = publisher.get_subscription_count()
+            raise CommandError(
+                f"{f'Only {found}' if found else 'Nobody'} subscribed to {topic} within {timeout:g} s "
+                f"(waiting for {wanted}).{did_you_mean(topic, topics)}"
+            )
+
+
+def _wait_for_delivery(publisher: Publisher, timeout: float) -> None:
+    """A node that leaves at once takes its last message with it; a reliable reader confirms it."""
+    from rclpy.duration import Duration
+
+    publisher.wait_for_all_acked(Duration(nanoseconds=int(min(timeout, 1e9) * 1e9)))

@@ -198,26 +198,26 @@ def add_graph_options(verb: argparse.ArgumentParser) -> None:
 
 
 def add_named(verb: argparse.ArgumentParser, name: str, completer: str, **options: Any) -> None:
-    """A positional argument that the shell completes with `completer`, a function of `completion`."""
+    """A positional argument that the shell completes with `completer`, by the names in `completion`."""
     argument: Any = verb.add_argument(name, **options)
     argument.completer = _Completer(completer)
 
 
 class _Completer:
-    """Finds the completing function only when a shell asks."""
+    """Finds what may stand here only when a shell asks."""
 
-    def __init__(self, function: str) -> None:
-        self._function = function
+    def __init__(self, wanted: str) -> None:
+        self._wanted = wanted
 
-    def __call__(self, **about: object) -> list[str]:
+    def __call__(self, *, parsed_args: argparse.Namespace, prefix: str, **about: object) -> list[str]:
         from course_kit import environment
         from course_kit.ros2cli import completion
 
+        del about
         try:
-            found: list[str] = getattr(completion, self._function)(**about)
+            return completion.candidates(self._wanted, parsed_args, prefix)
         except environment.DomainError:  # the command itself says so
             return []
-        return found
 
 
 def _seconds(text: str) -> float:

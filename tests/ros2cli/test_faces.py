@@ -26,7 +26,7 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 from course_kit import lab
-from course_kit.ros2cli.magic import ros2_line
+from course_kit.ros2cli.cli import ros2_line
 
 class Server(Node):
     def __init__(self):

@@ -202,6 +202,6 @@ def _listener(options: Namespace, session: Session) -> Listener:
 
 
 def _pub(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.publishing import publish
+    from course_kit.ros2cli.listening import publish
 
     publish(options, session, checked_name(options.topic_name))
