@@ -21,6 +21,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.submission import UnreadableError
 from course_kit.process import Closing
 from course_kit.process.child import INTO_STDOUT, Child
+from course_kit.process.libc import make_memory_file
 from course_kit.process.output import LastWords
 from course_kit.reader import contract
 from course_kit.reader.text import NOTEBOOK, kind
@@ -158,7 +159,7 @@ class Reader(Closing):
 def _file_in_memory() -> BinaryIO:
     """A file nobody else knows."""
     try:
-        return open(os.memfd_create("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
+        return open(make_memory_file("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
     except OSError as problem:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 

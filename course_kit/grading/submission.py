@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.process import Closing
+from course_kit.process.libc import make_memory_file
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class Copy(Closing):
         """Copy a file."""
         self.name, self.size = path.name, 0
         try:
-            self._file = open(os.memfd_create("submission"), "wb")  # noqa: PTH123, SIM115
+            self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
             try:
                 self.digest = self._fill(path, whole=whole)
             except BaseException:

@@ -1,7 +1,4 @@
-"""What Python has no function for, by the C library; what fails raises OSError, as Python's own functions do.
-
-Most is what a process settles with its parent, and with the children that others leave to it (prctl(2)).
-"""
+"""What Python has no function for, by the C library; what fails raises OSError, as Python's own functions do."""
 
 from __future__ import annotations
 
@@ -61,3 +58,8 @@ def lacking() -> str:
 def set_name(name: str) -> None:
     """Have `ps` and `top` show this process under a name of at most 15 characters."""
     prctl(_PR_SET_NAME, name.encode(), what="NAME")
+
+
+def make_memory_file(name: str) -> int:
+    """A descriptor of a file in memory (memfd_create(2)), also for a Python that was built for an older C library."""
+    return call("memfd_create", name.encode(), 1)  # MFD_CLOEXEC

@@ -6,6 +6,8 @@ import fcntl
 import os
 from contextlib import suppress
 
+from course_kit.process.libc import make_memory_file
+
 
 class LineReader:
     """The lines that come through a pipe, as far as they are there: its other end is never waited for."""
@@ -40,7 +42,7 @@ class LastWords:
     _MOST = 2000  # bytes
 
     def __init__(self) -> None:
-        self.file = open(os.memfd_create("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
+        self.file = open(make_memory_file("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
 
     def last_line(self) -> str:
         """What it has printed last; nothing when the file is closed."""

@@ -57,7 +57,7 @@ def test_a_course_that_is_right_is_proven(course: Path, capsys: pytest.CaptureFi
     assert code == 0
     assert [line.split() for line in out.splitlines()[:2]] == [
         ["exercise", "starter", "solution", "variants", "broken", "slips", "checks", "sentences"],
-        [EXERCISE, "2", "1", "8", "3", "-", "1", "-"],
+        [EXERCISE, "2", "1", "8", "3", "-", "22", "-"],
     ]
     assert "PROVEN. 14 submissions graded in" in out
     assert "[14/14] pattern_choice" in err

@@ -141,7 +141,7 @@ def test_a_file_system_that_is_missing_or_full(place: str, then: str, said: str)
 
 
 def test_without_files_in_memory_it_grades_all_the_same() -> None:
-    without = "import os\ndel os.memfd_create\n"  # stands in for a system that has none
+    without = "import os\ndel os.memfd_create\n"  # stands in for a Python that was built for an older C library
     done = run([sys.executable, "-c", without + COMMAND, "grade", EXERCISE, str(SOLUTION), "--format", "json"])
     assert done.returncode == 0, done.stderr
     assert '"score": 10.0' in done.stdout

@@ -181,7 +181,8 @@ def _zone(name: Any) -> tzinfo:
 def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
     """A date and time with its zone."""
     try:
-        moment = value if isinstance(value, datetime) else datetime.fromisoformat(re.sub("Z$", "+00:00", str(value)))
+        text = f"{str(value)[:-1]}+00:00" if str(value).endswith("Z") else str(value)  # as all Pythons read it
+        moment = value if isinstance(value, datetime) else datetime.fromisoformat(text)
     except ValueError:
         raise ValueError(f"{what}: '{value}' is no date with a time, such as 2026-11-20 23:59") from None
     if not isinstance(value, datetime) and ":" not in str(value):
