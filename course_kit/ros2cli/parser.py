@@ -13,7 +13,6 @@ from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from types import ModuleType
 
     from course_kit.ros2cli.session import Session
 
@@ -34,7 +33,7 @@ COMMANDS = {
     "topic": "list topics, listen, publish",
     "wtf": "the same as doctor",
 }
-_MODULES = {"wtf": "doctor"}  # where a command has the verbs of another one
+_MODULES = {"wtf": "doctor", "daemon": "doctor", "run": "pkg"}  # where a command stands in the module of another one
 # What the real command has besides; empty for the commands themselves.
 _ONLY_IN_ROS = {
     "": (
@@ -142,13 +141,9 @@ def build(commands: Sequence[str]) -> Parser:
         place = places.add_parser(name, help=purpose, description=f"{purpose}. {_SUBSET}")
         place.set_defaults(parser=place, on_graph=name not in {"interface", "pkg"})
         if name in commands:
-            verb_module(name).add_to(place)
+            module = import_module(f"course_kit.ros2cli.verbs.{_MODULES.get(name, name)}")  # of what is meant alone
+            getattr(module, f"add_{name}_to", module.add_to)(place)
     return parser
-
-
-def verb_module(command: str) -> ModuleType:
-    """The module with the verbs of a command."""
-    return import_module(f"course_kit.ros2cli.verbs.{_MODULES.get(command, command)}")
 
 
 def add_verbs(place: argparse.ArgumentParser) -> Verbs:

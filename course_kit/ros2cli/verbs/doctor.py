@@ -1,4 +1,4 @@
-"""`ros2 doctor`, also called `ros2 wtf`."""
+"""`ros2 doctor`, also called `ros2 wtf`; and `ros2 daemon`: start, stop, status."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.ros2cli.parser import add_graph_options
+from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.parser import add_graph_options, add_verb, add_verbs
 from course_kit.ros2cli.verbs._listing import graph_of
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.session import Session
 
 _NARROW, _GAP = 8, 4
+_PATIENCE = 0.5  # seconds for the daemon to answer
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -61,3 +63,40 @@ def _print(reports: Iterable[CheckupSection]) -> None:
         width = _NARROW if longest < _NARROW else longest + _GAP
         for name, value in report.items:
             print(f"{name:{width}}: {value}")
+
+
+def add_daemon_to(place: ArgumentParser) -> None:
+    """The verbs of `ros2 daemon`."""
+    verbs = add_verbs(place)
+    add_verb(verbs, "start", _start, "Start the daemon; commands do so when they need it, it ends with the last node")
+    add_verb(verbs, "stop", _stop, "Stop the daemon")
+    add_verb(verbs, "status", _status, "Say whether the daemon is running")
+
+
+def _start(options: Namespace, session: Session) -> None:
+    del options, session
+    from course_kit.ros2cli.daemon import DaemonSocket, ask_daemon
+
+    environment.apply()
+    if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
+        print("The daemon is already running")
+    elif ask_daemon(_PATIENCE):
+        print("The daemon has been started")
+    else:
+        raise CommandError("The daemon could not be started; listings work without it, and take longer.")
+
+
+def _stop(options: Namespace, session: Session) -> None:
+    del options, session
+    from course_kit.ros2cli.daemon import stop_daemon
+
+    print("The daemon has been stopped" if stop_daemon() else "The daemon is not running")
+
+
+def _status(options: Namespace, session: Session) -> None:
+    del options, session
+    from course_kit.ros2cli.daemon import DaemonSocket
+
+    environment.apply()
+    running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
+    print("The daemon is running" if running else "The daemon is not running")

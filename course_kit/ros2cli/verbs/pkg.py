@@ -1,7 +1,12 @@
-"""`ros2 pkg`: list, prefix, executables."""
+"""`ros2 pkg`: list, prefix, executables; and `ros2 run`."""
 
 from __future__ import annotations
 
+import argparse
+import os
+import shlex
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.launch import executables
@@ -62,3 +67,34 @@ def _unknown(name: str) -> str:
     if name in _packages():
         return f"Package '{name}' contains only interfaces: it is one of Python's packages and has no programs."
     return f"Package not found: {name}.{did_you_mean(name, _packages())}"
+
+
+def add_run_to(place: ArgumentParser) -> None:
+    """`ros2 run` has no verbs."""
+    place.add_argument("--prefix", default="", help="what to write before the program, such as 'nice -n 5'")
+    add_named(place, "package_name", "run_packages", help="the package")
+    add_named(place, "executable_name", "run_executables", help="its program, with or without .py")
+    place.add_argument("arguments", nargs=argparse.REMAINDER, metavar="...", help="for the program")
+    place.set_defaults(run=_run)
+
+
+def _run(options: Namespace, session: Session) -> int:
+    from course_kit import environment
+    from course_kit.launch.errors import LaunchError
+    from course_kit.launch.package_index import make_known
+
+    make_known([Path.cwd()])
+    try:
+        program = executables.find(options.package_name, options.executable_name)
+    except LaunchError as error:
+        raise CommandError(str(error)) from error
+    command = [*shlex.split(options.prefix), *program, *options.arguments]
+    if session.in_kernel:
+        from course_kit.ros2cli.launching import run_and_show
+
+        return run_and_show(command)
+    sys.stdout.flush()
+    try:
+        os.execvpe(command[0], command, environment.child_environment())
+    except OSError as error:
+        raise CommandError(f"{command[0]}: {error.strerror}.") from error
