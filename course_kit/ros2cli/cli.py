@@ -113,7 +113,8 @@ def run(
             return 0
         return _run_verb(options, context, guests, visits=visits)
     except CommandError as error:
-        _print_error(str(error))
+        sys.stdout.flush()
+        sys.stderr.write(f"{error}\n")
         return error.exit_code
     except SystemExit as leaving:  # argparse, which has said why
         return leaving.code if isinstance(leaving.code, int) else 1
@@ -155,11 +156,6 @@ def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | N
         return code or 0
     finally:
         session.close()
-
-
-def _print_error(line: str) -> None:
-    sys.stdout.flush()
-    sys.stderr.write(f"{line}\n")
 
 
 def _silence_stdout() -> None:

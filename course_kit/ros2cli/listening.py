@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 import sys
 import time
 from collections import deque
@@ -170,7 +169,7 @@ def rate(listener: Listener, window: int) -> None:
         times.append(listener.next_matching().at)
         if time.monotonic() >= report_at and len(times) > 1:
             gaps = [later - earlier for earlier, later in pairwise(times)]
-            mean = statistics.fmean(gaps)
+            mean = sum(gaps) / len(gaps)
             print(f"average rate: {1.0 / mean if mean else math.inf:.3f}\n\t{_spread(gaps)}", flush=True)
             report_at = time.monotonic() + REPORT_EVERY
 
@@ -189,7 +188,7 @@ def delay(listener: Listener, window: int) -> None:
             )
         delays.append(received.at - stamp.sec - stamp.nanosec / _NS)
         if time.monotonic() >= report_at:
-            print(f"average delay: {statistics.fmean(delays):.3f}\n\t{_spread(delays)}", flush=True)
+            print(f"average delay: {sum(delays) / len(delays):.3f}\n\t{_spread(delays)}", flush=True)
             report_at = time.monotonic() + REPORT_EVERY
 
 
@@ -216,15 +215,14 @@ def _bandwidth_line(sizes: list[tuple[float, int]], now: float) -> str:
     def shown(size: float) -> str:
         return f"{size / unit:.{digits}f} {name}"
 
-    mean, least, most = (shown(size) for size in (statistics.fmean(numbers), min(numbers), max(numbers)))
+    mean, least, most = (shown(size) for size in (sum(numbers) / len(numbers), min(numbers), max(numbers)))
     return f"{shown(per_second)}/s from {len(numbers)} messages\n\tMessage size mean: {mean} min: {least} max: {most}"
 
 
 def _spread(values: deque[float] | list[float]) -> str:
-    return (
-        f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {statistics.pstdev(values):.5f}s "
-        f"window: {len(values)}"
-    )
+    from statistics import pstdev  # slow to import, and only `hz` and `delay` need it
+
+    return f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {pstdev(values):.5f}s window: {len(values)}"
 
 
 def _checked(window: int) -> int:
