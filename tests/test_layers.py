@@ -60,7 +60,6 @@ BUDGETS = {
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
     "course_kit/lab": 7253,
-    "course_kit/ros2cli": 3697,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,
     "tests": 45000,

@@ -9,8 +9,8 @@ import os
 import sys
 from typing import TYPE_CHECKING, NoReturn
 
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import COMMANDS, build, command_parser
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -142,7 +142,6 @@ def ros2_line(line: str) -> None:
 
 def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None, *, visits: bool) -> int:
     from course_kit import environment
-    from course_kit.ros2cli.session import Session
 
     session = Session(context, guests, visits=visits)
     try:

@@ -9,11 +9,13 @@ from collections import deque
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rclpy.qos import QoSPresetProfiles, QoSProfile
+
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros.topic import Inbox
-from course_kit.ros2cli import qos, values
-from course_kit.ros2cli.errors import CommandError
+from course_kit.ros.topic import Inbox, as_offered
+from course_kit.ros2cli import values
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
 
     from course_kit.ros.messages import Message, MessageType
     from course_kit.ros.topic import MessageInfo
-    from course_kit.ros2cli.session import Session
     from course_kit.ros2cli.text import Layout
 
 REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
@@ -89,13 +90,11 @@ class Listener:
         node = self._session.node
         named = getattr(self._options, "message_type", None)
         message_type = values.find_type(named or self._type_on_graph(wait=wait), "msg")
-        profile = qos.for_listening(self._options, node.get_publishers_info_by_topic(self._topic))
+        profile = _profile(self._options, as_offered(keepers=node.get_publishers_info_by_topic(self._topic)))
         self._inbox.subscribe(node, message_type, self._topic, profile, raw=raw)
 
     def subscribe_to(self, message_type: MessageType, profile: str) -> Subscription:
         """Subscribe to messages of a known type with a profile of rclpy's, whether or not somebody publishes them."""
-        from rclpy.qos import QoSPresetProfiles
-
         qos = QoSPresetProfiles.get_from_short_key(profile)
         return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
 
@@ -158,6 +157,30 @@ class Listener:
                 raise CommandError(f"There is no field {name!r} in the message.{did_you_mean(name, known)}")
             message = getattr(message, name)
         return message
+
+
+def _profile(options: Namespace, otherwise: QoSProfile) -> QoSProfile:
+    """The quality of service the options ask for; `otherwise` where they name no profile."""
+    profile = otherwise
+    if options.qos_profile == "default":
+        profile = QoSProfile(depth=10)
+    elif options.qos_profile is not None:
+        profile = QoSPresetProfiles.get_from_short_key(options.qos_profile)
+    profile = QoSProfile(
+        depth=profile.depth,
+        history=profile.history,
+        reliability=profile.reliability,
+        durability=profile.durability,
+    )
+    if options.qos_depth is not None:
+        if options.qos_depth < 0:
+            raise CommandError(f"--qos-depth has to be a number of messages, not {options.qos_depth}.")
+        profile.depth = options.qos_depth
+    for name in ("reliability", "durability", "history"):
+        if wanted := getattr(options, f"qos_{name}"):
+            policies = type(getattr(profile, name))
+            setattr(profile, name, policies[wanted.upper()])
+    return profile
 
 
 def rate(listener: Listener, window: int) -> None:
@@ -263,7 +286,7 @@ def publish(options: Namespace, session: Session, topic: str) -> None:
     given.put_into(message)
     if options.node_name:
         session.call_node(options.node_name)
-    publisher = session.node.create_publisher(message_type, topic, qos.for_publishing(options))
+    publisher = session.node.create_publisher(message_type, topic, _profile(options, QoSProfile(depth=10)))
     _wait_for_subscriptions(publisher, topic, wanted, options, session)
     print("publisher: beginning loop", flush=True)
     count = 0

@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.ros import parameters
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.graph import visible
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.ros.messages import Message
-    from course_kit.ros2cli.graph import Graph
-    from course_kit.ros2cli.session import Session
 
 PARAMETERS = "ros__parameters"
 _ANY_NUMBER, _ANY_ONE = "**", "*"
@@ -133,45 +130,3 @@ class ParameterClient:
             return self._session.answer_of(client, question.request, self._timeout, self._name)
         finally:
             client.destroy()
-
-
-def nodes_with_parameters(graph: Graph, *, hidden_too: bool = False) -> list[str]:
-    """The nodes that have parameter services, in order."""
-    names = visible({node: [] for node in graph.nodes}, hidden_too=hidden_too)
-    return [node for node in names if f"{node}{parameters.LIST_SERVICE}" in graph.services]
-
-
-def find_node(name: str, graph: Graph) -> str:
-    """The node's full name."""
-    if name not in graph.nodes:
-        raise CommandError(f"Node not found: {name}.{did_you_mean(name, graph.nodes)}")
-    return name
-
-
-def type_in_words(value: Message) -> str:
-    """The type of a value or a descriptor as the real command calls it."""
-    return parameters.type_of(value).replace("bool", "boolean").replace("_", " ")
-
-
-def value_in_words(value: Message) -> str:
-    """What `param get` prints before a value."""
-    kind = type_in_words(value)
-    return f"{kind.removesuffix(' array').capitalize()} {'values are' if 'array' in kind else 'value is'}:"
-
-
-def plain_value(value: Message) -> object:
-    """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
-    found = parameters.from_message(value)
-    return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
-
-
-def parse(name: str, text: str) -> Message:
-    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
-    from rcl_interfaces.msg import Parameter
-    from rclpy.parameter import get_parameter_value
-    from yaml import YAMLError
-
-    try:
-        return Parameter(name=name, value=get_parameter_value(text))
-    except (YAMLError, AssertionError, ValueError, OverflowError) as error:
-        raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error

@@ -36,27 +36,15 @@ COMMANDS = {
 _MODULES = {"wtf": "doctor", "daemon": "doctor", "run": "pkg"}  # where a command stands in the module of another one
 # What the real command has besides; empty for the commands themselves.
 _ONLY_IN_ROS = {
-    "": (
-        "bag",
-        "component",
-        "control",
-        "extensions",
-        "lifecycle",
-        "multicast",
-        "plugin",
-        "security",
-        "test",
-    ),
-    "pkg": ("create", "xml"),
-    "doctor": ("hello",),
+    "": "bag component control extensions lifecycle multicast plugin security test",
+    "pkg": "create xml",
+    "doctor": "hello",
 }
 _OPTIONS_ONLY_IN_ROS = {
     "launch": "-d --debug -p --print -a --show-all-subprocesses-output --launch-prefix --launch-prefix-filter",
     "topic": "--qos-liveliness --qos-liveliness-lease-duration-seconds",
 }
-_INSTEAD = {
-    "create": "a folder with your program in it is enough: `ros2 run` finds it",
-}
+_INSTEAD = {"create": "a folder with your program in it is enough: `ros2 run` finds it"}
 DEFAULT_TIMEOUT = 10.0
 _HELP_WIDTH = 100
 _SUBSET = (
@@ -102,7 +90,7 @@ class Parser(argparse.ArgumentParser):
         """Say what is wrong and which word is nearest; exit code 2 as everywhere with argparse."""
         if wrong := _BAD_CHOICE.search(message):
             choices = re.findall(r"[\w.-]+", wrong["choices"])
-            if wrong["word"] in _ONLY_IN_ROS.get(self.prog.removeprefix("ros2").strip(), ()):
+            if wrong["word"] in _ONLY_IN_ROS.get(self.prog.removeprefix("ros2").strip(), "").split():
                 instead = _INSTEAD.get(wrong["word"])
                 end = f"; {instead}." if instead else ". It is in a full installation of ROS 2."
                 sys.stderr.write(f"{self.prog}: '{wrong['word']}' exists in ROS 2; this course does not have it{end}\n")
@@ -175,6 +163,12 @@ def add_values(verb: argparse.ArgumentParser, name: str, purpose: str) -> None:
     what = verb.add_mutually_exclusive_group()
     what.add_argument(name, nargs="?", help=purpose)
     what.add_argument("--stdin", action="store_true", help="read the fields from standard input")
+
+
+def add_patience(verb: argparse.ArgumentParser) -> None:
+    """The options of every verb that listens for as long as something comes."""
+    add_timeout(verb, "end after this many seconds without a message", default=None)
+    add_node_options(verb)
 
 
 def add_node_options(verb: argparse.ArgumentParser) -> None:

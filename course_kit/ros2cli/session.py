@@ -9,8 +9,6 @@ import time
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from course_kit.ros2cli.errors import CommandError
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -26,6 +24,14 @@ _SPIN = 0.05  # seconds in C between two looks for a Ctrl-C
 _LOOK_EVERY = 0.003
 _GENERATOR = "rosidl_generator_py.generate_py_impl"
 _LAST_WORDS = 0.5  # seconds for an answer that was under way when its server left
+
+
+class CommandError(Exception):
+    """A verb cannot do what was asked; the message is the one line that goes to stderr."""
+
+    def __init__(self, message: str, exit_code: int = 1) -> None:
+        super().__init__(" ".join(message.split()))
+        self.exit_code = exit_code
 
 
 class Session:

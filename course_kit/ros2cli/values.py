@@ -8,7 +8,7 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.session import CommandError
 
 if TYPE_CHECKING:
     from argparse import Namespace

@@ -11,7 +11,7 @@ from std_srvs.srv import SetBool
 from test_msgs.msg import Arrays, BoundedSequences
 
 from course_kit.ros2cli import values
-from course_kit.ros2cli.errors import CommandError
+from course_kit.ros2cli.session import CommandError
 
 
 @pytest.mark.parametrize(

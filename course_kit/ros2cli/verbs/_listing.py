@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean, from_root
 from course_kit.ros2cli.daemon import graph_for
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from course_kit.ros2cli.graph import Graph, Names
     from course_kit.ros2cli.parser import Run, Verbs
-    from course_kit.ros2cli.session import Session
 
 _NAME = re.compile(r"(?:/?(?:[A-Za-z_~]\w*)(?:/[A-Za-z_]\w*)*|/)")
 _TYPES = {"service": "std_srvs/srv/SetBool", "topic": "std_msgs/msg/String"}

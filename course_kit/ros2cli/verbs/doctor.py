@@ -6,8 +6,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_graph_options, add_verb, add_verbs
+from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import graph_of
 
 if TYPE_CHECKING:
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from course_kit.ros2cli.checkup import CheckupSection
-    from course_kit.ros2cli.session import Session
 
 _NARROW, _GAP = 8, 4
 _PATIENCE = 0.5  # seconds for the daemon to answer

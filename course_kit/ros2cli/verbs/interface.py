@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import re
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
+from course_kit import interfaces
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
-    from course_kit.ros2cli.session import Session
 
 _INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 _PRIMITIVES = _INTEGERS | {"bool", "byte", "char", "float32", "float64", "string", "wstring"}
 _FIELD = re.compile(r"\s*(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*")
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
+
+T = TypeVar("T")
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -52,8 +54,6 @@ def _add_kinds(verb: ArgumentParser) -> None:
 
 def _list(options: Namespace, session: Session) -> None:
     del session
-    from course_kit import interfaces
-
     for kind in options.kinds or list(_TITLES):
         print(f"{_TITLES[kind]}:")
         for name in interfaces.types(kind=kind):
@@ -62,8 +62,6 @@ def _list(options: Namespace, session: Session) -> None:
 
 def _packages(options: Namespace, session: Session) -> None:
     del session
-    from course_kit import interfaces
-
     for package in interfaces.packages():
         if not options.kinds or any(interfaces.types(package, kind) for kind in options.kinds):
             print(package)
@@ -71,8 +69,6 @@ def _packages(options: Namespace, session: Session) -> None:
 
 def _package(options: Namespace, session: Session) -> None:
     del session
-    from course_kit import interfaces
-
     if options.package_name not in (packages := interfaces.packages()):
         raise CommandError(f"Unknown package '{options.package_name}'.{did_you_mean(options.package_name, packages)}")
     for kind in options.kinds or list(_TITLES):
@@ -91,49 +87,32 @@ def _proto(options: Namespace, session: Session) -> None:
     del session
     from course_kit.ros2cli.text import to_yaml
 
-    interface = known(options.type)
+    interface = _found(options.type, interfaces.get_type)
     part = getattr(interface, "Request", None) or getattr(interface, "Goal", None) or interface
     quote = "" if options.no_quotes else '"'
     text = to_yaml(part()) if part.get_fields_and_field_types() else ""
     print(f"{quote}{text}{quote}")
 
 
-def known(name: str) -> Any:
-    """The class of any interface, msg, srv or action."""
-    from course_kit import interfaces
-
+def _found(name: str, find: Callable[[str], T]) -> T:
+    """What `find` knows of any interface, msg, srv or action."""
     try:
-        return interfaces.get_type(name)
+        return find(name)
     except LookupError as problem:
-        raise unknown(name) from problem
+        package = name.partition("/")[0]
+        names = interfaces.types(package if package in interfaces.packages() else None)
+        raise CommandError(f"Unknown interface '{name}'.{did_you_mean(name, names)}") from problem
     except ValueError as problem:
         raise CommandError(str(problem)) from problem
-
-
-def unknown(name: str) -> CommandError:
-    """What to say about an interface that does not exist."""
-    from course_kit import interfaces
-
-    package = name.partition("/")[0]
-    names = interfaces.types(package if package in interfaces.packages() else None)
-    return CommandError(f"Unknown interface '{name}'.{did_you_mean(name, names)}")
 
 
 def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[str]:
     """The lines of an interface's text."""
-    from course_kit import interfaces
-
-    try:
-        text = interfaces.text_of(name)
-    except LookupError as problem:
-        raise unknown(name) from problem
-    except ValueError as problem:
-        raise CommandError(str(problem)) from problem
-    yield from _lines(text.rstrip("\n"), name.partition("/")[0], comments, inner_comments, "")
+    text = _found(name, interfaces.text_of).rstrip("\n")
+    yield from _lines(text, name.partition("/")[0], comments, inner_comments, "")
 
 
 def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent: str) -> Iterator[str]:
-    from course_kit import interfaces
     from course_kit.interfaces.comments import split_comment
 
     for written in text.splitlines():

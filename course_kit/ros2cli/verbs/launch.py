@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
-    from course_kit.ros2cli.session import Session
 
 _SEPARATOR = ":="
 

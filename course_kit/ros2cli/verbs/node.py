@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES
 from course_kit.ros.names import did_you_mean, is_hidden
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
 from course_kit.ros2cli.parser import add_graph_options, add_verb, add_verbs
+from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import add_about, checked_name, graph_of
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-    from course_kit.ros2cli.session import Session
 
 _SECTIONS = {
     "Subscribers": LISTENS,

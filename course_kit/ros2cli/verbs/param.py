@@ -8,17 +8,19 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros import parameters
-from course_kit.ros2cli.errors import CommandError
-from course_kit.ros2cli.parameters import ParameterClient, find_node, nodes_with_parameters, type_in_words
+from course_kit.ros.names import did_you_mean
+from course_kit.ros2cli.graph import visible
+from course_kit.ros2cli.parameters import ParameterClient, load
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
+from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import add_of_kind, checked_name, graph_of
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
     from course_kit.ros.messages import Message
+    from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.parser import Run, Verbs
-    from course_kit.ros2cli.session import Session
 
 _STARTS_WITHIN = 1.5  # seconds; launch files start a node and `ros2 param set` for it at the same time
 _LOOK_EVERY = 0.1
@@ -42,9 +44,9 @@ def add_to(place: ArgumentParser) -> None:
     describe = _add(verbs, "describe", _describe, "Show type, description and limits of parameters")
     add_named(describe, "parameter_names", "parameters", nargs="+")
     _add(verbs, "dump", _dump, "Show all parameters of a node as a parameter file")
-    load = _add(verbs, "load", _load, "Set the parameters from a parameter file")
-    load.add_argument("parameter_file")
-    load.add_argument("--no-use-wildcard", action="store_true", help="skip what is meant for several nodes")
+    loaded = _add(verbs, "load", _load, "Set the parameters from a parameter file")
+    loaded.add_argument("parameter_file")
+    loaded.add_argument("--no-use-wildcard", action="store_true", help="skip what is meant for several nodes")
     delete = _add(verbs, "delete", _delete, "Delete a parameter")
     add_named(delete, "parameter_name", "parameters")
 
@@ -65,7 +67,7 @@ def _client(options: Namespace, session: Session) -> ParameterClient:
     while name not in graph.nodes and time.monotonic() < ends:
         time.sleep(_LOOK_EVERY)
         graph = graph_of(options, session)
-    return ParameterClient(session, find_node(name, graph), options.timeout)
+    return ParameterClient(session, _find_node(name, graph), options.timeout)
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -75,35 +77,32 @@ def _list(options: Namespace, session: Session) -> None:
         raise CommandError(f"--filter: {options.filter!r} is not a regular expression: {error}.") from error
     graph = graph_of(options, session)
     if options.node_name:
-        nodes = [find_node(checked_name(options.node_name), graph)]
+        nodes = [_find_node(checked_name(options.node_name), graph)]
     else:
-        nodes = nodes_with_parameters(graph, hidden_too=options.include_hidden_nodes)
+        shown = visible({node: [] for node in graph.nodes}, hidden_too=options.include_hidden_nodes)
+        nodes = [node for node in shown if f"{node}{parameters.LIST_SERVICE}" in graph.services]
     for node in nodes:
         client = ParameterClient(session, node, options.timeout)
         listed = client.ask(parameters.names(options.param_prefixes))
         names = [name for name in sorted(listed) if pattern.search(name)]
         if not options.node_name:
             print(f"{node}:")
-        types = [type_in_words(value) for value in client.ask(parameters.values(names))] if options.param_type else []
+        types = [_type_in_words(value) for value in client.ask(parameters.values(names))] if options.param_type else []
         for index, name in enumerate(names):
             print(f"  {name} (type: {types[index]})" if types else f"  {name}")
 
 
 def _get(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.parameters import value_in_words
-
     value = _client(options, session).declared(options.parameter_name)
     if value.type == 0:
         print("None" if options.hide_type else "Parameter not set.")
         return
-    label = "" if options.hide_type else f"{value_in_words(value)} "
+    label = "" if options.hide_type else f"{_value_in_words(value)} "
     print(f"{label}{parameters.held(value)}")
 
 
 def _set(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.parameters import parse
-
-    message = parse(options.parameter_name, options.value)
+    message = _parse(options.parameter_name, options.value)
     (result,) = _client(options, session).ask(parameters.set_each([message]))
     _report(result, "Set parameter successful", "Setting parameter failed")
 
@@ -131,7 +130,7 @@ def _describe(options: Namespace, session: Session) -> None:
         client.declared(name)
     for descriptor in client.ask(parameters.descriptors(options.parameter_names)):
         print(f"Parameter name: {descriptor.name}")
-        print(f"  Type: {type_in_words(descriptor)}")
+        print(f"  Type: {_type_in_words(descriptor)}")
         if descriptor.description:
             print(f"  Description: {descriptor.description}")
         print("  Constraints:", *_constraints(descriptor), sep="\n    ")
@@ -150,8 +149,6 @@ def _constraints(descriptor: Message) -> list[str]:
 def _dump(options: Namespace, session: Session) -> None:
     import yaml
 
-    from course_kit.ros2cli.parameters import plain_value
-
     client = _client(options, session)
     names = sorted(client.ask(parameters.names()))
     found: dict[str, Any] = {}
@@ -159,15 +156,49 @@ def _dump(options: Namespace, session: Session) -> None:
         place, groups = found, name.split(".")
         while len(groups) > 1 and isinstance(place.get(groups[0], {}), dict):  # else a parameter has the group's name
             place = place.setdefault(groups.pop(0), {})
-        place[".".join(groups)] = plain_value(value)
+        place[".".join(groups)] = _plain_value(value)
     print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
 
 
 def _load(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.parameters import load
-
     client = _client(options, session)
     node = checked_name(options.node_name)
     loaded = load(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
     for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
         _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")
+
+
+def _find_node(name: str, graph: Graph) -> str:
+    """The node's full name."""
+    if name not in graph.nodes:
+        raise CommandError(f"Node not found: {name}.{did_you_mean(name, graph.nodes)}")
+    return name
+
+
+def _type_in_words(value: Message) -> str:
+    """The type of a value or a descriptor as the real command calls it."""
+    return parameters.type_of(value).replace("bool", "boolean").replace("_", " ")
+
+
+def _value_in_words(value: Message) -> str:
+    """What `param get` prints before a value."""
+    kind = _type_in_words(value)
+    return f"{kind.removesuffix(' array').capitalize()} {'values are' if 'array' in kind else 'value is'}:"
+
+
+def _plain_value(value: Message) -> object:
+    """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
+    found = parameters.from_message(value)
+    return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
+
+
+def _parse(name: str, text: str) -> Message:
+    """A parameter from what was typed, by ROS 2's rules: YAML decides the type, a mixed list is a string."""
+    from rcl_interfaces.msg import Parameter
+    from rclpy.parameter import get_parameter_value
+    from yaml import YAMLError
+
+    try:
+        return Parameter(name=name, value=get_parameter_value(text))
+    except (YAMLError, AssertionError, ValueError, OverflowError) as error:
+        raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error

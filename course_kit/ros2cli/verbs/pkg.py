@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING
 
 from course_kit.launch import executables
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.parser import add_named, add_verb, add_verbs
+from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-
-    from course_kit.ros2cli.session import Session
 
 
 def add_to(place: ArgumentParser) -> None:

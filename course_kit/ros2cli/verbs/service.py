@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.errors import CommandError
 from course_kit.ros2cli.graph import visible
-from course_kit.ros2cli.parser import add_graph_options, add_named, add_node_options, add_timeout, add_values, add_verbs
+from course_kit.ros2cli.parser import (
+    add_graph_options,
+    add_named,
+    add_patience,
+    add_timeout,
+    add_values,
+    add_verbs,
+)
+from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.text import add_layout, dumped, layout_of, to_csv, to_plain
 from course_kit.ros2cli.verbs._listing import (
     add_about,
@@ -26,9 +33,9 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
     from course_kit.ros.service import ServiceClient
-    from course_kit.ros2cli.session import Session
 
 _EVENTS = "/_service_event"
+_KINDS = ("REQUEST_SENT", "REQUEST_RECEIVED", "RESPONSE_SENT", "RESPONSE_RECEIVED")  # of ServiceEventInfo
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -49,8 +56,7 @@ def add_to(place: ArgumentParser) -> None:
 def _add_echo(verb: ArgumentParser) -> None:
     add_named(verb, "service_type", "service_types", nargs="?", help="found automatically if left out")
     add_layout(verb)
-    add_timeout(verb, "end after this many seconds without a message", default=None)
-    add_node_options(verb)
+    add_patience(verb)
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -68,13 +74,34 @@ def _info(options: Namespace, session: Session) -> None:
 
 
 def _echo(options: Namespace, session: Session) -> None:
+    """Print what is sent, for as long as something comes: where they tell it (service introspection, REP 2012)."""
     from course_kit.ros2cli import values
 
     name = checked_name(options.service_name)
     kind = options.service_type
     if kind is None:
         kind = existing("service", name, session.observe(options.timeout or values.LOOK_S).services)[0]
-    _echo_events(options, session, name, kind)
+    from course_kit.ros2cli.listening import Listener  # with rclpy, which the session makes ready first
+
+    event = values.find_type(kind, "srv").Event
+    layout = layout_of(options)
+    listener = Listener(options, session, f"{name}{_EVENTS}")
+    subscription = listener.subscribe_to(event, "services_default")
+    if not session.wait_on_graph(lambda: subscription.get_publisher_count() > 0, values.LOOK_S):
+        print(
+            f"No publishers on topic '{name}{_EVENTS}'; is service introspection on the client or server enabled?",
+            flush=True,
+        )
+    info = type(event().info)
+    words = {getattr(info, word): word for word in _KINDS}
+    while True:
+        message = listener.next().message
+        if options.csv:
+            print(to_csv(message, layout), flush=True)
+            continue
+        plain = to_plain(message, layout)
+        plain["info"]["event_type"] = words.get(plain["info"]["event_type"], plain["info"]["event_type"])
+        print(f"{dumped(plain, layout)}---", flush=True)
 
 
 def _call(options: Namespace, session: Session) -> None:
@@ -116,36 +143,3 @@ def _wait_for_server(client: ServiceClient, timeout: float, session: Session) ->
         raise CommandError(f"No service {name} within {timeout:g} s.{did_you_mean(name, services)}")
     if not client.is_ready():
         raise CommandError(f"{name} is a service of the type {others[0]}, not {wanted}.")
-
-
-def _echo_events(options: Namespace, session: Session, service: str, service_type: str) -> None:
-    """Print what is sent, for as long as something comes: where they tell it (service introspection, REP 2012)."""
-    from course_kit.ros2cli import values
-    from course_kit.ros2cli.listening import Listener
-
-    event = values.find_type(service_type, "srv").Event
-    layout = layout_of(options)
-    listener = Listener(options, session, f"{service}{_EVENTS}")
-    subscription = listener.subscribe_to(event, "services_default")
-    if not session.wait_on_graph(lambda: subscription.get_publisher_count() > 0, values.LOOK_S):
-        print(
-            f"No publishers on topic '{service}{_EVENTS}'; is service introspection on the client or server enabled?",
-            flush=True,
-        )
-    words = {number: name for name, number in _kinds(event).items()}
-    while True:
-        message = listener.next().message
-        if options.csv:
-            print(to_csv(message, layout), flush=True)
-            continue
-        plain = to_plain(message, layout)
-        plain["info"]["event_type"] = words.get(plain["info"]["event_type"], plain["info"]["event_type"])
-        print(f"{dumped(plain, layout)}---", flush=True)
-
-
-def _kinds(event: Any) -> dict[str, int]:
-    """The constants of service_msgs/msg/ServiceEventInfo."""
-    info = type(event().info)
-    return {
-        name: getattr(info, name) for name in ("REQUEST_SENT", "REQUEST_RECEIVED", "RESPONSE_SENT", "RESPONSE_RECEIVED")
-    }

@@ -9,11 +9,11 @@ from course_kit.ros2cli.parser import (
     add_graph_options,
     add_named,
     add_node_options,
+    add_patience,
     add_timeout,
     add_values,
     add_verbs,
 )
-from course_kit.ros2cli.qos import add_qos
 from course_kit.ros2cli.text import add_layout, layout_of
 from course_kit.ros2cli.verbs._listing import (
     add_about,
@@ -42,6 +42,12 @@ _DURABILITY = ("SYSTEM_DEFAULT", "TRANSIENT_LOCAL", "VOLATILE", "UNKNOWN", "BEST
 _LIVELINESS = ("SYSTEM_DEFAULT", "AUTOMATIC", "UNKNOWN", "MANUAL_BY_TOPIC", "UNKNOWN", "BEST_AVAILABLE")
 _NOBODY = Ends([], [])
 _FOR_EVER = 9223372036854775807  # nanoseconds
+_PROFILES = ("system_default", "sensor_data", "services_default", "parameters", "parameter_events", "default")
+_POLICIES = {
+    "reliability": ("reliable", "best_effort", "system_default"),
+    "durability": ("volatile", "transient_local", "system_default"),
+    "history": ("keep_last", "keep_all", "system_default"),
+}
 
 
 def add_to(place: ArgumentParser) -> None:
@@ -67,9 +73,8 @@ def add_to(place: ArgumentParser) -> None:
 def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 10000) -> ArgumentParser:
     verb = add_about(verbs, "topic", name, run, purpose)
     verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="messages looked at")
-    add_qos(verb)
-    add_timeout(verb, "end after this many seconds without a message", default=None)
-    add_node_options(verb)
+    _add_qos(verb)
+    add_patience(verb)
     return verb
 
 
@@ -82,6 +87,15 @@ def _add_filter(verb: ArgumentParser, do: str) -> None:
     )
 
 
+def _add_qos(verb: ArgumentParser) -> None:
+    """The options; see "Quality of Service settings" among the ROS 2 concepts."""
+    group = verb.add_argument_group("quality of service")
+    group.add_argument("--qos-profile", choices=_PROFILES, metavar="PROFILE", help=", ".join(_PROFILES))
+    group.add_argument("--qos-depth", type=int, metavar="N", help="messages kept")
+    for policy, values in _POLICIES.items():
+        group.add_argument(f"--qos-{policy}", choices=values, metavar=policy.upper(), help=", ".join(values))
+
+
 def _add_echo(verb: ArgumentParser) -> None:
     add_named(verb, "message_type", "message_types", nargs="?", help="found automatically if left out")
     verb.add_argument("--once", action="store_true", help="only the first message")
@@ -91,9 +105,8 @@ def _add_echo(verb: ArgumentParser) -> None:
     verb.add_argument("--raw", action="store_true", help="the bytes as they came")
     verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
     _add_filter(verb, "show")
-    add_qos(verb)
-    add_timeout(verb, "end after this many seconds without a message", default=None)
-    add_node_options(verb)
+    _add_qos(verb)
+    add_patience(verb)
 
 
 def _add_pub(verb: ArgumentParser) -> None:
@@ -110,7 +123,7 @@ def _add_pub(verb: ArgumentParser) -> None:
     )
     verb.add_argument("-n", "--node-name", metavar="NAME", help="the name of the publishing node")
     verb.add_argument("--keep-alive", type=float, metavar="N", help="accepted; it always waits for the delivery")
-    add_qos(verb)
+    _add_qos(verb)
     add_timeout(verb, "seconds to wait for subscriptions, and for the delivery, at most")
     add_node_options(verb)
 
