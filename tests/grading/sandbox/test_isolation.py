@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from course_kit import grading
+from course_kit.authoring import corpus
 from course_kit.grading.sandbox import isolation
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.grading.sandbox import attack_modes
@@ -156,8 +157,10 @@ def test_solution_is_graded_without_namespaces() -> None:
 
 
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes"])
-def test_broken_submission_gets_its_code_without_namespaces(code: str) -> None:
-    report, _ = grade_without_namespaces(ROOT / "tests" / "broken" / EXERCISE / f"{code}.py")
+def test_broken_submission_gets_its_code_without_namespaces(code: str, tmp_path: Path) -> None:
+    path = tmp_path / "answer.py"
+    path.write_text(next(one for one in corpus.load(EXERCISE, ROOT).submissions if one.name == code).text())
+    report, _ = grade_without_namespaces(path)
     assert {check["diagnosis"] for check in report["checks"] if check["status"] == "failed"} == {code}
 
 
