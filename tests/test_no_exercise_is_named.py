@@ -17,7 +17,6 @@ MADE_OF = (
     "panels/arena_map.py",
     "panels/demo_robot.py",
     "panels/quiz_panel.py",
-    "panels/quiz_answers.py",
 )
 NAMES = re.compile(
     rf"\b({'|'.join(exercise.ids(exercise.exercises_folder()))})\b|\bexercises? [1-9]\b|\bfour exercises\b"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import shlex
 import sys
 from contextlib import suppress
-from importlib import import_module, metadata, util
+from importlib import import_module, metadata
 
 OLD_NAME = "lark-parser"
 
@@ -25,4 +25,4 @@ def remedy(requirement: str) -> str:
     """The command that installs a package of this Python again, and nothing else; uv makes environments without pip."""
     pip = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
     uv = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]
-    return shlex.join([*(pip if util.find_spec("pip") else uv), "--no-deps", requirement])
+    return shlex.join([*(pip if any(metadata.distributions(name="pip")) else uv), "--no-deps", requirement])

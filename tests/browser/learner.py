@@ -161,10 +161,13 @@ class CourseServer:
         shutil.copytree(self.root, self._first_day, symlinks=True)
 
     def begin_anew(self) -> None:
-        """Have the folder and JupyterLab's settings as on the first day."""
+        """Have the folder, what was reached and JupyterLab's settings as on the first day."""
         for left in self.root.iterdir():
             shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
         shutil.copytree(self._first_day, self.root, symlinks=True, dirs_exist_ok=True)
+        kept = self.root.parent / ".course"
+        (kept / "progress.json").unlink(missing_ok=True)
+        shutil.rmtree(kept / "guesses", ignore_errors=True)
         write_settings(self._settings)
         shutil.rmtree(self._settings.parent / "workspaces", ignore_errors=True)
 
