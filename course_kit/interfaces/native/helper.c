@@ -512,12 +512,6 @@ struct live_type *live_new_type(const char *name, const uint32_t *program, size_
 
 create_function live_create_function(const struct live_type *type) { return create_functions[type - types]; }
 
-void live_set_codec(struct live_type *type, void *encode, void *decode)
-{
-  type->encode = encode;
-  type->decode = decode;
-}
-
 /* ---------------------------------------------------------------- type supports */
 
 struct description {                             /* in rosidl_runtime_c's own layout */
