@@ -17,7 +17,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     import sys
 
     from course_kit import environment
-    from course_kit.grading import exercise_folders
+    from course_kit.grading.model import exercise_folders
     from course_kit.integrations import grade_magics, magics
     from course_kit.integrations.magics import hint_line
     from course_kit.interfaces.sources import PATH_VARIABLE

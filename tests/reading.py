@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, Submission
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Copy, Submission
+from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
     from pathlib import Path

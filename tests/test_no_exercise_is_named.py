@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from course_kit import environment
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 KIT = environment.PACKAGE
 # What one exercise is made of: the quiz and its panel, the robot and the panels that show it.

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.authoring import carried_exercises
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

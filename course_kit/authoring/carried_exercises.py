@@ -9,14 +9,14 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise, exercise_folders
-from course_kit.grading.exercise_folders import INTERFACES, TOML
+from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model.exercise_folders import INTERFACES, TOML
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 FOLDER = "exercises"
 _PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")

@@ -11,7 +11,8 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import GradingError, exercise, exercise_folders
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -21,7 +22,7 @@ else:
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 
 @dataclass(frozen=True)

@@ -8,18 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.executors import Local
-from course_kit.grading import needs
 from course_kit.grading.engine import Task, unreadable
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.reading.reader import Reader
+from course_kit.grading.sandbox import needs
 from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.authoring.corpus import ProofSubmission
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.report import Report
 
 
 class Gradings(Closing):
@@ -27,7 +27,7 @@ class Gradings(Closing):
 
     def __init__(self, exercises: Sequence[Exercise], workers: int = 0) -> None:
         for one in exercises:
-            needs.require(one.limits)
+            needs.require_machine(one.limits)
         self._exercises = {one.id: one for one in exercises}
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-gradings-")
         self._reader = Reader()

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise
 from course_kit.reader import fingerprints
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 _SEED = 1
 _FEW = 6  # programs: no more workers are started for them

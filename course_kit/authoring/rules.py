@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.authoring import sentences
-from course_kit.grading import exercise_folders, exit_code
+from course_kit.grading import exit_code
 from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import exercise_folders
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import Report
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
     Reports = Mapping[ProofSubmission, Report]
 

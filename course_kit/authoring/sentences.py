@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.grading import Report
     from course_kit.grading.checks.check import Check
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 
 def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:

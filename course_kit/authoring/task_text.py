@@ -16,8 +16,8 @@ from course_kit.grading.errors import GradingError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.sentences import Sentence
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.sentences import Sentence
 
 _WIDTH = 118  # columns of a starter's docstring
 _PLACES = ("- ", "|")

@@ -16,13 +16,13 @@ from concurrent.futures import Future
 from enum import IntEnum
 from typing import TYPE_CHECKING, TypeVar
 
-from course_kit.grading.machine import processor_times
+from course_kit.grading.sandbox.machine import processor_times
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from course_kit.grading.engine import Task
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.report import Report
 
 Thing = TypeVar("Thing")
 _AT_FIRST = 2  # times the usual number: a program that has just begun mostly waits to be discovered

@@ -12,8 +12,8 @@ import sys
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.classroom.concurrency import Turns
-from course_kit.grading import machine, needs
 from course_kit.grading.errors import GradingError
+from course_kit.grading.sandbox import machine, needs
 from course_kit.grading.workers.pool import Pool
 
 if TYPE_CHECKING:
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from course_kit.grading.engine import Task
-    from course_kit.grading.limits import Limits
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.limits import Limits
+    from course_kit.grading.model.report import Report
 
 _WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
 _MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle

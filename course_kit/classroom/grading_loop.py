@@ -13,7 +13,8 @@ from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.classroom.records import outcome
-from course_kit.grading import engine, exercise_folders
+from course_kit.grading import engine
+from course_kit.grading.model import exercise_folders
 from course_kit.grading.render.html import render_page
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.records import Record, Records
     from course_kit.classroom.submissions import Handed
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.report import Report
 
 _AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
 _LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop

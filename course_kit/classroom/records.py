@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.readings import Readings
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.reading.readings import Readings
 
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Gradebook, Record
     from course_kit.classroom.run import ClassRun
     from course_kit.classroom.submissions import Handed
-    from course_kit.grading.readings import Readings
+    from course_kit.grading.reading.readings import Readings
 
 STAGING = "regrade"
 TABLE = "regrade.csv"

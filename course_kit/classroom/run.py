@@ -21,8 +21,8 @@ from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.tables import People
 from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import ReadingStoppedError
-from course_kit.grading.readings import Readings
+from course_kit.grading.reading.reader import ReadingStoppedError
+from course_kit.grading.reading.readings import Readings
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Entry, Record
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.submissions import Handed
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 _NAMED = 3  # things that are there where there is no submission

@@ -16,15 +16,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.environment import write_atomically
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 from course_kit.text.sanitize import encodable, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.classroom.run import Plan
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 NOTE = "run.json"
 FORMAT_VERSION = 1

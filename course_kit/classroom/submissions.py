@@ -12,18 +12,18 @@ from course_kit.classroom.records import Record
 from course_kit.grading import engine
 from course_kit.grading.engine import Task
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import ReadingStoppedError
-from course_kit.grading.submission import Copy, Facts, UnreadableError
+from course_kit.grading.model.submission import Copy, Facts, UnreadableError
+from course_kit.grading.reading.reader import ReadingStoppedError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
     from course_kit.classroom.records import Entry
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.readings import Readings
-    from course_kit.grading.report import Report
-    from course_kit.grading.submission import Submission
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.report import Report
+    from course_kit.grading.model.submission import Submission
+    from course_kit.grading.reading.readings import Readings
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.regrade import GradeChange
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.run import ClassRun, Plan
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -121,7 +121,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, advice_for_root, exercise, isolation_status, needs
+    from course_kit.grading import GradingError, advice_for_root, isolation_status, require_machine
+    from course_kit.grading.model import exercise
 
     chosen = {one: exercise.load(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
@@ -135,7 +136,7 @@ def _run(options: argparse.Namespace) -> int:
     if not options.scheduler:
         tell(advice_for_root())
         for one in chosen.values():
-            needs.require(one.limits)
+            require_machine(one.limits)
         if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
             isolation_status().require()
     with ExitStack() as ends:

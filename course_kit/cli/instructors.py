@@ -202,8 +202,8 @@ def _new(options: argparse.Namespace) -> int:
 
 def _refresh(options: argparse.Namespace) -> int:
     from course_kit.authoring import new_exercise
-    from course_kit.grading import exercise
-    from course_kit.grading.exercise_folders import TOML
+    from course_kit.grading.model import exercise
+    from course_kit.grading.model.exercise_folders import TOML
     from course_kit.learner.workspace import shown
 
     folder = (options.folder or Path.cwd()) / options.name
@@ -280,7 +280,7 @@ def _add_prove(verbs: Verbs) -> None:
 
 def _prove(options: argparse.Namespace) -> int:
     from course_kit.authoring.prove import proving
-    from course_kit.grading import exercise
+    from course_kit.grading.model import exercise
 
     task = exercise.load(options.exercise)
     proof = proving.prove(task, quick=options.quick, seed=options.seed, workers=options.workers)

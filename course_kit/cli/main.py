@@ -208,7 +208,7 @@ def _without_folders(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
 def _add_exercises(folders: Sequence[str]) -> None:
     """Add the folders that `--exercises` names."""
     if folders:
-        from course_kit.grading import exercise_folders
+        from course_kit.grading.model import exercise_folders
 
         for sentence in exercise_folders.add(folders):
             tell(sentence)

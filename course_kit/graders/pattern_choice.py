@@ -20,8 +20,8 @@ from course_kit.quiz import Unusable
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
     from course_kit.quiz import Half, MarkedAnswers, Scenario
 
 INTERFACES = ()

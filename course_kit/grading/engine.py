@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import bounds, exercise, exercise_folders, exercise_job, needs, submission
+from course_kit.grading import exercise_job
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader
-from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.model import bounds, exercise, exercise_folders, submission
+from course_kit.grading.model.report import CheckReport, Report
+from course_kit.grading.reading.reader import Reader
+from course_kit.grading.sandbox import needs
 from course_kit.grading.workers.worker import Worker
 from course_kit.ros.sequence import Arrow
 
@@ -22,12 +24,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.grading_outcome import GradingOutcome
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.model.submission import Submission
     from course_kit.grading.sandbox.isolation import Isolation
-    from course_kit.grading.submission import Submission
-    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _NOT_STARTED = ("start.", "limit.")
 
@@ -89,7 +91,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
     if task.variable and path is None:
         raise GradingError(f"The exercise {task.id} is answered in a file, not by a running node. Name the file.")
-    needs.require(task.limits)
+    needs.require_machine(task.limits)
     if seed is None:
         seed = secrets.randbits(31) if task.seed is None else task.seed
     if path is not None:

@@ -7,15 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading import hidden_files
 from course_kit.grading.errors import GradingError
-from course_kit.grading.job import Job
+from course_kit.grading.model.job import Job
+from course_kit.grading.sandbox import hidden_files
 from course_kit.grading.workers import grader_module
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.submission import Submission
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.submission import Submission
 
 
 def of_submission(task: Exercise, text: Submission, seed: int) -> Job:

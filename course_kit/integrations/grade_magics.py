@@ -78,7 +78,7 @@ class GradeMagics(Magics):
         if not exercise:
             complain(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
             return
-        from course_kit.grading.exercise import load
+        from course_kit.grading.model.exercise import load
 
         try:
             load(exercise)
@@ -132,7 +132,7 @@ class GradeMagics(Magics):
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
         from course_kit import grading
-        from course_kit.grading.exercise import load
+        from course_kit.grading.model.exercise import load
 
         load(exercise)  # says which there are, where there is no such
         cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.of(exercise)]
@@ -235,7 +235,7 @@ def parse(line: str) -> tuple[str, str | None, int | None]:
 
 def the_exercises() -> str:
     """A sentence that names the exercises there are."""
-    from course_kit.grading.exercise import ids
+    from course_kit.grading.model.exercise import ids
 
     try:
         return f"There are: {', '.join(ids())}."
@@ -251,7 +251,7 @@ def complain(sentence: str) -> None:
 def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:
     """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points."""
     from course_kit.grading import render_text
-    from course_kit.grading.exercise import load
+    from course_kit.grading.model.exercise import load
 
     if points is not None and points < 0:
         raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")

@@ -18,7 +18,7 @@ from urllib.parse import quote
 from jupyter_core import paths
 
 from course_kit import environment
-from course_kit.grading import exercise_folders
+from course_kit.grading.model import exercise_folders
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
 from course_kit.text.console import cannot, tell

@@ -66,7 +66,7 @@ def case_file(exercise: str, seed: int | None = None) -> str:
     """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
     from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
-    from course_kit.grading.exercise import load
+    from course_kit.grading.model.exercise import load
 
     task = load(exercise)
     drawn = seed if seed is not None else task.seed or 0

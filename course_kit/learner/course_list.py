@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.grading.exercise import Exercise
+from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model.exercise import Exercise
 from course_kit.learner import handouts, progress, workspace
 from course_kit.quiz import guesses
 from course_kit.ros.names import did_you_mean

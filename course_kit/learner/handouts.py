@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import shown
 from course_kit.text.console import cannot, tell, wrapped
 
 if TYPE_CHECKING:
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
     from course_kit.learner.progress import ProgressRecord
 
 _wrap = partial(wrapped, following="  ", whole_words=True)

@@ -10,8 +10,9 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from course_kit.grading import Worker, advice_for_root, exercise, grade
+from course_kit.grading import Worker, advice_for_root, grade
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise
 from course_kit.learner import progress, workspace
 from course_kit.text.console import tell, wrapped
 

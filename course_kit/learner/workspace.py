@@ -20,17 +20,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading_answers import Glance
-from course_kit.grading.readings import Readings, starter_identities
-from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.reading.reading_answers import Glance
+from course_kit.grading.reading.readings import Readings, starter_identities
 from course_kit.text.console import cannot, tell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 BESIDE = "new-version"
 _COMMAND = "course"

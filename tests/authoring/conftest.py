@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise, exercise_folders
+from course_kit.grading.model import exercise, exercise_folders
 from tests.course_copy import REPOSITORY, Course, copy_course
 
 if TYPE_CHECKING:

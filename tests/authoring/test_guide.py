@@ -12,9 +12,9 @@ import pytest
 from course_kit import environment, grading
 from course_kit.authoring import check, new_exercise
 from course_kit.cli import main as cli
-from course_kit.grading import exercise
 from course_kit.grading.checks import vocabulary
-from course_kit.grading.exercise_folders import VARIABLE
+from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise_folders import VARIABLE
 
 TEXT = (environment.PACKAGE / "authoring" / "AUTHORING.md").read_text(encoding="utf-8")
 MOST_WORDS = 2200

@@ -11,8 +11,8 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import check, new_exercise
 from course_kit.cli.main import main
-from course_kit.grading import exercise
-from course_kit.grading.exercise_folders import VARIABLE
+from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise_folders import VARIABLE
 
 ROOT = environment.checkout() or Path()
 FEW = 0.35  # of full marks, for a starter

@@ -10,8 +10,9 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import corpus, sentences
 from course_kit.authoring.corpus import Corpus, ProofSubmission
-from course_kit.grading import CheckReport, Report, exercise
-from course_kit.grading.sentences import Sentence
+from course_kit.grading import CheckReport, Report
+from course_kit.grading.model import exercise
+from course_kit.grading.model.sentences import Sentence
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check

@@ -10,8 +10,9 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring import corpus, new_exercise, task_text
-from course_kit.grading import GradingError, exercise, exercise_folders
-from course_kit.grading.sentences import Sentence
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model.sentences import Sentence
 
 if TYPE_CHECKING:
     from pathlib import Path

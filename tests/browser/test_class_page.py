@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Records
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from tests.browser.learner import ARTIFACTS, page
 from tests.browser.test_report_card import contrast
 from tests.classroom.exports import books, real_class

@@ -7,7 +7,7 @@ import json
 import zipfile
 from dataclasses import dataclass, field
 
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 SERVICE = exercise.load("temperature_service")
 STARTER = (SERVICE.folder / SERVICE.starter).read_bytes()

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.grading_loop import RunProgress
 from course_kit.classroom.run import ClassRun, Plan
-from course_kit.grading import exercise
-from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.model import exercise
+from course_kit.grading.model.report import CheckReport, Report
 
 if TYPE_CHECKING:
     from pathlib import Path

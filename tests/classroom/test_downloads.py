@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom.intake import choosing, collecting
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

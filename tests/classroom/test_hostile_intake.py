@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom.intake import archive, choosing, collecting, listing
-from course_kit.grading import GradingError, exercise
-from course_kit.grading.readings import Readings
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise
+from course_kit.grading.reading.readings import Readings
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading_answers import Glance
-    from course_kit.grading.submission import Copy
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.submission import Copy
+    from course_kit.grading.reading.reading_answers import Glance
 
 SERVICE = exercise.load("temperature_service")
 PROGRAM = "temperature_service.py"

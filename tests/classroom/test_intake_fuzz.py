@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom.intake import collecting
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError
 from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import exercise
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import pytest
 from course_kit import environment, grading
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.exercise import ids, load
+from course_kit.grading.model.exercise import ids, load
 from course_kit.integrations import otter
 from tests.lab.kernel import Kernel
 

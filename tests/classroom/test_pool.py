@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise, submission
 from course_kit.grading.engine import Task
-from course_kit.grading.reading import Reader
+from course_kit.grading.model import exercise, submission
+from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 
 if TYPE_CHECKING:

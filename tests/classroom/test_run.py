@@ -18,12 +18,12 @@ from course_kit.classroom.intake import roster
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.rules.seeds import Seeds
 from course_kit.grading import GradingError
-from course_kit.grading.reading import Reader
+from course_kit.grading.reading.reader import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
     from course_kit.grading.engine import Task
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.report import Report
 
 
 @pytest.fixture

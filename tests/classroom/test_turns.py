@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.classroom import concurrency
 from course_kit.classroom.concurrency import IdleShare, Turns, Urgency, early
-from course_kit.grading.machine import ProcessorTimes
+from course_kit.grading.sandbox.machine import ProcessorTimes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

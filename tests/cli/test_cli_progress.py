@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import grading
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from course_kit.learner import course_list, progress
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 from tests.lab.kernel import Kernel

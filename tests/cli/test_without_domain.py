@@ -33,7 +33,7 @@ SITE = """
 import functools
 from course_kit import environment
 from course_kit.environment import domains
-from course_kit.grading import limits
+from course_kit.grading.model import limits
 environment.Leases = domains.Leases = functools.partial(domains.Leases, {scope!r}, frozenset)
 limits.QUEUE_S = {queue_s}
 """

@@ -14,7 +14,7 @@ import pytest
 from course_kit.authoring import check
 from course_kit.classroom import exports
 from course_kit.cli.main import build_parser
-from course_kit.grading.report import CheckReport, Report
+from course_kit.grading.model.report import CheckReport, Report
 from course_kit.ros2cli import parser as ros2_parser
 from tests.classroom import system_inboxes
 from tests.classroom.stand_ins import SERVICE, StandInForGrading, run

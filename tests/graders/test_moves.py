@@ -23,9 +23,9 @@ from course_kit.graders._moves import (
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, Ended
-from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import goals
-from course_kit.grading.job import Job
+from course_kit.grading.model.job import Job
+from course_kit.grading.model.process_status import ProcessStatus
 
 ORIGIN = ArenaPoint(0.0, 0.0)
 

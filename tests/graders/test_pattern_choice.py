@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import grading, quiz
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from tests.course_copy import copy_course
 from tests.grading.conftest import ROOT
 

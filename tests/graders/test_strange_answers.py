@@ -8,7 +8,7 @@ import pytest
 
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from tests.graders.strange_programs import ANYTHING, PROGRAMS
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from rcl_interfaces.msg import ListParametersResult, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from std_msgs.msg import String
 
-from course_kit.grading import bounds
 from course_kit.grading.checks.actions import Feedback, Statuses
 from course_kit.grading.checks.grader_node import BoundedInbox
+from course_kit.grading.model import bounds
 
 INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}
 TEXTS = ("sent", "expected", "got", "message")

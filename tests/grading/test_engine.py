@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import engine, exercise, exercise_job
+from course_kit.grading import engine, exercise_job
 from course_kit.grading.checks.check import Result
+from course_kit.grading.model import exercise
 from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
 

@@ -11,7 +11,8 @@ import pytest
 
 from course_kit import environment
 from course_kit.cli.main import main
-from course_kit.grading import GradingError, exercise, exercise_folders
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 from tests import outside_exercises
 from tests.outside_exercises import ID
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading import engine, exercise
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy
+from course_kit.grading import engine
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.reader import Reader
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading import Worker
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.report import Report
 
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 

@@ -17,9 +17,10 @@ import pytest
 
 import course_kit
 from course_kit.graders import _limiter
-from course_kit.grading import bounds, exchange_log, output
 from course_kit.grading.diagnosis import exits, tracebacks
-from course_kit.grading.job import Job
+from course_kit.grading.model import bounds, exchange_log
+from course_kit.grading.model.job import Job
+from course_kit.grading.sandbox import output
 from course_kit.reader import fingerprints, process
 
 if TYPE_CHECKING:

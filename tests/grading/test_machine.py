@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import machine
+from course_kit.grading.sandbox import machine
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

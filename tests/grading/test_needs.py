@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom.executors import Local
-from course_kit.grading import machine, needs
-from course_kit.grading.limits import Limits
-from course_kit.grading.sandbox import isolation
+from course_kit.grading.model.limits import Limits
+from course_kit.grading.sandbox import isolation, machine, needs
 from course_kit.process import libc, tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import engine, exercise
+from course_kit.grading import engine
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.engine import Task
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 from tests import outside_exercises
 from tests.outside_exercises import ID

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 
-from course_kit.grading.job import Job
-from course_kit.grading.limits import Limits
-from course_kit.grading.plain_data import rebuilt
+from course_kit.grading.model.job import Job
+from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import rebuilt
+from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions
-from course_kit.grading.submission import Facts
 
 
 def through_json(thing: object) -> dict[str, object]:

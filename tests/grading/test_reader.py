@@ -14,10 +14,10 @@ import pytest
 
 from course_kit.classroom import submissions
 from course_kit.classroom.records import Entry
-from course_kit.grading import exercise
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.reader import contract
 from tests.reading import read
 from tests.waiting import wait_until
@@ -158,9 +158,9 @@ def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> No
 STARTS_ONE = """
 import sys
 from pathlib import Path
-from course_kit.grading import exercise
-from course_kit.grading.reading import Reader
-from course_kit.grading.submission import Copy
+from course_kit.grading.model import exercise
+from course_kit.grading.reading.reader import Reader
+from course_kit.grading.model.submission import Copy
 reader = Reader()
 print(reader._process.pid, flush=True)
 with Copy(Path(sys.argv[1])) as copy:
@@ -199,7 +199,7 @@ NO_FILES = """
 import resource, sys
 from pathlib import Path
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import Copy
+from course_kit.grading.model.submission import Copy
 held = []
 try:
     while True:

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading import exercise, readings
-from course_kit.grading.reading import Reader, ReadingStoppedError
-from course_kit.grading.submission import Copy
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading import readings
+from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 
 TASK = exercise.load("temperature_service")
 CHOICE = exercise.load("pattern_choice")

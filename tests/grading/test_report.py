@@ -13,9 +13,9 @@ import pytest
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
-from course_kit.grading.exchange_log import GRADER, NODE
-from course_kit.grading.output import BoundedOutput
+from course_kit.grading.model.exchange_log import GRADER, NODE
 from course_kit.grading.render.html import sequence_svg
+from course_kit.grading.sandbox.output import BoundedOutput
 from course_kit.ros.sequence import Arrow
 from course_kit.text.sanitize import printable
 

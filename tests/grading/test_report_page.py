@@ -9,9 +9,9 @@ import pytest
 
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model.submission import Submission
 from course_kit.grading.render import program
 from course_kit.grading.render.html import render_html, render_page
-from course_kit.grading.submission import Submission
 
 PROGRAM = Submission("answer.py", "answer.py", "import math\n\n\ndef f(x):\n    return 1 / x  # <here> & there\n")
 FAILED = CheckReport(

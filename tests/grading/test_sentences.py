@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading import sentences
-from course_kit.grading.sentences import Sentence
+from course_kit.grading.model import sentences
+from course_kit.grading.model.sentences import Sentence
 
 
 def test_sentences_are_read_with_all_their_fields() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import LARGEST, Copy, UnreadableError
+from course_kit.grading.model.submission import LARGEST, Copy, UnreadableError
 from tests.reading import read
 
 if TYPE_CHECKING:

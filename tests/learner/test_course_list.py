@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise_folders
+from course_kit.grading.model import exercise_folders
 from course_kit.learner import course_list
 from tests import outside_exercises
 from tests.course_copy import REPOSITORY

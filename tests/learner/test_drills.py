@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.grading import GradingError, exercise, exercise_folders
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 from course_kit.learner import course_list, workspace
 from course_kit.reader import text as reader
 from tests.course_copy import REPOSITORY, Course, copy_course

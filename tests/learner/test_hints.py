@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError
 from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import exercise
 from course_kit.learner import handouts, progress
 
 if TYPE_CHECKING:

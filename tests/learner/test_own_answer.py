@@ -12,7 +12,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.classroom.intake import collecting
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from course_kit.learner import workspace
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course
 

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, NoReturn
 import pytest
 
 from course_kit.environment import paths
-from course_kit.grading import CheckReport, Report, exercise
+from course_kit.grading import CheckReport, Report
+from course_kit.grading.model import exercise
 from course_kit.learner import progress
 from tests.course_copy import SOLUTION, TEMPERATURE, copy_course
 

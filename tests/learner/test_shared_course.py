@@ -186,7 +186,7 @@ def test_within_the_course_a_file_of_the_same_name_elsewhere_is_not_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Such as the solution, which is called like the starter."""
-    from course_kit.grading import exercise
+    from course_kit.grading.model import exercise
 
     task = exercise.load(TEMPERATURE)
     solutions = task.folder.parent.parent / "solutions" / TEMPERATURE

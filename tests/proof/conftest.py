@@ -8,14 +8,18 @@ from __future__ import annotations
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit import environment
 from course_kit.authoring import check, corpus, rules
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading import Report, exercise_folders
 from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model import exercise_folders
+
+if TYPE_CHECKING:
+    from course_kit.grading import Report
 
 ROOT = environment.checkout() or Path()
 EXERCISES = corpus.all_exercises(ROOT)

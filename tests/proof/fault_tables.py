@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import rules, sentences
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring import corpus, rules
-from course_kit.grading import exercise as course
 from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model import exercise as course
 from tests.proof.conftest import DRILLS, EXERCISES, ROOT, SAMPLE
 
 if TYPE_CHECKING:

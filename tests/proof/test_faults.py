@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 from tests.proof import fault_tables
 
 if TYPE_CHECKING:

@@ -223,7 +223,7 @@ def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
 ) -> None:
     from importlib import import_module
 
-    from course_kit.grading import limits
+    from course_kit.grading.model import limits
 
     life = SimpleNamespace(
         stderr=SPINS.format(outer="action/server.py", function=outer), notes={}, signal=None, limit=None, cpu_s=0.0

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.authoring.prove.mutants import Mutant
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 FILE = "equivalent.toml"
 _FIELDS = {"lines": list, "operators": list, "reason": str, "change": str, "ordinal": int}

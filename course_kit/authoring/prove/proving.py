@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.prove.equivalent import DeclaredEquivalent
     from course_kit.authoring.prove.mutants import Mutant
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.report import Report
 
 _MORE_SEEDS = 2  # for a mutant that gets full marks with the first one
 _SEEDS_OF_ANSWERS = 40  # where each draws other questions: so many that a question that is never drawn is unlikely

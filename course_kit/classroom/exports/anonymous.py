@@ -14,8 +14,8 @@ from course_kit.classroom.exports.texts import by_student, csv_text
 from course_kit.classroom.records import outcome
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.render.html import render_page
-from course_kit.grading.report import CheckReport, Report
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

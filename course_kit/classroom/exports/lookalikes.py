@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading_answers import Fingerprints
-from course_kit.grading.readings import Readings, starter_identities
+from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.reading.reading_answers import Fingerprints
+from course_kit.grading.reading.readings import Readings, starter_identities
 from course_kit.grading.render.program import LONGEST
-from course_kit.grading.submission import Copy, UnreadableError
 from course_kit.process import Closing
 from course_kit.reader.fingerprints import shape
 from course_kit.text.templates import render
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.exports.attention import StudentLabel
     from course_kit.classroom.records import Gradebook, Record
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 THRESHOLD = 0.7  # of the fingerprints of two programs together, those they share
 _FEWEST = 10  # fingerprints; what is shorter is alike by itself

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.exports.changes import ResultChange
     from course_kit.classroom.records import Gradebook, Record
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 _TEMPLATES = Path(__file__).with_name("templates")
 _SECTIONS = {  # of the page, in its order: template and title; what has nothing to say is left out

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from course_kit.classroom.records import Gradebook, Record
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
     Row = Sequence[str | float | None]
 

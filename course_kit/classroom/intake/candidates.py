@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading_answers import Glance
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.reading.reading_answers import Glance
 
 NAMED, CALLED_ALIKE, BY_CONTENT, ONLY_ONE = 4, 3, 2, 1  # how sure it is that a file is for an exercise
 _AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` are of one age

@@ -14,11 +14,11 @@ from course_kit.classroom.intake import archive, candidates, listing
 from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
-from course_kit.grading import exercise as course
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading_answers import Glance
-from course_kit.grading.readings import starter_identities
-from course_kit.grading.submission import Copy, UnreadableError
+from course_kit.grading.model import exercise as course
+from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.reading.reading_answers import Glance
+from course_kit.grading.reading.readings import starter_identities
 from course_kit.reader import text
 from course_kit.text.sanitize import one_line
 
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item, Left
     from course_kit.classroom.intake.sources import Opened
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.readings import Readings
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.reading.readings import Readings
 
 _LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s
 _MOST_LISTED = 50  # files of one student that are listed one by one

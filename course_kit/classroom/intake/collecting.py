@@ -15,7 +15,7 @@ from course_kit.classroom.intake.choosing import Chooser
 from course_kit.classroom.intake.recognition import AUTO
 from course_kit.classroom.intake.roster_matching import match
 from course_kit.grading.errors import GradingError
-from course_kit.grading.readings import Readings
+from course_kit.grading.reading.readings import Readings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.intake.roster_matching import Fit
     from course_kit.classroom.records import Entry
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 
 @dataclass(frozen=True)

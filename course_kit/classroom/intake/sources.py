@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Left, Listing
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 
 @dataclass(frozen=True)

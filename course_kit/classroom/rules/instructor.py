@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.rules.adjustments import Adjustment
     from course_kit.classroom.rules.deadlines import Deadlines
     from course_kit.classroom.rules.tables import People
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 
 _NOTHING = "Nothing was handed in."

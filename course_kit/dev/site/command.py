@@ -21,7 +21,8 @@ import nbformat
 
 from course_kit import environment
 from course_kit.dev import notebooks
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise
 from course_kit.integrations import export
 from course_kit.ros2cli import parser as ros2_parser
 from course_kit.text.console import cannot
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 _USUAL = "artifacts/site"  # in the course's folder; git ignores it
 _SIGN = ".buildinfo"  # Sphinx writes it into what it has made
 NEEDS = ("sphinx", "myst_nb", "furo", "sphinx_argparse_cli")
-
 _PAGES = Path(__file__).parent / "pages"
 _FRONT_END = "end_of_index.md"
 _MARKDOWN = (

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.endpoints import Server
+from course_kit.grading.model.bounds import bounded
 from course_kit.ros.messages import ActionType
 from course_kit.ros.topic import Inbox
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
-from course_kit.grading.exchange_log import GRADER
+from course_kit.grading.model.exchange_log import GRADER
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:

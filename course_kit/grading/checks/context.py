@@ -12,21 +12,21 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits, machine
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, Start, State, Used
 from course_kit.grading.checks.grader_node import GraderNode
-from course_kit.grading.checks.process_status import ProcessStatus
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.exchange_log import ExchangeLog
-from course_kit.grading.sandbox import scheduling
+from course_kit.grading.model import limits
+from course_kit.grading.model.exchange_log import ExchangeLog
+from course_kit.grading.model.process_status import ProcessStatus
+from course_kit.grading.sandbox import machine, scheduling
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.workers.ipc import Channel
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.sandbox.channel import Channel
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.endpoints import Interface, Server
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
     from course_kit.ros.messages import Message
     from course_kit.ros.service import ServiceClient
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
-from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
@@ -18,7 +17,8 @@ from course_kit.grading.checks.discovery import RESEND_AFTER_S
 from course_kit.grading.checks.matching import describe_wanted, differences
 from course_kit.grading.diagnosis import exits, goals, hangs
 from course_kit.grading.diagnosis.exceptions import explained
-from course_kit.grading.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
+from course_kit.grading.model.bounds import bounded
+from course_kit.grading.model.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.process_status import ProcessStatus
+    from course_kit.grading.model.process_status import ProcessStatus
     from course_kit.ros.messages import Message
     from course_kit.ros.service import SentRequest
 

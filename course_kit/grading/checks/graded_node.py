@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import discovery, load_test, topics
 from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.answers import Answer, Change
@@ -18,7 +17,8 @@ from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences, interface_of, message_of, only_field
 from course_kit.grading.checks.parameters import Remote, SetResult, parameter_file, shown, start_arguments
 from course_kit.grading.diagnosis import exceptions, exits, hangs
-from course_kit.grading.exchange_log import Exchange, in_one_line
+from course_kit.grading.model.bounds import bounded
+from course_kit.grading.model.exchange_log import Exchange, in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

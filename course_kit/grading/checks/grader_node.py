@@ -10,9 +10,9 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.grading.bounds import bounded
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.receiving import receiver
+from course_kit.grading.model.bounds import bounded
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.service import ServiceClient

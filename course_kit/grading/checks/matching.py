@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.exchange_log import in_one_line
+from course_kit.grading.model.exchange_log import in_one_line
 from course_kit.interfaces import get_type
 from course_kit.ros.filling import make
 from course_kit.ros.messages import is_message_type, type_name

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
-from course_kit.grading.bounds import bounded
 from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import ENDED, answers, has_settled, other_nodes
 from course_kit.grading.diagnosis import exceptions, hangs
+from course_kit.grading.model.bounds import bounded
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences
-from course_kit.grading.exchange_log import in_one_line
+from course_kit.grading.model.exchange_log import in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

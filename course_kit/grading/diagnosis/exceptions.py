@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.check import Evidence
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.process_status import ProcessStatus
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.process_status import ProcessStatus
 
 # Where rclpy (Node in node.py) calls the callbacks of add_on_set_parameters_callback, on declaration as well.
 _JUDGES = "_set_parameters_atomically_common"

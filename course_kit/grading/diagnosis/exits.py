@@ -10,13 +10,13 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
-from course_kit.grading.submission import where
+from course_kit.grading.model.submission import where
 from course_kit.ros.names import nearest
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.grading.diagnosis.tracebacks import Frame
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.process_status import ProcessStatus
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")

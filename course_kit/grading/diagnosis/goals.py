@@ -10,9 +10,9 @@ from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.process_status import ProcessStatus
     from course_kit.grading.diagnosis.exits import Cause
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.process_status import ProcessStatus
 
 _EXECUTE = "_execute_goal"  # rclpy's function around the execute callback
 _NOT_A_RESULT = re.compile(r"'result' field must be a sub message")

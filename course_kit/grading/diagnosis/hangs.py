@@ -10,7 +10,7 @@ from course_kit.grading.diagnosis.tracebacks import Activity, activity
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
 
 ANSWER_S = 5.0  # how long one answer is waited for
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
-from course_kit.grading.exchange_log import GRADER, NODE
+from course_kit.grading.model.exchange_log import GRADER, NODE
 from course_kit.grading.render import program as program_lines
 from course_kit.ros import sequence
 from course_kit.text.console import in_points
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.report import Report
-    from course_kit.grading.submission import Submission
+    from course_kit.grading.model.report import Report
+    from course_kit.grading.model.submission import Submission
     from course_kit.ros.sequence import Arrow
 
 _TEMPLATES = Path(__file__).with_name("templates")

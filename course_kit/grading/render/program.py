@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.report import Report
-    from course_kit.grading.submission import Submission
+    from course_kit.grading.model.report import Report
+    from course_kit.grading.model.submission import Submission
 
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown

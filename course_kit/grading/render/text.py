@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from course_kit.text.sanitize import printable
 
 if TYPE_CHECKING:
-    from course_kit.grading.report import CheckReport, Report
+    from course_kit.grading.model.report import CheckReport, Report
 
 _MARKS = {"passed": "PASS", "failed": "FAIL", "skipped": "skip", "error": "ERR "}
 _TAIL_LINES = 12

@@ -17,7 +17,7 @@ from course_kit.process import tree
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
     from course_kit.grading.sandbox.file_view import FileView
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux

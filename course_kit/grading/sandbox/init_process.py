@@ -20,7 +20,7 @@ from course_kit.process import tree
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.runner import Program
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
 

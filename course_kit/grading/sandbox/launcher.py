@@ -23,12 +23,12 @@ from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING
 
-from course_kit.grading.plain_data import rebuilt
+from course_kit.grading.model.plain_data import rebuilt
 from course_kit.grading.sandbox import init_process, namespaces
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
 from course_kit.process.fork import first_uses, fork, freeze

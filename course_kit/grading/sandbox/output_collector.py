@@ -9,10 +9,10 @@ import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.grading.output import BoundedOutput
+from course_kit.grading.sandbox.output import BoundedOutput
 
 if TYPE_CHECKING:
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.sandbox import Streams
 
 _CHUNK = 65536

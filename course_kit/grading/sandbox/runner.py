@@ -24,7 +24,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import limits
+from course_kit.grading.model import limits
 from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp, values
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.libc import set_name

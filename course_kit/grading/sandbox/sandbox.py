@@ -14,8 +14,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.limits import Limits
-from course_kit.grading.plain_data import Record, rebuilt
+from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import Record, rebuilt
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.isolation import Isolation
 

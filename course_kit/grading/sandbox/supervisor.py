@@ -12,15 +12,15 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading import limits
 from course_kit.grading.checks.context import PHASES
-from course_kit.grading.output import BoundedOutput
+from course_kit.grading.model import limits
 from course_kit.grading.sandbox import conditions, file_view, init_process, memory
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
+from course_kit.grading.sandbox.output import BoundedOutput
 from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.process import tree
 from course_kit.process.fork import fork
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
@@ -28,11 +28,11 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.grading_outcome import GradingOutcome
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
-    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long

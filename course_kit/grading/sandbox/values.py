@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import CodeType, ModuleType
 
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 _LONGEST = 48 * 1024  # characters of all together; the grader keeps 64 kB of a program's notes
 _LONGEST_NAME, _MOST_NAMES = 40, 50

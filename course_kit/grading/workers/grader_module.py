@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.exercise_folders import INTERFACES
+from course_kit.grading.model.exercise_folders import INTERFACES
 from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.text.console import in_points
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.check import Check
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
 
 _DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points

@@ -7,18 +7,19 @@ import time
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from course_kit.grading import bounds, limits, machine
 from course_kit.grading.checks.check import run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import bounds, limits
+from course_kit.grading.sandbox import machine
+from course_kit.grading.sandbox.channel import ChannelClosedError
 from course_kit.grading.workers import grader_module
-from course_kit.grading.workers.ipc import ChannelClosedError
 from course_kit.process.libc import set_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.workers.ipc import Channel
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.sandbox.channel import Channel
 
 
 def warm_up() -> None:

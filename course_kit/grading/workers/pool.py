@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.engine import Task
-    from course_kit.grading.report import Report
+    from course_kit.grading.model.report import Report
 
 _TRIES = 2
 

@@ -14,7 +14,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading.workers.ipc import Channel
+from course_kit.grading.sandbox.channel import Channel
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.fork import BOUND_AT_ONCE
 from course_kit.process.output import LastWords

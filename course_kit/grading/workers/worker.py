@@ -11,19 +11,19 @@ from contextlib import suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, cast
 
-from course_kit.grading import limits
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import limits
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import Isolation
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
 from course_kit.process import Closing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.job import Job
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.workers.grading_outcome import GradingOutcome
+    from course_kit.grading.model.grading_outcome import GradingOutcome
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours

@@ -16,14 +16,13 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
-from course_kit.grading import needs
-from course_kit.grading.job import Job
-from course_kit.grading.sandbox import file_view, isolation, namespaces, scratch
+from course_kit.grading.model.job import Job
+from course_kit.grading.sandbox import file_view, isolation, namespaces, needs, scratch
 from course_kit.grading.sandbox import launcher as launchers
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_module, grader_process
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
 from course_kit.process.fork import first_uses, forget_binding, fork, freeze
@@ -32,10 +31,10 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Sequence
 
+    from course_kit.grading.model.grading_outcome import GradingOutcome
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.workers.grader_module import Grader
-    from course_kit.grading.workers.grading_outcome import GradingOutcome
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring.prove import equivalent, proving
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.authoring.prove.proving import GraderProof
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 SOLUTION = 'limits = {\n    "low": 2,\n    "high": 5,\n}\n'
 _TOML = """

@@ -8,7 +8,7 @@ import pytest
 
 from course_kit.authoring.prove import proving
 from course_kit.cli import main
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 if TYPE_CHECKING:
     from tests.authoring.prove.conftest import Tiny

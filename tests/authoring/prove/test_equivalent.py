@@ -8,7 +8,8 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring.prove import equivalent, mutants
-from course_kit.grading import GradingError, exercise
+from course_kit.grading import GradingError
+from course_kit.grading.model import exercise
 from tests import outside_exercises
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import random
 from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.records import Entry, Gradebook, Record
-from course_kit.grading import exercise
+from course_kit.grading.model import exercise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, Records
 from course_kit.classroom.rules.adjustments import Adjustment
-from course_kit.grading.reading import Reader
+from course_kit.grading.model.report import CheckReport, Report
+from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.reader import Reader
 from course_kit.grading.render.html import render_page
-from course_kit.grading.report import CheckReport, Report
-from course_kit.grading.submission import Copy
 from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, check
 from tests.classroom.exports.programs import ORIGINAL, class_of, disguised
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.records import Gradebook, Record
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 STUDENTS = 300
 FIRST = ("Jane", "Jörg", "Li", "Zoë", "Omar", "Ana María", "Wei", "Fatima", "Ole", "Priya", "سارة")

@@ -18,7 +18,8 @@ from course_kit.classroom import autograder
 from course_kit.classroom.exports import autograder_results
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
-from course_kit.grading import exercise, exercise_job
+from course_kit.grading import exercise_job
+from course_kit.grading.model import exercise
 from tests.classroom.exports import rules
 from tests.classroom.exports.books import SERVICE, bad, good, unreadable
 from tests.course_copy import REPOSITORY

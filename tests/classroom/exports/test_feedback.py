@@ -13,8 +13,8 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Record, Records
+from course_kit.grading.model.report import Report
 from course_kit.grading.render.html import render_page
-from course_kit.grading.report import Report
 from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:

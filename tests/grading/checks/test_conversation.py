@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
 from course_kit.grading.checks.vocabulary import Model, conversation, either, part, rule
-from course_kit.grading.exchange_log import ExchangeLog
+from course_kit.grading.model.exchange_log import ExchangeLog
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.vocabulary import Check, GradedNode

@@ -26,9 +26,9 @@ from course_kit.grading.checks.load_test import Load, call_many
 from course_kit.grading.checks.parameters import Remote, expect_served
 from course_kit.grading.checks.topics import expect_endpoints
 from course_kit.grading.diagnosis.hangs import ANSWER_S
-from course_kit.grading.job import Job
-from course_kit.grading.limits import Limits
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.grading.model.job import Job
+from course_kit.grading.model.limits import Limits
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,9 +11,10 @@ import nbformat
 import pytest
 
 from course_kit.authoring import corpus
-from course_kit.grading import GradingError, engine, exercise, render_html, render_text
+from course_kit.grading import GradingError, engine, render_html, render_text
 from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.report import Report
+from course_kit.grading.model import exercise
+from course_kit.grading.model.report import Report
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 OWN = [(name, code) for name in exercise.ids() for code in exercise.load(name).diagnoses]

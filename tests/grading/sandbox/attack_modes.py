@@ -19,7 +19,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import exercise, exercise_job
+from course_kit.grading import exercise_job
+from course_kit.grading.model import exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
@@ -28,7 +29,7 @@ from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:
-    from course_kit.grading.job import Job
+    from course_kit.grading.model.job import Job
 
 USER, USER_ALONE, AS_ROOT, ROOT_ALONE = "user", "user without namespaces", "root", "root without namespaces"
 BARE = "user without namespaces and Landlock"

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading import exercise, exercise_folders, hidden_files
+from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.sandbox import hidden_files
 from tests import outside_exercises
 from tests.outside_exercises import ID
 from tests.refused import WITHOUT_NAMESPACES

@@ -71,9 +71,9 @@ for victim in victims:
             pass
 """,
     "patches_rclpy": """
-import rclpy.client, course_kit.grading.checks.check, course_kit.grading.report
+import rclpy.client, course_kit.grading.checks.check, course_kit.grading.model.report
 course_kit.grading.checks.check.run_all = lambda *_: []
-course_kit.grading.report.Report.score = 10.0
+course_kit.grading.model.report.Report.score = 10.0
 rclpy.client.Client.service_is_ready = lambda self: True
 """,
 }

@@ -27,9 +27,9 @@ print(report.to_json())
 """
 GRADE_BY_A_WORKER_OF_A_CLASS = """
 from contextlib import closing
-from course_kit.grading import exercise, submission
+from course_kit.grading.model import exercise, submission
 from course_kit.grading.engine import Task
-from course_kit.grading.reading import Reader
+from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 asked = exercise.load("temperature_service")
 with submission.Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Pool()) as pool:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.job import Job
-from course_kit.grading.limits import Limits
+from course_kit.grading.model.job import Job
+from course_kit.grading.model.limits import Limits
 from course_kit.grading.sandbox import memory, socket_memory
 from tests.grading.sandbox import attack_modes
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import engine, exercise, hidden_files
-from course_kit.grading.submission import Submission
+from course_kit.grading import engine
+from course_kit.grading.model import exercise
+from course_kit.grading.model.submission import Submission
+from course_kit.grading.sandbox import hidden_files
 from tests import outside_exercises
 from tests.outside_exercises import ID
 

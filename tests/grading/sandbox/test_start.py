@@ -9,7 +9,8 @@ import subprocess
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise, exercise_job
+from course_kit.grading import exercise_job
+from course_kit.grading.model import exercise
 from course_kit.grading.sandbox import scratch
 from tests.grading.conftest import EXERCISE
 

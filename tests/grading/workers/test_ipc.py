@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.workers import ipc
-from course_kit.grading.workers.ipc import Channel, ChannelClosedError
+from course_kit.grading.sandbox import channel as ipc
+from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     import socket

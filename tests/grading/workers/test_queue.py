@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment
-from course_kit.grading import limits
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.job import Job
+from course_kit.grading.model import limits
+from course_kit.grading.model.job import Job
 from course_kit.grading.sandbox import supervisor
+from course_kit.grading.sandbox.channel import Channel
 from course_kit.grading.sandbox.launcher import Launcher
-from course_kit.grading.workers.ipc import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import exercise_folders, sentences
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.exercise_folders import FoundExercises
-from course_kit.grading.limits import Limits
+from course_kit.grading.model import exercise_folders, sentences
+from course_kit.grading.model.exercise_folders import FoundExercises
+from course_kit.grading.model.limits import Limits
 from course_kit.ros.names import did_you_mean, from_root
 
 if sys.version_info >= (3, 11):
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.sentences import Sentence
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.model.sentences import Sentence
 
 FORMAT_VERSION = 1
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 
 @dataclass(frozen=True)

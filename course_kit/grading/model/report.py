@@ -12,7 +12,7 @@ from course_kit.text.sanitize import encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 FORMAT_VERSION = 1
 _DIGITS = 6

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from course_kit.grading.limits import Limits
-from course_kit.grading.plain_data import Record, rebuilt
+from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import Record, rebuilt
+from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.isolation import Isolation
-from course_kit.grading.submission import Facts
 
 
 @dataclass(frozen=True)

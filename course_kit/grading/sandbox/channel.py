@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 _LENGTH = struct.Struct("!I")
 _LARGEST = 64 * 1024 * 1024  # bytes; a report is a few kB, a submission at most 1 MiB

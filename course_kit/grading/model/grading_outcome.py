@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 
 class GradingOutcome(TypedDict):

@@ -7,17 +7,17 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading.reading import Reader
-from course_kit.grading.reading_answers import Fingerprints
+from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading.reading_answers import Fingerprints
 from course_kit.process import Closing
 from course_kit.reader import fingerprints, text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.reading_answers import Glance, Look
-    from course_kit.grading.submission import Copy, Submission
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.submission import Copy, Submission
+    from course_kit.grading.reading.reading_answers import Glance, Look
 
 _MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
     from course_kit.ros.messages import Message
 
 LONGEST_TEXT = 4096  # characters of a text in a message

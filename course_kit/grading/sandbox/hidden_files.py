@@ -14,13 +14,13 @@ from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise, exercise_folders
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise, exercise_folders
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.grading.exercise import Exercise
+    from course_kit.grading.model.exercise import Exercise
 
 _KIT = __name__.partition(".")[0]
 _OPTIMIZATIONS = ("", 1, 2)  # of Python's -O

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import course_kit
-from course_kit.grading import reading_answers as answers
 from course_kit.grading.errors import GradingError
-from course_kit.grading.submission import UnreadableError
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading import reading_answers as answers
 from course_kit.process import Closing
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.libc import make_memory_file
@@ -29,10 +29,10 @@ from course_kit.reader.text import NOTEBOOK, kind
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.exercise import Exercise
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.reading_answers import Look
-    from course_kit.grading.submission import Copy, Submission
+    from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.model.submission import Copy, Submission
+    from course_kit.grading.reading.reading_answers import Look
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
 _START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"

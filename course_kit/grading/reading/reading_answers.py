@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.grading.submission import Facts, Submission, SyntaxFault
+from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
 from course_kit.reader.text import kind
 
 if TYPE_CHECKING:
-    from course_kit.grading.plain_data import Record
-    from course_kit.grading.submission import Copy
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.model.submission import Copy
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """A submission: the bytes of a .py or .ipynb file, and the program that was read out of them.
 
-The bytes are a stranger's. Here they are only copied and counted; `course_kit.grading.reading` has them read.
+The bytes are a stranger's. Here they are only copied and counted; `course_kit.grading.reading.reader` has them read.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.grading.plain_data import Record
+    from course_kit.grading.model.plain_data import Record
 
 
 _MB = 1 << 20

@@ -15,14 +15,15 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.grading import limits, machine
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import limits
+from course_kit.grading.sandbox import machine
 from course_kit.process import libc, tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.grading.limits import Limits
+    from course_kit.grading.model.limits import Limits
 
 _KB, _MB = 1024, 1024 * 1024
 _OWN_TASKS = 40  # processes and threads of the grader beside a submission
@@ -60,7 +61,7 @@ class _TaskRoom(NamedTuple):
     told: str
 
 
-def require(promised: Limits) -> None:
+def require_machine(promised: Limits) -> None:
     """See that this machine can grade."""
     if problem := lacking(promised, guest=os.geteuid() == 0):
         raise GradingError(problem)

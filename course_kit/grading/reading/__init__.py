@@ -1,0 +1,1 @@
+"""How a file that somebody has handed in becomes a `Submission`."""
