@@ -27,7 +27,7 @@ DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
 
 
 SAMPLE = "sample"
-ONE_IN = 4  # of the others
+ONE_IN = 4  # of the variants
 
 
 @dataclass
@@ -44,13 +44,29 @@ class Proofs:
         return next(self.reports[one] for one in found if one.kind in (kinds or ("broken", "slip")))
 
 
-def sample(one: corpus.Corpus) -> corpus.Corpus:
-    """Starters, the solution, what is named after a diagnosis, and some of the others of each kind."""
-    chosen = {each for each in one.submissions if each.kind in ("starter", "solution") or each.name in catalogue()}
-    for kind in ("variant", "slip"):
-        others = sorted(set(one.of(kind)) - chosen, key=lambda each: zlib.crc32(each.name.encode()))
-        chosen.update(others[::ONE_IN])
-    return corpus.Corpus(one.task, tuple(each for each in one.submissions if each in chosen))
+def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
+    """A starter and the solution of each, some variants, each diagnosis once, and a failure of each check."""
+    told: set[str] = set()
+    chosen = []
+    for one in whole:
+        others = sorted(one.of("variant"), key=lambda each: zlib.crc32(each.name.encode()))
+        here = {
+            *others[::ONE_IN],
+            *one.of("solution"),
+            *(each for each in one.of("starter") if each.path.suffix != ".py"),
+        }
+        # pattern_choice, which has no node, fails in ways of its own.
+        named = [each for each in (*one.of("broken"), *one.of("slip")) if each.name in catalogue()]
+        here.update(each for each in named if each.name not in told or each.exercise == "pattern_choice")
+        told.update(each.name for each in named)
+        seen = {check for each in here for check, _ in each.failed}
+        for each in sorted(one.of("slip"), key=lambda each: (each.name not in catalogue(), each.name)):
+            checks = {check for check, _ in each.failed} or {"none"}
+            if not checks <= seen:
+                here.add(each)
+                seen |= checks
+        chosen.append(corpus.Corpus(one.task, tuple(each for each in one.submissions if each in here)))
+    return chosen
 
 
 @pytest.fixture(
@@ -60,7 +76,7 @@ def sample(one: corpus.Corpus) -> corpus.Corpus:
 def proofs(request: pytest.FixtureRequest) -> Proofs:
     whole = [corpus.load(name, ROOT) for name in (*EXERCISES, *DRILLS)]
     is_sample = request.param == SAMPLE
-    chosen = [sample(one) for one in whole] if is_sample else whole
+    chosen = sample(whole) if is_sample else whole
     with Gradings([one.task for one in chosen]) as pool:
         reports = check.grade(pool, chosen, 1 if is_sample else request.param)
     found = [

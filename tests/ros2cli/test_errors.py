@@ -48,36 +48,24 @@ rclpy.spin(Faulty())
     ("words", "exit_code", "wanted"),
     [
         (("service", "lst"), 2, "there is no 'lst'. Did you mean list?"),
-        (("servise", "list"), 2, "there is no 'servise'. Did you mean service?"),
         (("service", "list", "--bogus"), 2, "unknown: --bogus"),
         (("service", "type", "/set_powr"), 1, "Unknown service '/set_powr'. Did you mean /set_power?"),
         ((*CALL, "/set_power", "std_srvs/srv/SetBol"), 1, "Did you mean std_srvs/srv/SetBool?"),
         ((*CALL, "/set_power", "std_msgs/msg/String"), 1, "std_msgs/msg/String is not a service type"),
         ((*CALL, "/set_powr", "std_srvs/srv/SetBool", "--timeout", "1"), 1, "within 1 s. Did you mean /set_power?"),
         ((*CALL, "/set_power", "std_srvs/srv/Trigger"), 1, "a service of the type std_srvs/srv/SetBool, not"),
-        (("action", "type", "/fibonaci"), 1, "Did you mean /fibonacci?"),
         (("action", "send_goal", "/fibonacci", "test_msgs/action/Fibonacci", "{order: 1.5}"), 1, "'order' is an int32"),
-        (
-            ("action", "send_goal", "/fib", "test_msgs/action/Fibonacci", "{order: 1}", "--timeout", "1"),
-            1,
-            "No action server for /fib within 1 s. Did you mean /fibonacci?",
-        ),
-        (("node", "info", "/robt"), 1, "Unable to find node '/robt'. Did you mean /robot?"),
         (("param", "get", "/robot", "max_velocty"), 1, "Did you mean max_velocity?"),
         (("param", "set", "/robot", "max_velocity", "@1"), 1, "is not a parameter value"),
-        (("topic", "echo", "/chater", "--timeout", "1"), 1, "Did you mean /chatter?"),
         (("topic", "echo", "/in", "--timeout", "1"), 1, "No message on /in for 1 s; no publishers on it."),
         (("topic", "echo", "/chatter", "--field", "dta"), 1, "no field 'dta' in the message. Did you mean data?"),
-        (("topic", "pub", "/chatter", "std_msgs/String", "{dat: 1}"), 1, "Did you mean 'data'?"),
         (
             ("topic", "pub", "-1", "/nobody", "std_msgs/String", "--timeout", "1"),
             1,
             "Nobody subscribed to /nobody within 1 s (waiting for 1)",
         ),
-        (("interface", "package", "std_srv"), 1, "Did you mean std_srvs?"),
         (("launch", "turtlesim", "it.launch.py"), 1, "Package 'turtlesim' not found: it comes with a full ROS 2"),
         (("run", "nowhere", "nothing"), 1, "Package 'nowhere' not found"),
-        (("launch", "nowhere.launch.py"), 1, "There is no launch file nowhere.launch.py."),
     ],
     ids=lambda value: " ".join(value[:3]) if isinstance(value, tuple) else "",
 )
@@ -108,13 +96,6 @@ def test_an_unknown_action_has_nobody_and_a_hint(robot: Ros2) -> None:
     done = robot("action", "info", "/fibonaci")
     assert done.stdout == "Action: /fibonaci\nAction clients: 0\nAction servers: 0\n"
     assert "Did you mean /fibonacci?" in done.stderr
-    assert done.returncode == 0
-
-
-def test_help_says_that_it_is_a_subset(robot: Ros2) -> None:
-    done = robot()
-    assert "course kit" in done.stdout
-    assert "subset" in done.stdout
     assert done.returncode == 0
 
 

@@ -19,7 +19,7 @@ from .commands import GOLDEN, OURS, Ros2
 if TYPE_CHECKING:
     from pathlib import Path
 
-FRESH = 4  # runs
+FRESH = 2  # runs
 
 
 def daemon_is_running(ros2: Ros2) -> bool:
@@ -171,9 +171,18 @@ def test_after_a_command_in_a_programs_own_process_its_nodes_meet_in_other_domai
 def test_two_commands_that_begin_at_the_same_moment_meet(ros2: Ros2) -> None:
     """Neither is there yet when the other one looks who is."""
     ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
-    for _ in range(3):
+    for _ in range(2):
         echo = ros2.begin(*OURS, "topic", "echo", "--once", "/chatter", "std_msgs/msg/String")
         pub = ros2.begin(*OURS, "topic", "pub", "--once", "/chatter", "std_msgs/msg/String", "data: hello")
         said, problem = pub.communicate(timeout=60)
         assert (pub.returncode, problem) == (0, ""), said
         assert echo.communicate(timeout=60)[0] == "data: hello\n---\n"
+
+
+def test_nothing_of_a_command_is_left_on_the_graph(ros2: Ros2) -> None:
+    ros2.start(GOLDEN / "demo_node.py", "/robot")
+    called = ros2.process("service", "call", "/set_power", "std_srvs/srv/SetBool", "{data: true}")
+    assert (called.returncode, "success=True" in called.stdout) == (0, True)
+    left = ros2("node", "list", "--all", "--no-daemon").stdout.split()
+    assert [name for name in left if "_ros2cli_daemon" not in name] == ["/robot"]
+    assert "Clients count: 0" in ros2("service", "info", "/set_power", "--no-daemon").stdout

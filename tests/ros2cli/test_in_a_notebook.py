@@ -6,12 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
 
 from course_kit import environment
-from tests.lab.kernel import DEADLINE, Kernel
+from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -90,14 +88,6 @@ def test_the_command_after_an_exclamation_mark_meets_the_same_node(kernel: Kerne
 )
 def test_programs_of_the_kernels_own_python_come_first(kernel: Kernel, cell: str) -> None:
     assert kernel.run(cell).stdout.splitlines() == [f"{SCRIPTS}/ros2", f"{SCRIPTS}/python"]
-
-
-def test_a_notebook_that_nbclient_runs_has_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", SYSTEM_PATH)
-    cells = [nbformat.v4.new_code_cell(text) for text in ("%load_ext course_kit", "!ros2 --help")]
-    notebook = nbformat.v4.new_notebook(cells=cells)
-    NotebookClient(notebook, kernel_name="python3", timeout=DEADLINE).execute(cwd=str(tmp_path))
-    assert "usage: ros2" in notebook.cells[1].outputs[0].text
 
 
 def test_a_slip_is_one_line_and_no_traceback(kernel: Kernel) -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
-
 from course_kit import interfaces
-from course_kit.ros2cli.verbs.interface import shown_lines
 
 # What each line is, as in the texts of ROS 2: "#" a comment, "_" empty, "C" a field with a comment, "c" one without
 SHAPES = {
@@ -38,16 +35,3 @@ def test_each_text_has_the_lines_of_the_real_one() -> None:
         name.rpartition("/")[2]: shape(interfaces.text_of(name)) for name in interfaces.types("example_interfaces")
     }
     assert found == {name: wanted for wanted, names in SHAPES.items() for name in names}
-
-
-@pytest.mark.parametrize(
-    ("name", "lines"),
-    [
-        ("example_interfaces/srv/AddTwoInts", ["int64 a", "int64 b", "---", "int64 sum"]),
-        ("std_srvs/srv/SetBool", ["bool data", "---", "bool success", "string message"]),
-        ("std_srvs/srv/Empty", ["---"]),
-        ("std_msgs/msg/String", ["string data"]),
-    ],
-)
-def test_what_is_left_without_comments(name: str, lines: list[str]) -> None:
-    assert list(shown_lines(name, comments=False, inner_comments=False)) == lines

@@ -83,12 +83,6 @@ def test_what_is_wrong_with_it_is_one_line(
     assert "Traceback" not in shown
 
 
-@pytest.mark.parametrize("line", ["", "--background robot"])
-def test_without_a_name_it_says_how_it_is_written(line: str) -> None:
-    with pytest.raises(MagicError, match="Write %%ros_launch NAME"):
-        ros_launch(line, LAUNCH)
-
-
 def test_a_saved_program_runs_again_with_other_arguments(capfd: pytest.CaptureFixture[str]) -> None:
     ros_script("tell one", "import sys\nprint('told', sys.argv[1:])\n")
     ros_script("tell two three")

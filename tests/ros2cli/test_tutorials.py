@@ -90,7 +90,7 @@ def output(guide: Ros2, *words: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("name", ["tour/guide:", "/*/guide:", "tour:\n  guide:", "/tour/**:"])
+@pytest.mark.parametrize("name", ["tour/guide:", "/tour/**:"])
 def test_a_file_of_parameters_names_its_node_in_any_way(guide: Ros2, name: str) -> None:
     """Whatever rcl takes when a program is started with it (ROS design article "ROS Command Line Arguments")."""
     depth = "  " * name.count("\n") + "  "
@@ -144,11 +144,6 @@ def test_a_dump_of_a_parameter_whose_name_is_that_of_a_group_too(guide: Ros2) ->
     assert sorted(dumped["/tour/guide"]["ros__parameters"]["arm"]) == ["reach", "reach.most"]
 
 
-def test_a_parameter_without_limits_is_described_as_by_the_real_one(guide: Ros2) -> None:
-    described = output(guide, "param", "describe", "/tour/guide", "name")
-    assert described == "Parameter name: name\n  Type: string\n  Constraints:\n"
-
-
 def test_dots_at_the_end_of_a_text_stay(guide: Ros2) -> None:
     shown = output(guide, "topic", "echo", "--once", "--filter", "m.data.startswith('wait')", "/tour/words")
     assert shown == "data: wait...\n---\n"
@@ -168,7 +163,6 @@ def _string(content: str) -> object:
     [
         (("--field", "data"), "array('i', [1, 7])\n---\n"),
         (("--csv",), "0,1,7\n"),
-        (("--no-arr", "--flow-style"), "<sequence type: int32, length: 2>"),
         (("--raw",), "b'\\x00\\x01\\x00\\x00"),
         (("-i",), "---Got new message, message info:---\n{'source_timestamp': "),
     ],
@@ -212,13 +206,6 @@ def test_feedback_and_service_events_are_topics(guide: Ros2) -> None:
     assert "event_type: REQUEST_RECEIVED" in "".join(lines_until(events, "---"))
     assert "event_type: RESPONSE_SENT" in "".join(lines_until(events, "---"))
     interrupt(events)
-
-
-def test_what_is_left_out_is_the_default(guide: Ros2) -> None:
-    shown = output(guide, "action", "send_goal", "/tour/count", "example_interfaces/action/Fibonacci")
-    assert "order: 0" in shown
-    assert "SUCCEEDED" in shown
-    assert "data=False" in output(guide, "service", "call", "/tour/power", "std_srvs/srv/SetBool")
 
 
 def test_a_time_of_now_is_that_of_each_message(guide: Ros2) -> None:
@@ -267,22 +254,10 @@ def test_figures_come_each_second(guide: Ros2, words: tuple[str, ...], wanted: s
     interrupt(measuring)
 
 
-def test_a_message_without_a_header_has_no_delay(guide: Ros2) -> None:
-    done = guide("topic", "delay", "/tour/words")
-    assert (done.returncode, done.stderr.partition(":")[0]) == (1, "msg does not have header")
-
-
 def test_find_lists_by_type(guide: Ros2) -> None:
     assert output(guide, "topic", "find", "std_msgs/msg/String") == "/tour/words\n"
     assert output(guide, "topic", "find", "-c", "std_msgs/String") == "1\n"
     assert output(guide, "service", "find", "std_srvs/srv/SetBool") == "/tour/power\n"
-
-
-def test_interfaces_of_a_package_by_kind(guide: Ros2) -> None:
-    assert output(guide, "interface", "package", "-a", "course_interfaces") == "course_interfaces/action/MoveRobot\n"
-    both = output(guide, "interface", "package", "course_interfaces").splitlines()
-    assert "course_interfaces/srv/ConvertTemperature" in both
-    assert "course_interfaces/action/MoveRobot" in both
 
 
 @pytest.mark.parametrize(
@@ -369,7 +344,7 @@ def test_the_tutorials_package_runs_from_its_folder(guide: Ros2, tmp_path: Path)
     )
     for folder in (package, package.parent.parent):
         here = Ros2(int(guide.environ["ROS_DOMAIN_ID"]), folder)
-        done = here("run", "py_pubsub", "talker", "--ros-args")
+        done = here.process("run", "py_pubsub", "talker", "--ros-args")
         assert (done.returncode, done.stdout) == (0, "talking as ['talker', '--ros-args']\n"), done.stderr
     assert here("pkg", "executables", "py_pubsub").stdout == "py_pubsub listener\npy_pubsub talker\n"
     assert here("pkg", "prefix", "py_pubsub").stdout == f"{package}\n"

@@ -6,7 +6,7 @@ import math
 
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
-from std_msgs.msg import ByteMultiArray, Float32, Header, Int8, String, UInt8, UInt8MultiArray
+from std_msgs.msg import ByteMultiArray, Float32, Header, Int8, String, UInt8MultiArray
 from std_srvs.srv import SetBool
 from test_msgs.msg import Arrays, BoundedSequences
 
@@ -18,13 +18,9 @@ from course_kit.ros2cli.session import CommandError
     ("message", "text", "field", "wanted"),
     [
         (SetBool.Request(), "{data: true}", "data", True),
-        (SetBool.Request(), "data: 1", "data", True),
         (String(), "data: 5", "data", "5"),
-        (Int8(), "data: -128", "data", -128),
         (Int8(), "data: '7'", "data", 7),
-        (Float32(), "data: 1", "data", 1.0),
         (Float32(), "data: 1e3", "data", 1000.0),
-        (UInt8MultiArray(), "data: [1, 255]", "data", [1, 255]),
         (ByteMultiArray(), "data: [!!binary AA==, !!binary /w==]", "data", [b"\x00", b"\xff"]),
     ],
 )
@@ -65,21 +61,13 @@ def test_not_a_number_is_a_float() -> None:
     ("message", "text", "wanted"),
     [
         (SetBool.Request(), "{data: 1.5}", "The field 'data' is a bool; 1.5 is a float."),
-        (SetBool.Request(), "{data: 2}", "The field 'data' is a bool; 2 is an integer."),
         (SetBool.Request(), "{dta: true}", "There is no field 'dta' in m; it has data. Did you mean 'data'?"),
-        (Int8(), "{data: 1.0}", "The field 'data' is an int8; 1.0 is a float."),
-        (Int8(), "{data: true}", "The field 'data' is an int8; True is a boolean."),
         (Int8(), "{data: 128}", "The field 'data' is an int8, from -128 to 127; 128 is out of range."),
-        (UInt8(), "{data: -1}", "The field 'data' is a uint8, from 0 to 255; -1 is out of range."),
         (Float32(), "{data: 1.0e+39}", "The field 'data' is a float32; 1e+39 is out of range."),
-        (Float32(), "{data: fast}", "The field 'data' is a float32; 'fast' is a string."),
         (Int8(), "{data:1}", "YAML wants a blank behind the colon: write data: 1, not data:1."),
-        (String(), "{data: [1]}", "The field 'data' is a string; [1] is a list."),
         (String(), "hello", "m takes its fields as '{data: ...}', not 'hello'."),
         (Twist(), "{linear: {w: 1}}", "There is no field 'w' in linear, a geometry_msgs/Vector3; it has x, y, z."),
-        (Twist(), "{linear: 1}", "The field 'linear' is a geometry_msgs/Vector3; 1 is an integer."),
         (UInt8MultiArray(), "{data: [1, 256]}", "The field 'data[1]' is a uint8, from 0 to 255; 256 is out of range."),
-        (UInt8MultiArray(), "{data: 1}", "The field 'data' is a list of uint8; 1 is an integer."),
         (Arrays(), "{int32_values: [1, 2]}", "The field 'int32_values' takes exactly 3 values, not 2."),
         (BoundedSequences(), "{int32_values: [1, 2, 3, 4]}", "The field 'int32_values' takes at most 3 values, not 4."),
         (String(), "{data: hi", "The values are not valid YAML: expected ',' or '}', but got '<stream end>' in line 1"),
