@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Copy, Submission
 from course_kit.grading.reading.reader import Reader
 
@@ -14,4 +14,4 @@ if TYPE_CHECKING:
 
 def read(path: Path, exercise_id: str) -> Submission:
     with Copy(path) as copy, Reader() as reader:
-        return reader.read(copy, exercise.load(exercise_id))
+        return reader.read(copy, load_exercise(exercise_id))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from course_kit import environment
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import find_exercises_folder, list_exercise_ids
 
 KIT = environment.PACKAGE
 # What one exercise is made of: the quiz and its panel, the robot and the panels that show it.
@@ -19,7 +19,7 @@ MADE_OF = (
     "panels/quiz_panel.py",
 )
 NAMES = re.compile(
-    rf"\b({'|'.join(exercise.ids(exercise.exercises_folder()))})\b|\bexercises? [1-9]\b|\bfour exercises\b"
+    rf"\b({'|'.join(list_exercise_ids(find_exercises_folder()))})\b|\bexercises? [1-9]\b|\bfour exercises\b"
 )
 FILES = sorted(
     path.relative_to(KIT).as_posix()

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -60,10 +61,12 @@ def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path
 
 
 def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> Iterator[tuple[str, bytes, int]]:
-    task = exercise.load(exercise_id)
+    exercise = load_exercise(exercise_id)
     for name in names:
         text = (_TEMPLATES / platform / f"{name}.in").read_text(encoding="utf-8")
-        filled_in = text.replace(_FOR_EXERCISE, task.id).replace(_FOR_OPTIONS, "" if seed is None else f"--seed={seed}")
+        filled_in = text.replace(_FOR_EXERCISE, exercise.id).replace(
+            _FOR_OPTIONS, "" if seed is None else f"--seed={seed}"
+        )
         yield name, filled_in.encode(), _EXECUTABLE
 
 
@@ -73,9 +76,9 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
     root = environment.checkout()
     if root is None:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
-    task = exercise.load(exercise_id)
-    if exercise_folders.is_added(task.folder):  # its files are not among those of the kit
-        for name, path in carried_exercises.files(task).items():
+    exercise = load_exercise(exercise_id)
+    if exercise_folders.is_added(exercise.folder):  # its files are not among those of the kit
+        for name, path in carried_exercises.files(exercise).items():
             yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
     for part in _PARTS:
         top = root / part

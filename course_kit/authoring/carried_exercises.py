@@ -9,7 +9,8 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import read_exercise_table
 from course_kit.grading.model.exercise_folders import INTERFACES, TOML
 
 if TYPE_CHECKING:
@@ -23,13 +24,18 @@ _PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
 _KINDS = (".msg", ".srv", ".action")
 
 
-def files(task: Exercise) -> dict[str, Path]:
+def files(exercise: Exercise) -> dict[str, Path]:
     """The files of an exercise, by the names they have in a course's folder."""
-    found = {task.folder / TOML, task.folder / task.starter, task.folder / task.notebook, *_checks(task.folder)}
-    found |= {path for path in (task.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
-    found |= {path for path in task.folder.glob("*") if path.suffix.lower() in _PICTURES}
-    place = exercise_folders.place(task.folder)
-    return {f"{FOLDER}/{place}/{path.relative_to(task.folder).as_posix()}": path for path in sorted(found)}
+    found = {
+        exercise.folder / TOML,
+        exercise.folder / exercise.starter,
+        exercise.folder / exercise.notebook,
+        *_checks(exercise.folder),
+    }
+    found |= {path for path in (exercise.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
+    found |= {path for path in exercise.folder.glob("*") if path.suffix.lower() in _PICTURES}
+    place = exercise_folders.place(exercise.folder)
+    return {f"{FOLDER}/{place}/{path.relative_to(exercise.folder).as_posix()}": path for path in sorted(found)}
 
 
 def added() -> list[str]:
@@ -54,7 +60,7 @@ def _checks(folder: Path) -> set[Path]:
 
 
 def _grader_of(folder: Path) -> Iterator[str]:
-    grader = exercise.table_of(folder).get("grader")
+    grader = read_exercise_table(folder).get("grader")
     if isinstance(grader, str) and grader.endswith(".py"):
         yield grader
 

@@ -47,7 +47,7 @@ def check(root: Path, exercises: Sequence[str] = (), *, workers: int = 0, seed: 
     began = time.monotonic()
     chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
     drawn = secrets.randbits(30) if seed is None else seed
-    with Gradings([one.task for one in chosen], workers) as pool:
+    with Gradings([one.exercise for one in chosen], workers) as pool:
         reports = grade(pool, chosen, drawn)
     found = [fault for one in chosen for fault in rules.faults(one, reports)]
     if not exercises:
@@ -70,7 +70,7 @@ def grade(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubm
 
 
 def _seed_for(submission: ProofSubmission, sets: Corpus, drawn: int) -> int:
-    return next(seed for seed in (submission.seed, sets.task.seed, drawn) if seed is not None)
+    return next(seed for seed in (submission.seed, sets.exercise.seed, drawn) if seed is not None)
 
 
 def _longest_first(one: Corpus) -> list[ProofSubmission]:
@@ -81,14 +81,14 @@ def _longest_first(one: Corpus) -> list[ProofSubmission]:
 
 def describe(found: ProofOutcome) -> Iterator[str]:
     """How many submissions there are, what does not hold, and a summary, in lines."""
-    width = max(len(one.task.id) for one in found.sets)
+    width = max(len(one.exercise.id) for one in found.sets)
     heads = [*_KINDS, "checks", "sentences"]
     yield "  ".join([f"{'exercise':<{width}}", *heads])
     for one in found.sets:
         checks = {check.id for each in one.of("solution") for check in found.reports[each].checks}
-        counts = [*(len(one.of(kind)) for kind in _KINDS.values()), len(checks), len(one.task.sentences)]
+        counts = [*(len(one.of(kind)) for kind in _KINDS.values()), len(checks), len(one.exercise.sentences)]
         cells = (f"{count or '-':>{len(head)}}" for count, head in zip(counts, heads, strict=True))
-        yield "  ".join([f"{one.task.id:<{width}}", *cells])
+        yield "  ".join([f"{one.exercise.id:<{width}}", *cells])
     if found.faults:
         yield from ("", "What does not hold:")
     for fault in found.faults:

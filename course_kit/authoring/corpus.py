@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise, read_exercise
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -58,7 +59,7 @@ class ProofSubmission:
 class Corpus:
     """All submissions of one exercise."""
 
-    task: Exercise
+    exercise: Exercise
     submissions: tuple[ProofSubmission, ...]
 
     def of(self, kind: str) -> tuple[ProofSubmission, ...]:
@@ -70,31 +71,38 @@ def all_exercises(root: Path) -> list[str]:
     """The ids of the course's exercises, in the course's order."""
     folder = root / "exercises"
     ids = [path.parent.name for path in folder.glob("*/exercise.toml")]
-    return sorted(ids, key=lambda name: (exercise.load(name, folder).order, name))
+    return sorted(ids, key=lambda name: (load_exercise(name, folder).order, name))
 
 
-def folders_of(task: Exercise, root: Path) -> tuple[Path, Path, Path]:
+def folders_of(exercise: Exercise, root: Path) -> tuple[Path, Path, Path]:
     """Where the sets of an exercise lie: right programs, wrong programs, and the file of the slips."""
-    if task.folder == root / "exercises" / task.id:
+    if exercise.folder == root / "exercises" / exercise.id:
         tests = root / "tests"
-        return tests / "grading" / "correct" / task.id, tests / "broken" / task.id, tests / "slips" / f"{task.id}.toml"
-    proof = task.folder / exercise_folders.PROOF
+        return (
+            tests / "grading" / "correct" / exercise.id,
+            tests / "broken" / exercise.id,
+            tests / "slips" / f"{exercise.id}.toml",
+        )
+    proof = exercise.folder / exercise_folders.PROOF
     return proof / "correct", proof / "broken", proof / "slips.toml"
 
 
 def load(exercise_id: str, root: Path) -> Corpus:
     """The sets of one exercise of the checkout `root`, or of one that was added."""
     own = root / "exercises" / exercise_id
-    task = exercise.read(own) if own.is_dir() else exercise.load(exercise_id)
-    found = [ProofSubmission(task.id, "starter", name, task.folder / name) for name in (task.starter, task.notebook)]
-    if task.solution.is_file():
-        found.append(ProofSubmission(task.id, "solution", task.solution.name, task.solution))
-    correct, broken, table = folders_of(task, root)
-    slips, breaks = _slips(task, correct, table)
+    exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
+    found = [
+        ProofSubmission(exercise.id, "starter", name, exercise.folder / name)
+        for name in (exercise.starter, exercise.notebook)
+    ]
+    if exercise.solution.is_file():
+        found.append(ProofSubmission(exercise.id, "solution", exercise.solution.name, exercise.solution))
+    correct, broken, table = folders_of(exercise, root)
+    slips, breaks = _slips(exercise, correct, table)
     for kind, folder in (("variant", correct), ("broken", broken)):
         found += [
             ProofSubmission(
-                task.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
+                exercise.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
             )
             for path in sorted(folder.glob("*.py"))
         ]
@@ -104,10 +112,10 @@ def load(exercise_id: str, root: Path) -> Corpus:
     for one in found:
         if one.changes:
             one.text()
-    return Corpus(task, tuple(found))
+    return Corpus(exercise, tuple(found))
 
 
-def _slips(task: Exercise, correct: Path, file: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
+def _slips(exercise: Exercise, correct: Path, file: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
     """The slips, and by the names of broken programs the sentences that those do not keep: the table `broken`."""
     if not file.is_file():
         return [], {}
@@ -118,8 +126,8 @@ def _slips(task: Exercise, correct: Path, file: Path) -> tuple[list[ProofSubmiss
         slips = []
         for name, entry in table.items():
             where = f"in the slip {name}, "
-            base = correct / f"{entry['base']}.py" if "base" in entry else task.solution
-            slips.append(_slip(task.id, name, base, entry, file))
+            base = correct / f"{entry['base']}.py" if "base" in entry else exercise.solution
+            slips.append(_slip(exercise.id, name, base, entry, file))
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{file} cannot be used: {where}{what}.") from problem

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.ros.names import did_you_mean
 
 if sys.version_info >= (3, 11):
@@ -122,24 +123,24 @@ def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
             made.instructors += names
             made.unwanted.append(exercise_id)
         elif any(name.endswith(f"/{exercise_id}/{exercise_folders.TOML}") for name in names):
-            needed = _put(made, exercise.load(exercise_id, root / _EXERCISES), names)
+            needed = _put(made, load_exercise(exercise_id, root / _EXERCISES), names)
             made.instructors += [name for name in names if name not in needed]
         else:
             made.files.update({name: root / name for name in names})
     made.unwanted += [name for name in added if name in without]
-    for task in (exercise.load(name) for name in added if name not in without):
-        _put(made, task, carried_exercises.files(task))
-        made.added[task.id] = task.folder
+    for exercise in (load_exercise(name) for name in added if name not in without):
+        _put(made, exercise, carried_exercises.files(exercise))
+        made.added[exercise.id] = exercise.folder
     made.files["README.md"] = README
     return made
 
 
-def _put(made: EditionPlan, task: Exercise, names: Collection[str]) -> dict[str, Path]:
+def _put(made: EditionPlan, exercise: Exercise, names: Collection[str]) -> dict[str, Path]:
     """Put an exercise in, of these files those that it is known to need; returns all of the latter."""
-    needed = carried_exercises.files(task)
+    needed = carried_exercises.files(exercise)
     made.files.update({name: path for name, path in needed.items() if name in names})
-    (made.drills if task.practice else made.exercises).append(task.id)
-    made.solutions[task.id] = task.solution
+    (made.drills if exercise.practice else made.exercises).append(exercise.id)
+    made.solutions[exercise.id] = exercise.solution
     return needed
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.executors import Local
-from course_kit.grading.engine import Task, unreadable
+from course_kit.grading.engine import GradingRequest, unreadable
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
@@ -54,12 +54,12 @@ class Gradings(Closing):
 
     def begin_file(self, exercise_id: str, path: Path, seed: int, *, first_failure: bool = False) -> Future[Report]:
         """Have a file graded, with `first_failure` until the first check that fails."""
-        task = self._exercises[exercise_id]
+        exercise = self._exercises[exercise_id]
         try:
             with Copy(path) as copy:
-                text = self._reader.read(copy, task)
+                text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
             future: Future[Report] = Future()
-            future.set_result(unreadable(task, path.name, str(problem)))
+            future.set_result(unreadable(exercise, path.name, str(problem)))
             return future
-        return self._pool.submit(Task(task, text, path.name, seed, first_failure=first_failure))
+        return self._pool.submit(GradingRequest(exercise, text, path.name, seed, first_failure=first_failure))

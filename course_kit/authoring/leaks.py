@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.reader import fingerprints
 
 if TYPE_CHECKING:
@@ -39,10 +39,10 @@ class Leak:
 
 def find(edition: Path, solutions: Mapping[str, Path]) -> list[Leak]:
     """Look for answers in an edition."""
-    tasks = [exercise.load(name, edition / "exercises") for name in solutions]
+    exercises = [load_exercise(name, edition / "exercises") for name in solutions]
     texts = {path: _read_code(path) for path in sorted(edition.rglob("*")) if path.suffix in (".py", ".ipynb", ".md")}
-    found = [*_find_alike(tasks, solutions, texts), *_find_scoring(tasks, texts)]
-    return [Leak(path.relative_to(edition).as_posix(), task.id, why) for path, task, why in found]
+    found = [*_find_alike(exercises, solutions, texts), *_find_scoring(exercises, texts)]
+    return [Leak(path.relative_to(edition).as_posix(), exercise.id, why) for path, exercise, why in found]
 
 
 def _read_code(path: Path) -> str:
@@ -55,42 +55,42 @@ def _read_code(path: Path) -> str:
 
 
 def _find_alike(
-    tasks: list[Exercise], solutions: Mapping[str, Path], texts: Mapping[Path, str]
+    exercises: list[Exercise], solutions: Mapping[str, Path], texts: Mapping[Path, str]
 ) -> Iterator[tuple[Path, Exercise, str]]:
     prints = {path: fingerprints.fingerprints(text) for path, text in texts.items()}
-    for task in tasks:
-        if solutions[task.id].is_file():
-            solution = fingerprints.fingerprints(solutions[task.id].read_text(encoding="utf-8"))
-            own = solution - prints[task.folder / task.starter]
+    for exercise in exercises:
+        if solutions[exercise.id].is_file():
+            solution = fingerprints.fingerprints(solutions[exercise.id].read_text(encoding="utf-8"))
+            own = solution - prints[exercise.folder / exercise.starter]
             for path, found in prints.items():
                 share = len(own & found) / max(len(own), _FEWEST)
                 if share > _ALIKE:
-                    yield path, task, f"has {share:.0%} of the solution's own lines"
+                    yield path, exercise, f"has {share:.0%} of the solution's own lines"
 
 
-def _find_scoring(tasks: list[Exercise], texts: Mapping[Path, str]) -> Iterator[tuple[Path, Exercise, str]]:
-    scores = _grade(tasks, texts)
-    for task in tasks:
-        of_task = {path: score for (path, name), score in scores.items() if name == task.id}
-        starters = [of_task.pop(task.folder / name, None) for name in (task.starter, task.notebook)]
+def _find_scoring(exercises: list[Exercise], texts: Mapping[Path, str]) -> Iterator[tuple[Path, Exercise, str]]:
+    scores = _grade(exercises, texts)
+    for exercise in exercises:
+        of_exercise = {path: score for (path, name), score in scores.items() if name == exercise.id}
+        starters = [of_exercise.pop(exercise.folder / name, None) for name in (exercise.starter, exercise.notebook)]
         if None in starters:
-            raise GradingError(f"A starter of {task.id} cannot be graded. See course-kit dev check {task.id}.")
+            raise GradingError(f"A starter of {exercise.id} cannot be graded. See course-kit dev check {exercise.id}.")
         allowed = max(score for score in starters if score is not None)
-        if allowed >= task.pass_mark:
-            yield task.folder / task.starter, task, f"the starter scores {allowed:g} of {task.points:g}"
-        for path, score in of_task.items():
+        if allowed >= exercise.pass_mark:
+            yield exercise.folder / exercise.starter, exercise, f"the starter scores {allowed:g} of {exercise.points:g}"
+        for path, score in of_exercise.items():
             if score > allowed:
-                yield path, task, f"scores {score:g} of {task.points:g}, the starter {allowed:g}"
+                yield path, exercise, f"scores {score:g} of {exercise.points:g}, the starter {allowed:g}"
 
 
-def _grade(tasks: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[Path, str], float]:
+def _grade(exercises: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[Path, str], float]:
     """The score of each program that could be for an exercise, by its file and the exercise."""
     ready = []
-    for task in tasks:
-        clue = rf"^class {task.class_name}\b" if task.class_name else rf"^{task.variable}\b"
+    for exercise in exercises:
+        clue = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
         named = (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE))
-        ready += [(path, task.id) for path in named if path.suffix != ".md"]
-    with Gradings(tasks, len(ready) if len(ready) < _FEW else 0) as pool:
+        ready += [(path, exercise.id) for path in named if path.suffix != ".md"]
+    with Gradings(exercises, len(ready) if len(ready) < _FEW else 0) as pool:
         waiting = {(path, name): pool.begin_file(name, path, _SEED) for path, name in ready}
         reports = {key: future.result() for key, future in waiting.items()}
     for (path, name), report in reports.items():

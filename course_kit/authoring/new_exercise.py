@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 from course_kit.authoring import task_text
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import read_exercise
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
@@ -68,34 +69,34 @@ def create(name: str, kind: str, folder: Path) -> Exercise:
         for path, text in _files(name, kind):
             (made / path).parent.mkdir(parents=True, exist_ok=True)
             (made / path).write_text(text, encoding="utf-8")
-        task = exercise.read(made)
-        (made / task.notebook).write_text(_new_notebook(task), encoding="utf-8")
-        refresh(task)
+        exercise = read_exercise(made)
+        (made / exercise.notebook).write_text(_new_notebook(exercise), encoding="utf-8")
+        refresh(exercise)
         made.rename(target)
-    return exercise.read(target)
+    return read_exercise(target)
 
 
-def refresh(task: Exercise) -> list[Path]:
+def refresh(exercise: Exercise) -> list[Path]:
     """Write the sentences of an exercise anew into its starter and its notebook; returns what has changed.
 
     Of an exercise that is not the course's own, title, points and starter are written into the notebook, too.
     """
-    program, notebook = task.folder / task.starter, task.folder / task.notebook
+    program, notebook = exercise.folder / exercise.starter, exercise.folder / exercise.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (program, notebook)}
-    starter, cells = task_text.in_starter(before[program], task), before[notebook]
-    if exercise_folders.is_added(task.folder):
-        starter = _titled(starter, task)
-        cells = _renewed_notebook(cells, task, starter)
-    after = {program: starter, notebook: task_text.in_notebook(cells, task)}
+    starter, cells = task_text.in_starter(before[program], exercise), before[notebook]
+    if exercise_folders.is_added(exercise.folder):
+        starter = _titled(starter, exercise)
+        cells = _renewed_notebook(cells, exercise, starter)
+    after = {program: starter, notebook: task_text.in_notebook(cells, exercise)}
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])
     return changed
 
 
-def _titled(starter: str, task: Exercise) -> str:
+def _titled(starter: str, exercise: Exercise) -> str:
     """A starter whose docstring begins with the exercise's title."""
-    return re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{task.title}.', starter)
+    return re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{exercise.title}.', starter)
 
 
 def _require_usable(name: str) -> None:
@@ -119,7 +120,7 @@ def _files(name: str, kind: str) -> Iterator[tuple[Path, str]]:
         yield Path(names.get(inside, inside)), filled_in
 
 
-def _new_notebook(task: Exercise) -> str:
+def _new_notebook(exercise: Exercise) -> str:
     """The notebook of a new exercise; the sentences of its task and its starter are not in it yet."""
     cells = [
         _cell(_TITLE, "markdown", ""),
@@ -128,24 +129,24 @@ def _new_notebook(task: Exercise) -> str:
         _cell("yours", "markdown", _YOURS),
         _cell(_ANSWER, "code", ""),
         _cell("try", "markdown", _TRY),
-        _cell("start", "code", f"from course_kit import lab\n\nlab.start({task.class_name})"),
-        _cell("grading", "markdown", _GRADING.format(class_name=task.class_name, id=task.id)),
-        _cell("grade", "code", f"%grade {task.id}"),
+        _cell("start", "code", f"from course_kit import lab\n\nlab.start({exercise.class_name})"),
+        _cell("grading", "markdown", _GRADING.format(class_name=exercise.class_name, id=exercise.id)),
+        _cell("grade", "code", f"%grade {exercise.id}"),
     ]
     return _as_text({"cells": cells, "metadata": _METADATA, "nbformat": 4, "nbformat_minor": 5})
 
 
-def _renewed_notebook(text: str, task: Exercise, starter: str) -> str:
+def _renewed_notebook(text: str, exercise: Exercise, starter: str) -> str:
     """A notebook with the title, the points and the starter of its exercise as they are now."""
     try:
         notebook = json.loads(text)
         by_id = {cell.get("id"): cell for cell in notebook["cells"]}
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
-        raise GradingError(f"{task.folder / task.notebook} is not a notebook: {problem}.") from None
-    title = f"# {task.title}\n\n{in_points(task.points)}, {task.pass_mark:g} to pass."
-    for name, source in ((_TITLE, title), (_ANSWER, f"%%submission {task.id}\n{_class_of(starter)}")):
+        raise GradingError(f"{exercise.folder / exercise.notebook} is not a notebook: {problem}.") from None
+    title = f"# {exercise.title}\n\n{in_points(exercise.points)}, {exercise.pass_mark:g} to pass."
+    for name, source in ((_TITLE, title), (_ANSWER, f"%%submission {exercise.id}\n{_class_of(starter)}")):
         if name not in by_id:
-            raise GradingError(f"{task.folder / task.notebook} has no cell with the id '{name}'. Put it back.")
+            raise GradingError(f"{exercise.folder / exercise.notebook} has no cell with the id '{name}'. Put it back.")
         by_id[name]["source"] = source.splitlines(keepends=True)
     return _as_text(notebook)
 

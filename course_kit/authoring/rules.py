@@ -39,7 +39,7 @@ def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmiss
     """The starter and its notebook run, do not pass, and are helped on by the first rung of the exercise's ladder."""
     if not sets.of("starter"):
         yield "there is no starter."
-    rungs = {hint.text for hint in sets.task.hints}
+    rungs = {hint.text for hint in sets.exercise.hints}
     seen = set()
     for one in sets.of("starter"):
         report = reports[one]
@@ -67,7 +67,7 @@ def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmis
 
 def _is_added(sets: Corpus) -> bool:
     """Whether its programs lie beside it, in the folder of an instructor."""
-    return (sets.task.folder / exercise_folders.PROOF).is_dir()
+    return (sets.exercise.folder / exercise_folders.PROOF).is_dir()
 
 
 def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
@@ -110,9 +110,9 @@ def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmissi
 
 def told(sets: Corpus, reports: Reports) -> Iterator[str]:
     """Each sentence of the task is tested, and each test is told: see `sentences`. Not asked of a task without any."""
-    if not sets.task.sentences:
+    if not sets.exercise.sentences:
         return
-    yield from sentences.faults(sets.task, sentences.checks_of(sets.task))
+    yield from sentences.faults(sets.exercise, sentences.checks_of(sets.exercise))
     yield from sentences.unproven(sets, reports)
 
 
@@ -133,17 +133,17 @@ def faults(sets: Corpus, reports: Reports) -> list[Fault]:
     for name, rule in RULES.items():
         for said in rule(sets, reports):
             one, text = said if isinstance(said, tuple) else (None, said)
-            where = _where(one, sets.task) if one is not None else ""
-            found.append(Fault(sets.task.id, name, where, text))
+            where = _where(one, sets.exercise) if one is not None else ""
+            found.append(Fault(sets.exercise.id, name, where, text))
     return found
 
 
-def _where(one: ProofSubmission, task: Exercise) -> str:
+def _where(one: ProofSubmission, exercise: Exercise) -> str:
     """A submission in words: of files that share their name with another the folder, of a slip the file that has it."""
-    if not exercise_folders.is_added(task.folder):
+    if not exercise_folders.is_added(exercise.folder):
         return f"{one.kind} {one.name}"
     path = one.told_in or one.path
-    place = path.relative_to(task.folder) if path.is_relative_to(task.folder) else path
+    place = path.relative_to(exercise.folder) if path.is_relative_to(exercise.folder) else path
     return f"slip {one.name} ({place})" if one.told_in is not None else f"{one.kind} {place}"
 
 

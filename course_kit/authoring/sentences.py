@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
 
 
-def checks_of(task: Exercise, seed: int | None = None) -> Sequence[Check]:
+def checks_of(exercise: Exercise, seed: int | None = None) -> Sequence[Check]:
     """The checks of an exercise, as its grader makes them for a seed; for the exercise's own when None."""
-    drawn = (task.seed or 0) if seed is None else seed
-    return exercise_job.checks_of(task, drawn)
+    drawn = (exercise.seed or 0) if seed is None else seed
+    return exercise_job.checks_of(exercise, drawn)
 
 
-def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
+def faults(exercise: Exercise, checks: Sequence[Check]) -> list[str]:
     """What does not fit between the sentences of a task and the checks of its grader."""
-    known = {one.id for one in task.sentences}
+    known = {one.id for one in exercise.sentences}
     found = [
         f"the check '{one.id}' names the sentence '{name}', which exercise.toml does not have."
         for one in checks
@@ -37,23 +37,25 @@ def faults(task: Exercise, checks: Sequence[Check]) -> list[str]:
     found += [f"no sentence of the task says what the check '{one.id}' tests." for one in checks if not one.proves]
     named = {name for one in checks for name in one.proves}
     found += [
-        f"no check tests the sentence '{one.id}'." for one in task.sentences if not one.freedom and one.id not in named
+        f"no check tests the sentence '{one.id}'."
+        for one in exercise.sentences
+        if not one.freedom and one.id not in named
     ]
     return found
 
 
 def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterator[str]:
     """The sentences that nothing proves, and what submissions break that no sentence is."""
-    known = {one.id for one in sets.task.sentences}
+    known = {one.id for one in sets.exercise.sentences}
     yield from (
         f"{one.kind} {one.name} breaks the sentence '{name}', which exercise.toml does not have."
         for one in sets.submissions
         for name in one.breaks
         if name not in known
     )
-    checks = {seed: checks_of(sets.task, seed) for seed in {one.seed for one in sets.submissions} | {None}}
+    checks = {seed: checks_of(sets.exercise, seed) for seed in {one.seed for one in sets.submissions} | {None}}
     right = {_name(one) for one in sets.submissions if _is_right(one) and reports[one].score >= reports[one].max_score}
-    for sentence in sets.task.sentences:
+    for sentence in sets.exercise.sentences:
         own = {seed: [one.id for one in made if sentence.id in one.proves] for seed, made in checks.items()}
         red = any(
             check.status == "failed" and check.id in own[one.seed]

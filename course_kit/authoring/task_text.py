@@ -43,23 +43,23 @@ def of_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
     return cells
 
 
-def in_starter(text: str, task: Exercise) -> str:
+def in_starter(text: str, exercise: Exercise) -> str:
     """A starter's program with the sentences of its exercise in its docstring."""
     before, *rest = text.split(_QUOTES, 2)
     if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
-        raise GradingError(f"{task.starter} does not begin with a docstring, into which its task belongs.")
-    docstring = replaced(rest[0], blocks(task.sentences, width=_WIDTH), f"the docstring of {task.starter}")
+        raise GradingError(f"{exercise.starter} does not begin with a docstring, into which its task belongs.")
+    docstring = replaced(rest[0], blocks(exercise.sentences, width=_WIDTH), f"the docstring of {exercise.starter}")
     return _QUOTES.join([before, docstring, rest[1]])
 
 
-def in_notebook(text: str, task: Exercise) -> str:
+def in_notebook(text: str, exercise: Exercise) -> str:
     """A notebook's file with the sentences of its exercise in its cells."""
     notebook = json.loads(text)
-    for name, told in of_cell(task.sentences).items():
+    for name, told in of_cell(exercise.sentences).items():
         cell = next((cell for cell in notebook["cells"] if cell.get("id") == name), None)
         if cell is None:
-            raise GradingError(f"{task.notebook} has no cell with the id '{name}', where a sentence is to stand.")
-        source = replaced("".join(cell["source"]), blocks(told), f"the cell '{name}' of {task.notebook}")
+            raise GradingError(f"{exercise.notebook} has no cell with the id '{name}', where a sentence is to stand.")
+        source = replaced("".join(cell["source"]), blocks(told), f"the cell '{name}' of {exercise.notebook}")
         cell["source"] = source.splitlines(keepends=True)
     return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
 

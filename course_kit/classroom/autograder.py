@@ -14,7 +14,7 @@ from course_kit.classroom.intake.listing import FOLDER, Item, of_a_tool
 from course_kit.classroom.records import Entry, Record
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,37 +27,37 @@ _STUDENT = "submission"  # there is only one, and the platform knows who
 
 def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isolation: bool = False) -> Record:
     """Grade a file, or what is found in a folder by the rules of a class's intake."""
-    task = exercise.load(exercise_id)
+    exercise = load_exercise(exercise_id)
     if seed is None:  # drawn here, for the result to tell it
-        seed = secrets.randbits(31) if task.seed is None else task.seed
+        seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
     if not path.is_dir():
-        report = engine.grade(task.id, path, seed=seed, require_isolation=require_isolation)
-        return _record(task, path.name, report, seed)
+        report = engine.grade(exercise.id, path, seed=seed, require_isolation=require_isolation)
+        return _record(exercise, path.name, report, seed)
     with tempfile.TemporaryDirectory(prefix="submission-") as made:
         handed_over = Path(made, "handed_over")
         _copy(path, handed_over / _STUDENT)
-        found = _find(handed_over, task, Path(made, "unpacked"))
+        found = _find(handed_over, exercise, Path(made, "unpacked"))
         if found is None:
             why = "There is no program for this exercise in what was handed in. "
-            report = engine.unreadable(task, path.name, f"{why}Hand in {task.starter} or {task.notebook}.")
-            return _record(task, path.name, report, seed)
-        report = engine.grade(task.id, found, seed=seed, require_isolation=require_isolation)
-        return _record(task, found.name, report, seed)
+            report = engine.unreadable(exercise, path.name, f"{why}Hand in {exercise.starter} or {exercise.notebook}.")
+            return _record(exercise, path.name, report, seed)
+        report = engine.grade(exercise.id, found, seed=seed, require_isolation=require_isolation)
+        return _record(exercise, found.name, report, seed)
 
 
-def _record(task: Exercise, source: str, report: Report, seed: int) -> Record:
+def _record(exercise: Exercise, source: str, report: Report, seed: int) -> Record:
     """The result as a class's exports take it."""
     if report.status == "error":
         raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
-    entry = Entry("", task.id, source)
-    return Record(entry, "", 0, seed, report.to_mapping(), title=task.title, isolation=report.isolation)
+    entry = Entry("", exercise.id, source)
+    return Record(entry, "", 0, seed, report.to_mapping(), title=exercise.title, isolation=report.isolation)
 
 
-def _find(handed_over: Path, task: Exercise, workspace: Path) -> Path | None:
+def _find(handed_over: Path, exercise: Exercise, workspace: Path) -> Path | None:
     """The file to grade; None where there is none."""
     if not any((handed_over / _STUDENT).iterdir()):
         return None
-    found = collecting.collect(handed_over, [task], workspace, "folders")
+    found = collecting.collect(handed_over, [exercise], workspace, "folders")
     return found.root / found.entries[0].source if found.entries else None
 
 

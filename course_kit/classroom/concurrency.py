@@ -21,7 +21,7 @@ from course_kit.grading.sandbox.machine import processor_times
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.report import Report
 
 Thing = TypeVar("Thing")
@@ -63,11 +63,11 @@ def _every(nth: int, some: deque[Thing], others: deque[Thing], *, first: int) ->
 
 
 class Turns:
-    """Threads that take tasks in the order they come, when it is their turn."""
+    """Threads that take requests in the order they come, when it is their turn."""
 
     def __init__(
         self,
-        grade: Callable[[Task], Report],
+        grade: Callable[[GradingRequest], Report],
         usual: int,
         most: int,
         idle: Callable[[], float] | None = None,
@@ -77,7 +77,7 @@ class Turns:
         self._grade = grade
         self._usual, self._most, self._most_that_wait = usual, most, max(most, most_that_wait)
         self._idle = idle or IdleShare()
-        self._waiting: deque[tuple[Future[Report], Task]] = deque()
+        self._waiting: deque[tuple[Future[Report], GradingRequest]] = deque()
         self._changed = threading.Condition()
         self._took: deque[float] = deque(maxlen=_REMEMBERED)  # seconds that gradings have taken
         self._begun: dict[int, float] = {}  # of what is under way, by thread: when it has begun
@@ -91,11 +91,11 @@ class Turns:
         for thread in self._threads:
             thread.start()
 
-    def submit(self, task: Task) -> Future[Report]:
-        """Have a task done; its future can be cancelled until its turn comes."""
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        """Have a submission graded; the future can be cancelled until its turn comes."""
         future: Future[Report] = Future()
         with self._changed:
-            self._waiting.append((future, task))
+            self._waiting.append((future, request))
             self._changed.notify()
         return future
 
@@ -114,17 +114,17 @@ class Turns:
 
     def _work(self) -> None:
         while (following := self._next()) is not None:
-            future, task = following
+            future, request = following
             if future.set_running_or_notify_cancel():
                 try:
-                    report = self._grade(task)
+                    report = self._grade(request)
                 except BaseException as problem:  # noqa: BLE001 - whoever asks for the result meets it
                     future.set_exception(problem)
                 else:
                     future.set_result(report)
             self._done()
 
-    def _next(self) -> tuple[Future[Report], Task] | None:
+    def _next(self) -> tuple[Future[Report], GradingRequest] | None:
         with self._changed:
             while not self._ended:
                 if self._waiting and len(self._begun) < self._limit():

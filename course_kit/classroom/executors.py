@@ -1,6 +1,6 @@
 """Where the gradings of a class are done: on this machine, or on a Dask cluster; for `run` both are the same.
 
-An executor has `slots`, takes a `Task` by `submit` and returns a future of its `Report`, as those of
+An executor has `slots`, takes a `GradingRequest` by `submit` and returns a future of its `Report`, as those of
 `concurrent.futures` do.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Future
 
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.limits import Limits
     from course_kit.grading.model.report import Report
 
@@ -32,21 +32,21 @@ _ROOM = 4  # times as much has to be free as they take together: a submission ma
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _CLOSE_S = 5
-_RETRIES = 3  # a task whose machine died is done again elsewhere, so often
+_RETRIES = 3  # a grading whose machine died is done again elsewhere, so often
 
 
 class Executor(Protocol):
-    """Where tasks go."""
+    """Where gradings are done."""
 
     @property
     def slots(self) -> int:
-        """How many tasks are done side by side."""
+        """How many gradings are done side by side."""
 
-    def submit(self, task: Task) -> Future[Report]:
-        """Have a task done some time."""
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        """Have a submission graded some time."""
 
     def require_reachable(self) -> None:
-        """See that tasks can still come back."""
+        """See that reports can still come back."""
 
     def close(self) -> None:
         """Stop; what is under way is given up."""
@@ -71,8 +71,8 @@ class Local:
         self._pool = Pool(self.slots, graders, awake=usual)
         self._turns = Turns(self._pool.grade, usual, idle, most_that_wait=waiting)
 
-    def submit(self, task: Task) -> Future[Report]:
-        return self._turns.submit(task)
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        return self._turns.submit(request)
 
     def require_reachable(self) -> None:
         """See `Executor`; workers of this machine that end are replaced."""
@@ -107,9 +107,9 @@ class Cluster:
         self._client.register_plugin(_plugin())
         self._futures: Any = self._client.get_executor(retries=_RETRIES, pure=False)
 
-    def submit(self, task: Task) -> Future[Report]:
+    def submit(self, request: GradingRequest) -> Future[Report]:
         self.require_reachable()
-        future: Future[Report] = self._futures.submit(grade_on_cluster, task)
+        future: Future[Report] = self._futures.submit(grade_on_cluster, request)
         return future
 
     def require_reachable(self) -> None:
@@ -122,12 +122,12 @@ class Cluster:
         self._client.close(timeout=_CLOSE_S)
 
 
-def grade_on_cluster(task: Task) -> Report:
-    """What a Dask worker does with a task: grade it with a warm worker that its process keeps."""
+def grade_on_cluster(request: GradingRequest) -> Report:
+    """What a Dask worker does with a request: grade it with a warm worker that its process keeps."""
     import distributed
 
     pool: Pool = distributed.get_worker().plugins[_PLUGIN].pool
-    return pool.grade(task)
+    return pool.grade(request)
 
 
 def _plugin() -> Any:

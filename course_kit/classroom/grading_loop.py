@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
 
-_AHEAD = 2  # tasks given to an executor for each of its slots: none idles, and few are lost
+_AHEAD = 2  # requests given to an executor for each of its slots: none idles, and few are lost
 _LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
 _AT_ONCE = 2  # requests to stop
 _ORDER = ("passed", "not passed", "crashed", "unreadable", "error")
@@ -157,11 +157,11 @@ class GradingLoop:
             group = next(waiting, None)
             if group is None:
                 return
-            task = group[0].task(self._hidden, require_isolation=self._require_isolation)
-            if task is None:
+            request = group[0].request(self._hidden, require_isolation=self._require_isolation)
+            if request is None:
                 self._keep(group, group[0].unreadable())
             else:
-                under_way[executor.submit(task)] = group
+                under_way[executor.submit(request)] = group
 
     def _keep(self, group: list[Handed], report: Report) -> None:
         """Write the result of a submission and of those identical to it."""

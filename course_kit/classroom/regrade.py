@@ -159,9 +159,9 @@ class Regrade:
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
 
     def _read(self, record: Record, readings: Readings, staged: Record | None) -> Handed:
-        task = self._exercises[record.entry.exercise]
+        exercise = self._exercises[record.entry.exercise]
         seed = self._run.seed if record.seed is None else record.seed
-        return submissions.read(record.entry, self._run.intake.root, task, seed, readings, known=staged)
+        return submissions.read(record.entry, self._run.intake.root, exercise, seed, readings, known=staged)
 
 
 def _key(record: Record) -> tuple[str, str]:

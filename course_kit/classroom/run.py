@@ -174,11 +174,11 @@ class ClassRun:
         self._kept.append(record)
 
     def _read(self, entry: Entry, known: Record | None) -> Handed:
-        task = next(one for one in self._plan.exercises if one.id == entry.exercise)
-        usual = self.seed if task.seed is None else task.seed
+        exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
+        usual = self.seed if exercise.seed is None else exercise.seed
         own = self._seeds.of(entry) if self._seeds else None
         seed = usual if own is None else own
-        return submissions.read(entry, self.intake.root, task, seed, self.readings, known=known)
+        return submissions.read(entry, self.intake.root, exercise, seed, self.readings, known=known)
 
     def _gradebook(self, done: list[Record]) -> Gradebook:
         fit, earlier = self.intake.roster, self._earlier_records()

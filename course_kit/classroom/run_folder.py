@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise, read_exercise
 from course_kit.text.sanitize import encodable, one_line
 
 if TYPE_CHECKING:
@@ -61,12 +62,12 @@ def exercise_of(out: Path, exercise_id: str) -> Exercise:
     """An exercise of the run that has written into a folder: as it is known now, else where the run has found it."""
     noted = _noted_folders(out).get(exercise_id)
     if noted is None or exercise_id in exercise_folders.find().folders:
-        return exercise.load(exercise_id)
+        return load_exercise(exercise_id)
     if not Path(noted).is_dir():
         raise GradingError(
             f"The exercise {exercise_id} was in {noted}, and is not there any more. Name its folder with --exercises."
         )
-    return exercise.read(Path(noted))
+    return read_exercise(Path(noted))
 
 
 def _noted_folders(out: Path) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.concurrency import Urgency, early
 from course_kit.classroom.records import Record
 from course_kit.grading import engine
-from course_kit.grading.engine import Task
+from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import Copy, Facts, UnreadableError
 from course_kit.grading.reading.reader import ReadingStoppedError
@@ -51,12 +51,12 @@ class Handed:
         facts = Facts() if self.text is None else self.text.facts
         return Urgency.LOOPS if facts.loops else Urgency.WAITS if facts.waits else Urgency.NONE
 
-    def task(self, hidden: tuple[str, ...], *, require_isolation: bool) -> Task | None:
+    def request(self, hidden: tuple[str, ...], *, require_isolation: bool) -> GradingRequest | None:
         """What an executor is asked to do; None when there is nothing to run."""
         if self.text is None:
             return None
         shown = self.entry.source
-        return Task(self.exercise, self.text, shown, self.seed, hidden, require_isolation=require_isolation)
+        return GradingRequest(self.exercise, self.text, shown, self.seed, hidden, require_isolation=require_isolation)
 
     def unreadable(self) -> Report:
         """The report of one that has no text."""

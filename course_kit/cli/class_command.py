@@ -122,9 +122,9 @@ def run(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     from course_kit.grading import GradingError, advice_for_root, isolation_status, require_machine
-    from course_kit.grading.model import exercise
+    from course_kit.grading.model.exercise import load_exercise
 
-    chosen = {one: exercise.load(one) for one in options.exercise}
+    chosen = {one: load_exercise(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
     if options.again and not options.resume:
@@ -195,12 +195,12 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
         return _finish(book, options)
 
 
-def _practised(book: Gradebook, task: Exercise, seeds: Seeds | None) -> list[str]:
+def _practised(book: Gradebook, exercise: Exercise, seeds: Seeds | None) -> list[str]:
     """Whose submissions of an exercise were graded with what everybody practises with."""
-    graded = [record.entry for record in book.records if record.entry.exercise == task.id]
-    if task.seed is None:
+    graded = [record.entry for record in book.records if record.entry.exercise == exercise.id]
+    if exercise.seed is None:
         return []
-    return [one.student for one in graded if (None if seeds is None else seeds.of(one)) in (None, task.seed)]
+    return [one.student for one in graded if (None if seeds is None else seeds.of(one)) in (None, exercise.seed)]
 
 
 def _dry_run(plan: Plan) -> int:

@@ -188,31 +188,31 @@ def _new(options: argparse.Namespace) -> int:
 
     if options.refresh:
         return _refresh(options)
-    task = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
-    folder, program = (shlex.quote(str(shown(path))) for path in (task.folder, task.solution))
+    exercise = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
+    folder, program = (shlex.quote(str(shown(path))) for path in (exercise.folder, exercise.solution))
     command = environment.command()
     there = "" if options.folder is None else f" --in {shlex.quote(str(options.folder))}"
-    print(f"The exercise {task.id} is in {folder}. It works as it is:")
-    print(f"  {command} grade {task.id} {program} --exercises {folder}")
+    print(f"The exercise {exercise.id} is in {folder}. It works as it is:")
+    print(f"  {command} grade {exercise.id} {program} --exercises {folder}")
     print("Change exercise.toml, the starter and the solution into your own exercise; after a change of the task:")
-    print(f"  {command} new exercise {task.id} --refresh{there}")
+    print(f"  {command} new exercise {exercise.id} --refresh{there}")
     print("The guide is course_kit/authoring/AUTHORING.md.")
     return 0
 
 
 def _refresh(options: argparse.Namespace) -> int:
     from course_kit.authoring import new_exercise
-    from course_kit.grading.model import exercise
+    from course_kit.grading.model.exercise import load_exercise, read_exercise
     from course_kit.grading.model.exercise_folders import TOML
     from course_kit.learner.workspace import shown
 
     folder = (options.folder or Path.cwd()) / options.name
-    task = exercise.read(folder) if (folder / TOML).is_file() else exercise.load(options.name)
-    changed = new_exercise.refresh(task)
+    exercise = read_exercise(folder) if (folder / TOML).is_file() else load_exercise(options.name)
+    changed = new_exercise.refresh(exercise)
     for path in changed:
         print(shown(path))
     if not changed:
-        print(f"The starter and the notebook of {task.id} are as its exercise.toml says.")
+        print(f"The starter and the notebook of {exercise.id} are as its exercise.toml says.")
     return 0
 
 
@@ -280,9 +280,9 @@ def _add_prove(verbs: Verbs) -> None:
 
 def _prove(options: argparse.Namespace) -> int:
     from course_kit.authoring.prove import proving
-    from course_kit.grading.model import exercise
+    from course_kit.grading.model.exercise import load_exercise
 
-    task = exercise.load(options.exercise)
-    proof = proving.prove(task, quick=options.quick, seed=options.seed, workers=options.workers)
+    exercise = load_exercise(options.exercise)
+    proof = proving.prove(exercise, quick=options.quick, seed=options.seed, workers=options.workers)
     print("\n".join(proving.describe(proof, quick=options.quick)))
     return 0 if proof.holds else 1

@@ -13,7 +13,8 @@ from course_kit import environment
 from course_kit.grading import exercise_job
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import bounds, exercise, exercise_folders, submission
+from course_kit.grading.model import bounds, exercise_folders, submission
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
@@ -35,7 +36,7 @@ _NOT_STARTED = ("start.", "limit.")
 
 
 @dataclass(frozen=True)
-class Task:
+class GradingRequest:
     """One grading, as it travels to where it is done.
 
     Attributes:
@@ -86,66 +87,66 @@ def grade(  # noqa: PLR0913 - the options of one verb
         GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation,
             or a machine that lacks something, such as isolation; the text is for the user.
     """
-    task = exercise.load(exercise_id, exercises)
+    exercise = load_exercise(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
         raise GradingError("Name one thing to grade: a file, --attach for a running node, or --exec with a command.")
-    if task.variable and path is None:
-        raise GradingError(f"The exercise {task.id} is answered in a file, not by a running node. Name the file.")
-    needs.require_machine(task.limits)
+    if exercise.variable and path is None:
+        raise GradingError(f"The exercise {exercise.id} is answered in a file, not by a running node. Name the file.")
+    needs.require_machine(exercise.limits)
     if seed is None:
-        seed = secrets.randbits(31) if task.seed is None else task.seed
+        seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
     if path is not None:
         shown = submission.readable(str(path))
         try:
-            return _grade_file(task, Path(path), seed, worker, require_isolation)
+            return _grade_file(exercise, Path(path), seed, worker, require_isolation)
         except submission.UnreadableError as problem:
-            return unreadable(task, shown, submission.readable(str(problem)))
+            return unreadable(exercise, shown, submission.readable(str(problem)))
     if attach and require_isolation:
         raise GradingError(
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
         )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(task, exercise_job.of_running(task, seed, exec_command), shown, used, require_isolation)
+        return _grade(exercise, exercise_job.of_running(exercise, seed, exec_command), shown, used, require_isolation)
 
 
-def _grade_file(task: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
+def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
     """Have a file read and grade it."""
     with ExitStack() as opened:
         copy = opened.enter_context(submission.Copy(path))
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
-        text = reader.read(copy, task)
+        text = reader.read(copy, exercise)
         shown = submission.readable(str(path))
-        return grade_task(Task(task, text, shown, seed, require_isolation=require_isolation), used)
+        return grade_submission(GradingRequest(exercise, text, shown, seed, require_isolation=require_isolation), used)
 
 
-def grade_task(task: Task, worker: Worker | None = None) -> Report:
+def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:
     """Grade a submission that has been read."""
-    job = exercise_job.of_submission(task.exercise, task.text, task.seed)
-    job = replace(job, hidden=(*job.hidden, *task.hidden), first_failure=task.first_failure)
-    shown = f"{task.shown} ({task.text.note})" if task.text.note else task.shown
+    job = exercise_job.of_submission(request.exercise, request.text, request.seed)
+    job = replace(job, hidden=(*job.hidden, *request.hidden), first_failure=request.first_failure)
+    shown = f"{request.shown} ({request.text.note})" if request.text.note else request.shown
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(task.exercise, job, shown, used, task.require_isolation)
+        return _grade(request.exercise, job, shown, used, request.require_isolation)
 
 
-def unreadable(task: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
+def unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
     """The report of a submission that could not be graded at all."""
     return Report(
-        exercise=task.id,
-        title=task.title,
+        exercise=exercise.id,
+        title=exercise.title,
         submission=shown,
         status=status,
         passed=False,
         score=0.0,
-        max_score=task.points,
-        practice=task.practice,
+        max_score=exercise.points,
+        practice=exercise.practice,
         duration_s=0.0,
         problem=problem,
     )
 
 
-def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
+def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
     began = time.monotonic()
     found = worker.ready()
     if require_isolation:
@@ -154,7 +155,7 @@ def _grade(task: Exercise, job: Job, shown: str, worker: Worker, require_isolati
     waited_s = time.monotonic() - began
     outcome = worker.grade(job)
     outcome["timings"]["worker_s"] = waited_s
-    return _report(task, shown, outcome, isolation, began)
+    return _report(exercise, shown, outcome, isolation, began)
 
 
 def _domain() -> int:
@@ -172,21 +173,21 @@ def _told(found: Isolation, mode: str) -> str:
     return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
 
 
-def _report(task: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
-    checks = tuple(_check(task, result) for result in bounds.results(outcome["results"]))
+def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
+    checks = tuple(_check(exercise, result) for result in bounds.results(outcome["results"]))
     problem = _no_grade(outcome["problem"], checks)
     crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
     status = "error" if problem else "crashed" if crashed else "graded"
     score = 0.0 if problem else sum(check.points for check in checks)
     return Report(
-        exercise=task.id,
-        title=task.title,
+        exercise=exercise.id,
+        title=exercise.title,
         submission=shown,
         status=status,
-        passed=status != "error" and score >= task.pass_mark,
+        passed=status != "error" and score >= exercise.pass_mark,
         score=score,
-        max_score=task.points,
-        practice=task.practice,
+        max_score=exercise.points,
+        practice=exercise.practice,
         duration_s=time.monotonic() - began,
         checks=checks,
         stdout=outcome["stdout"],
@@ -205,10 +206,10 @@ def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
     return f'The grading did not finish: it stopped at the check "{broken.title}". {broken.message}' if broken else ""
 
 
-def _check(task: Exercise, result: Record) -> CheckReport:
+def _check(exercise: Exercise, result: Record) -> CheckReport:
     failed = result["status"] == "failed"
-    found = task.diagnosis(result["diagnosis"]) if failed else None
-    hints = _hints(task, result["id"], found) if failed else ()
+    found = exercise.diagnosis(result["diagnosis"]) if failed else None
+    hints = _hints(exercise, result["id"], found) if failed else ()
     more = {
         "message": catalogue.complete(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
@@ -224,12 +225,12 @@ def _check(task: Exercise, result: Record) -> CheckReport:
     )
 
 
-def _hints(task: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
+def _hints(exercise: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
     """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check.
 
     Whoever writes an exercise of their own does not have the catalogue before them: there it comes last.
     """
-    of_cause, of_check = task.ladder(found.code) if found else (), task.ladder(check)
+    of_cause, of_check = exercise.ladder(found.code) if found else (), exercise.ladder(check)
     of_kit = (found.hint,) if found and not of_cause else ()
-    added = exercise_folders.is_added(task.folder)
+    added = exercise_folders.is_added(exercise.folder)
     return tuple(dict.fromkeys((*of_cause, *(() if added else of_kit), *of_check, *of_kit)))

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Submission
 
 
-def of_submission(task: Exercise, text: Submission, seed: int) -> Job:
+def of_submission(exercise: Exercise, text: Submission, seed: int) -> Job:
     """The job of grading a program."""
     return replace(
-        of_running(task, seed),
+        of_running(exercise, seed),
         mode="run",
         name=text.program,
         source=text.source,
@@ -32,21 +32,21 @@ def of_submission(task: Exercise, text: Submission, seed: int) -> Job:
     )
 
 
-def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
+def of_running(exercise: Exercise, seed: int, command: str | None = None) -> Job:
     """The job of grading a node that is no program of ours to start."""
     job = Job(
-        task.grader,
+        exercise.grader,
         "attach",
         "",
         seed,
-        class_name=task.class_name,
-        own_start=task.practice,  # a drill's program runs: without its start it would be another one
-        variable=task.variable,
-        limits=task.limits,
-        hidden=hidden_files.of(task),
-        interfaces=task.interfaces,
-        points=task.points,
-        endpoints=task.endpoints,
+        class_name=exercise.class_name,
+        own_start=exercise.practice,  # a drill's program runs: without its start it would be another one
+        variable=exercise.variable,
+        limits=exercise.limits,
+        hidden=hidden_files.of(exercise),
+        interfaces=exercise.interfaces,
+        points=exercise.points,
+        endpoints=exercise.endpoints,
     )
     if command is None:
         return job
@@ -59,9 +59,9 @@ def of_running(task: Exercise, seed: int, command: str | None = None) -> Job:
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
-def checks_of(task: Exercise, seed: int) -> list[Check]:
+def checks_of(exercise: Exercise, seed: int) -> list[Check]:
     """The checks of an exercise, loaded into this process."""
-    job = of_running(task, seed)
+    job = of_running(exercise, seed)
     return grader_module.checks_of(grader_module.load_for(job), job)
 
 

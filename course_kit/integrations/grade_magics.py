@@ -78,10 +78,10 @@ class GradeMagics(Magics):
         if not exercise:
             complain(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
             return
-        from course_kit.grading.model.exercise import load
+        from course_kit.grading.model.exercise import load_exercise
 
         try:
-            load(exercise)
+            load_exercise(exercise)
         except GradingError as problem:
             complain(str(problem))
             return
@@ -132,9 +132,9 @@ class GradeMagics(Magics):
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
         from course_kit import grading
-        from course_kit.grading.model.exercise import load
+        from course_kit.grading.model.exercise import load_exercise
 
-        load(exercise)  # says which there are, where there is no such
+        load_exercise(exercise)  # says which there are, where there is no such
         cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.of(exercise)]
         if not cells:
             return None
@@ -235,10 +235,10 @@ def parse(line: str) -> tuple[str, str | None, int | None]:
 
 def the_exercises() -> str:
     """A sentence that names the exercises there are."""
-    from course_kit.grading.model.exercise import ids
+    from course_kit.grading.model.exercise import list_exercise_ids
 
     try:
-        return f"There are: {', '.join(ids())}."
+        return f"There are: {', '.join(list_exercise_ids())}."
     except GradingError as problem:
         return str(problem)
 
@@ -251,12 +251,12 @@ def complain(sentence: str) -> None:
 def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:
     """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points."""
     from course_kit.grading import render_text
-    from course_kit.grading.model.exercise import load
+    from course_kit.grading.model.exercise import load_exercise
 
     if points is not None and points < 0:
         raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")
-    task = load(exercise)
-    most = task.points if points is None else points
+    points_of_exercise = load_exercise(exercise).points
+    most = points_of_exercise if points is None else points
     magics = of_this_notebook("nbgrader.points")
     _put_all_on_stdout(magics.shell)
     report = magics.grade_cells(exercise, seed)
@@ -266,7 +266,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
     sys.stdout.write(f"{render_text(report)}\n")
     if report.status == "error":
         raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
-    return scaled(report.score, task.points, most)
+    return scaled(report.score, points_of_exercise, most)
 
 
 def scaled(score: float, of: float, most: float) -> float:

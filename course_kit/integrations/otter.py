@@ -62,20 +62,20 @@ def feedback(report: Report, name: str) -> str:
     return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
 
-def case_file(exercise: str, seed: int | None = None) -> str:
+def case_file(exercise_id: str, seed: int | None = None) -> str:
     """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
     from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
-    from course_kit.grading.model.exercise import load
+    from course_kit.grading.model.exercise import load_exercise
 
-    task = load(exercise)
-    drawn = seed if seed is not None else task.seed or 0
-    command, more = (exercise, "") if seed is None else (f"{exercise} --seed {seed}", f", seed={seed}")
+    exercise = load_exercise(exercise_id)
+    drawn = seed if seed is not None else exercise.seed or 0
+    command, more = (exercise_id, "") if seed is None else (f"{exercise_id} --seed {seed}", f", seed={seed}")
     cases = [
-        _CASE.format(title=one.title, points=one.points, id=one.id, arguments=f"{exercise!r}, {one.id!r}{more}")
-        for one in in_order(exercise_job.checks_of(task, drawn))
+        _CASE.format(title=one.title, points=one.points, id=one.id, arguments=f"{exercise_id!r}, {one.id!r}{more}")
+        for one in in_order(exercise_job.checks_of(exercise, drawn))
     ]
-    return "".join([_HEAD.format(command=command, name=exercise), *cases])
+    return "".join([_HEAD.format(command=command, name=exercise_id), *cases])
 
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

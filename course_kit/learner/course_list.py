@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
-from course_kit.grading.model.exercise import Exercise
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import Exercise, find_exercises, list_exercise_ids, load_exercise
 from course_kit.learner import handouts, progress, workspace
 from course_kit.quiz import guesses
 from course_kit.ros.names import did_you_mean
@@ -33,16 +33,16 @@ _KINDS = {guesses.GUESS: "guesses", guesses.CHECK: "checks"}
 class Row:
     """One exercise with its record."""
 
-    task: Exercise
+    exercise: Exercise
     known: ProgressRecord
 
     def to_mapping(self) -> dict[str, object]:
         """The row as JSON shows it."""
         return {
-            "id": self.task.id,
-            "title": self.task.title,
-            "points": self.task.points,
-            "pass_mark": self.task.pass_mark,
+            "id": self.exercise.id,
+            "title": self.exercise.title,
+            "points": self.exercise.points,
+            "pass_mark": self.exercise.pass_mark,
             "passed": self.known.passed,
             "best_score": self.known.best if self.known.tries else None,
             "tries": self.known.tries,
@@ -55,19 +55,21 @@ class Row:
 def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used."""
     records, trouble = progress.read()
-    found_folders = exercise.find(folder)
+    found_folders = find_exercises(folder)
     names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
     loaded = [_load(name, folder) for name in sorted(names)]
-    listed = [task for task in loaded if isinstance(task, Exercise) and task.practice == practice]
-    found = [Row(task, records.get(task.id, progress.ProgressRecord())) for task in listed]
+    listed = [exercise for exercise in loaded if isinstance(exercise, Exercise) and exercise.practice == practice]
+    found = [Row(exercise, records.get(exercise.id, progress.ProgressRecord())) for exercise in listed]
     told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
-    return sorted(found, key=lambda row: (row.task.order, row.task.id)), [sentence for sentence in told if sentence]
+    return sorted(found, key=lambda row: (row.exercise.order, row.exercise.id)), [
+        sentence for sentence in told if sentence
+    ]
 
 
 def _load(name: str, folder: Path | None) -> Exercise | str:
     """The exercise, or what is wrong with it: one that is being written must not hide the others."""
     try:
-        return exercise.load(name, folder)
+        return load_exercise(name, folder)
     except GradingError as problem:
         return str(problem)
 
@@ -82,13 +84,13 @@ def to_json(found: list[Row]) -> str:
 
 def to_text(found: list[Row], encoding: str | None) -> str:
     """A table of at most 80 columns, with a tick where the terminal has one."""
-    width = max((len(row.task.id) for row in found), default=0)
+    width = max((len(row.exercise.id) for row in found), default=0)
     lines = [f"       {'exercise':<{width}}  points  to pass  best  tries"]
     for row in found:
         lines += _lines(row, width, tick(encoding))
     passed = sum(row.known.passed for row in found)
     lines += ["", f"{passed} of {len(found)} passed."]
-    following = next((row.task for row in found if not row.known.passed), None)
+    following = next((row.exercise for row in found if not row.known.passed), None)
     if following is not None:
         folder = workspace.exercise_folder(following)
         where = f"after: {environment.command()} copy" if folder is None else f"in {workspace.shown(folder)}"
@@ -109,12 +111,17 @@ def _guessed() -> list[str]:
 
 
 def _lines(row: Row, width: int, tick: str) -> list[str]:
-    task, known = row.task, row.known
+    exercise, known = row.exercise, row.known
     best = f"{known.best:g}" if known.tries else "-"
     mark = tick if known.passed else " "
-    head = f"[{mark}] {task.order:>2} {task.id:<{width}}  {task.points:>6g}  {task.pass_mark:>7g}  {best:>4}  "
-    title = wrapped(task.title, " " * 7, " " * 7)
-    where = [f"       {workspace.shown(task.folder / task.notebook)}"] if exercise_folders.is_added(task.folder) else []
+    numbers = f"{exercise.points:>6g}  {exercise.pass_mark:>7g}  {best:>4}"
+    head = f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  "
+    title = wrapped(exercise.title, " " * 7, " " * 7)
+    where = (
+        [f"       {workspace.shown(exercise.folder / exercise.notebook)}"]
+        if exercise_folders.is_added(exercise.folder)
+        else []
+    )
     state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"  # for who sees no tick
     return [f"{head}{known.tries:>5}  {state}", *title, *where]
 
@@ -131,28 +138,28 @@ def tick(encoding: str | None) -> str:
 def next_step(passed: str, root: Path | None = None) -> str:
     """What to do after an exercise was passed: the next lesson and the next exercise; after a drill the next drill."""
     drills, _ = rows(practice=True)
-    if (drill := next((row.task for row in drills if row.task.id == passed), None)) is not None:
-        left = next((row.task.id for row in drills if not row.known.passed and row.task is not drill), None)
+    if (drill := next((row.exercise for row in drills if row.exercise.id == passed), None)) is not None:
+        left = next((row.exercise.id for row in drills if not row.known.passed and row.exercise is not drill), None)
         way = f"Next: {environment.command()} drills {left}." if left else "That was the last drill."
         return f"{way}{_comparison(drill)}"
     root = root or environment.course_files()
-    tasks = [row.task for row in rows()[0]]
-    number = next((task.order for task in tasks if task.id == passed), 0)
-    following = next((task for task in tasks if task.order > number), None)
+    exercises = [row.exercise for row in rows()[0]]
+    number = next((exercise.order for exercise in exercises if exercise.id == passed), 0)
+    following = next((exercise for exercise in exercises if exercise.order > number), None)
     lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
     steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
     if following is not None:
         steps.append(f"exercise {following.order}, {following.id}")
     way = f"Next: {'; then '.join(steps)}." if steps else "That is the last exercise."
-    return f"{way}{_comparison(next((task for task in tasks if task.id == passed), None))}"
+    return f"{way}{_comparison(next((exercise for exercise in exercises if exercise.id == passed), None))}"
 
 
-def _comparison(task: Exercise | None) -> str:
+def _comparison(exercise: Exercise | None) -> str:
     """How to see our solution, where there is one; a student edition has none."""
-    if task is None or not task.solution.is_file():
+    if exercise is None or not exercise.solution.is_file():
         return ""
-    where = f" --exercises {shlex.quote(str(task.folder))}" if exercise_folders.is_added(task.folder) else ""
-    return f" Compare yours with ours: {environment.command()} solution {task.id}{where}"
+    where = f" --exercises {shlex.quote(str(exercise.folder))}" if exercise_folders.is_added(exercise.folder) else ""
+    return f" Compare yours with ours: {environment.command()} solution {exercise.id}{where}"
 
 
 def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
@@ -161,9 +168,12 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
         mark, done = (tick(encoding), ": done") if row.known.passed else (" ", "")
-        lines += [f"[{mark}] {row.task.order} {row.task.id}{done}", *wrapped(row.task.symptom, _INDENT, _INDENT)]
+        lines += [
+            f"[{mark}] {row.exercise.order} {row.exercise.id}{done}",
+            *wrapped(row.exercise.symptom, _INDENT, _INDENT),
+        ]
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
-    following = next((row.task.id for row in found if not row.known.passed), None)
+    following = next((row.exercise.id for row in found if not row.known.passed), None)
     if following is not None:
         lines.append(f"Next: {environment.command()} drills {following}")
     return "\n".join(lines), told
@@ -171,31 +181,31 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
 
 def begin_drill(drill_id: str) -> str:
     """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
-    found = {row.task.id: row.task for row in rows(practice=True)[0]}
-    if drill_id in exercise.ids() and drill_id not in found:
+    found = {row.exercise.id: row.exercise for row in rows(practice=True)[0]}
+    if drill_id in list_exercise_ids() and drill_id not in found:
         raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
     if drill_id not in found:
         guess = did_you_mean(drill_id, found)
         raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(found) or 'none'}.")
-    task = found[drill_id]
-    place = workspace.exercise_folder(task)
+    exercise = found[drill_id]
+    place = workspace.exercise_folder(exercise)
     if place is None:
-        raise workspace.no_files_of(task, "watch")
-    for missing in handouts.changed(task, place):
+        raise workspace.no_files_of(exercise, "watch")
+    for missing in handouts.changed(exercise, place):
         if not missing.file.exists():
             missing.carry_out()
-    command, program = environment.command(), workspace.shown(place / task.starter)
+    command, program = environment.command(), workspace.shown(place / exercise.starter)
     return "\n".join(
         [
-            *wrapped(f"Drill {task.order}: {task.title}", "", _INDENT),
+            *wrapped(f"Drill {exercise.order}: {exercise.title}", "", _INDENT),
             "",
-            *wrapped(task.symptom),
+            *wrapped(exercise.symptom),
             "",
             f"The program:     {program}",
-            f"In a notebook:   {workspace.shown(place / task.notebook)}",
-            f"While you work:  {command} watch {task.id}",
-            f"Is it done?      {command} grade {task.id} {program}",
-            f"A hint:          {command} hint {task.id}",
-            f"Start again:     {command} reset {task.id}",
+            f"In a notebook:   {workspace.shown(place / exercise.notebook)}",
+            f"While you work:  {command} watch {exercise.id}",
+            f"Is it done?      {command} grade {exercise.id} {program}",
+            f"A hint:          {command} hint {exercise.id}",
+            f"Start again:     {command} reset {exercise.id}",
         ]
     )

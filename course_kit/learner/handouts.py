@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import shown
 from course_kit.text.console import cannot, tell, wrapped
@@ -42,43 +42,43 @@ class HintLadder:
 
 def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
     """The next hint, and from then on the one after it; never the solution."""
-    task = exercise.load(exercise_id, folder)
+    exercise = load_exercise(exercise_id, folder)
     records, trouble = progress.read()
-    known = records.get(task.id, progress.ProgressRecord())
+    known = records.get(exercise.id, progress.ProgressRecord())
     if known.tries and known.failed is None:
-        return f"Nothing failed when {task.id} was last graded, so there are no hints to give.\n", trouble
-    found = ladder(task, known)
+        return f"Nothing failed when {exercise.id} was last graded, so there are no hints to give.\n", trouble
+    found = ladder(exercise, known)
     given = min(known.hints.get(found.key, 0), len(found.rungs))
     if again:
-        return _text(task, found, 0, max(given, found.in_report), command), trouble
+        return _text(exercise, found, 0, max(given, found.in_report), command), trouble
     # The first call repeats what the report has shown, which may be long gone, and adds the rung after it.
     first, last = (given, given + 1) if given else (0, 1 + found.in_report)
     last = min(last, len(found.rungs))
     if last > given:
-        trouble = progress.update(task.id, lambda old: _with_hints(old, found.key, last)) or trouble
-    return _text(task, found, min(first, max(last - 1, 0)), last, command), trouble
+        trouble = progress.update(exercise.id, lambda old: _with_hints(old, found.key, last)) or trouble
+    return _text(exercise, found, min(first, max(last - 1, 0)), last, command), trouble
 
 
 def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
     return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
-def ladder(task: Exercise, known: ProgressRecord) -> HintLadder:
+def ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     """The hints for what failed last: those of its cause, then those of its check. Without a failure, all there are."""
     failed = known.failed
     if failed is None:
-        return HintLadder(_BEGINNING, tuple(entry.text for entry in task.hints), "from the beginning")
-    cause = task.diagnosis(failed.diagnosis)
-    of_cause = (task.ladder(cause.code) or (cause.hint,)) if cause else ()
-    rungs = tuple(dict.fromkeys((*of_cause, *task.ladder(failed.check))))
+        return HintLadder(_BEGINNING, tuple(entry.text for entry in exercise.hints), "from the beginning")
+    cause = exercise.diagnosis(failed.diagnosis)
+    of_cause = (exercise.ladder(cause.code) or (cause.hint,)) if cause else ()
+    rungs = tuple(dict.fromkeys((*of_cause, *exercise.ladder(failed.check))))
     read_on = cause.link if cause and environment.paths.lesson(cause.notebook) else ""
     key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
     return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
 
-def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
+def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
     count = len(found.rungs)
-    lines = _wrap(f"{task.title} ({task.id}): hints {found.about}")
+    lines = _wrap(f"{exercise.title} ({exercise.id}): hints {found.about}")
     for number in range(first + 1, last + 1):
         shown = ", as in the report" if number <= found.in_report else ""
         lines += ["", *_wrap(f"Hint {number} of {count}{shown}: {found.rungs[number - 1]}")]
@@ -86,9 +86,9 @@ def _text(task: Exercise, found: HintLadder, first: int, last: int, command: str
     if not count:
         lines += _wrap("There are no hints for this one. Read what the report says about it again.")
     elif last < count:
-        lines.append(f"Next hint: {command} {task.id}")
+        lines.append(f"Next hint: {command} {exercise.id}")
     else:
-        lines += ["That was the last one. To see all of them again:", f"  {command} {task.id} --again"]
+        lines += ["That was the last one. To see all of them again:", f"  {command} {exercise.id} --again"]
     if found.read_on and last >= count:
         lines += _wrap(f"Read on: {found.read_on}")
     if found.key == _BEGINNING:
@@ -127,13 +127,13 @@ class Return:
         print(f"{shown(self.file)} is the starter{kept}.")
 
 
-def changed(task: Exercise, place: Path | None = None) -> list[Return]:
+def changed(exercise: Exercise, place: Path | None = None) -> list[Return]:
     """The starter files of an exercise that the learner has changed, or that are not there."""
     found = []
     try:
-        for name, file in _files(task, task.folder if place is None else place).items():
-            starter = (task.folder / name).read_bytes()
-            content = starter if file.parent == task.folder else workspace.as_handed_out(name, starter)
+        for name, file in _files(exercise, exercise.folder if place is None else place).items():
+            starter = (exercise.folder / name).read_bytes()
+            content = starter if file.parent == exercise.folder else workspace.as_handed_out(name, starter)
             if not file.exists() or file.read_bytes() not in (content, starter):
                 found.append(Return(file, content))
     except OSError as problem:
@@ -141,11 +141,11 @@ def changed(task: Exercise, place: Path | None = None) -> list[Return]:
     return found
 
 
-def _files(task: Exercise, place: Path) -> dict[str, Path]:
+def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     """Where each starter file belongs, by its name: both in a folder, or the one that a file's ending says."""
     if place.is_dir() or not place.suffix:
-        return {name: place / name for name in (task.starter, task.notebook)}
-    for name in (task.starter, task.notebook):
+        return {name: place / name for name in (exercise.starter, exercise.notebook)}
+    for name in (exercise.starter, exercise.notebook):
         if place.suffix == Path(name).suffix:
             return {name: place}
     raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
@@ -153,13 +153,13 @@ def _files(task: Exercise, place: Path) -> dict[str, Path]:
 
 def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None) -> int:
     """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no."""
-    task = exercise.load(exercise_id)
-    place = place or workspace.exercise_folder(task)
+    exercise = load_exercise(exercise_id)
+    place = place or workspace.exercise_folder(exercise)
     if place is None and not forget:
-        raise workspace.no_files_of(task, "reset")
-    returns = [] if place is None else changed(task, place)
+        raise workspace.no_files_of(exercise, "reset")
+    returns = [] if place is None else changed(exercise, place)
     if not returns and not forget and place is not None:
-        print(f"{task.id} already matches the starter: {shown(place)}")
+        print(f"{exercise.id} already matches the starter: {shown(place)}")
         return 0
     nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
     if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
@@ -170,9 +170,9 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
     if returns:
         print("If it is open in JupyterLab: File > Reload from Disk.")
     if forget:
-        if trouble := progress.update(task.id, lambda _: None):
+        if trouble := progress.update(exercise.id, lambda _: None):
             return cannot(trouble)
-        print(f"The progress of {task.id} is deleted.")
+        print(f"The progress of {exercise.id} is deleted.")
     return 0
 
 
@@ -197,15 +197,15 @@ def _agreed(returns: list[Return], *, forget: bool) -> bool:
 
 def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
     """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
-    task = exercise.load(exercise_id)
-    source = task.solution
+    exercise = load_exercise(exercise_id)
+    source = exercise.solution
     if not source.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     records, trouble = progress.read()
     tell(trouble)
-    known = records.get(task.id, progress.ProgressRecord())
+    known = records.get(exercise.id, progress.ProgressRecord())
     if not known.passed and not show:
-        tell(_not_yet(task, known))
+        tell(_not_yet(exercise, known))
         return 1
     if copy is None:
         print(source.read_text(encoding="utf-8"), end="")
@@ -217,13 +217,13 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
         raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
     except OSError as problem:
         raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
-    print(f"The solution of {task.id} is in {shown(target)}.")
+    print(f"The solution of {exercise.id} is in {shown(target)}.")
     return 0
 
 
-def _not_yet(task: Exercise, known: ProgressRecord) -> str:
+def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
-        f"you can see the solution once you have passed: {task.pass_mark:g} of {task.points:g} points; "
-        f"{so_far}.\nStuck? {environment.command()} hint {task.id}\nInstructors: add --show."
+        f"you can see the solution once you have passed: {exercise.pass_mark:g} of {exercise.points:g} points; "
+        f"{so_far}.\nStuck? {environment.command()} hint {exercise.id}\nInstructors: add --show."
     )

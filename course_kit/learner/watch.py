@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import Worker, advice_for_root, grade
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import progress, workspace
 from course_kit.text.console import tell, wrapped
 
@@ -29,8 +29,8 @@ _NOT_GRADED = frozenset({"unreadable", "error"})
 
 def watch(exercise_id: str, path: Path | None = None) -> int:
     """Grade at once and after each save, until Ctrl-C, which is the way to end it: 0."""
-    task = exercise.load(exercise_id)
-    path = workspace.choose_own(task, "watch")[0] if path is None else path
+    exercise = load_exercise(exercise_id)
+    path = workspace.choose_own(exercise, "watch")[0] if path is None else path
     if path.is_dir():
         raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
     if not path.is_file():
@@ -44,11 +44,11 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
         print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
         for _ in saves(path, threading.Event()):
             try:
-                report = grade(task.id, path, worker=worker)
+                report = grade(exercise.id, path, worker=worker)
             except GradingError:  # killed for want of memory, perhaps; a new one deserves its chance
                 worker.close()
                 worker = Worker()
-                report = grade(task.id, path, worker=worker)
+                report = grade(exercise.id, path, worker=worker)
             tell(progress.record(report))
             print(card(report, before), flush=True)
             before = report

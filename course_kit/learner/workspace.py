@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Glance
 from course_kit.grading.reading.readings import Readings, starter_identities
@@ -194,12 +195,12 @@ def _files(root: Path) -> Iterator[Path]:
             yield from (Path(folder, each) for each in files if each not in left_out)
 
 
-def exercise_folder(task: Exercise) -> Path | None:
+def exercise_folder(exercise: Exercise) -> Path | None:
     """The folder with this user's files of an exercise: found from where they are, else in their learner's folder.
 
     The course's own where there is no other yet; None where they cannot write that.
     """
-    course = task.folder
+    course = exercise.folder
     here = Path.cwd()
     own = exercise_folders.course_folder()
     around = course if own is None or exercise_folders.is_added(course) else own.parent
@@ -207,66 +208,68 @@ def exercise_folder(task: Exercise) -> Path | None:
     if here.is_relative_to(around) and not here.is_relative_to(mine):
         found = None  # within the course: another folder there may hold a file of this name that is no starter
     else:
-        found = next((folder for folder in _places(here, task) if _has_one(folder, task)), None)
+        found = next((folder for folder in _places(here, exercise) if _has_one(folder, exercise)), None)
     if found is not None:
         return found
     copied = mine / "exercises" / exercise_folders.place(course)
-    if not exercise_folders.is_added(course) and _has_one(copied, task):
+    if not exercise_folders.is_added(course) and _has_one(copied, exercise):
         return copied
     its_own = environment.checkout() is not None or exercise_folders.is_added(course)  # nobody works in a package
     return course if its_own and environment.paths.is_writable(course, make=False) else None
 
 
-def no_files_of(task: Exercise, verb: str) -> GradingError:
+def no_files_of(exercise: Exercise, verb: str) -> GradingError:
     """What to tell a user of whose files `exercise_folder` knows nothing; `verb` is what they wanted."""
     command = environment.command()
-    why = f"There is no {task.starter} of yours here"
+    why = f"There is no {exercise.starter} of yours here"
     if environment.checkout() is not None:
-        why = f"The course's folder is read-only for you, and there is no {task.starter} of yours here"
+        why = f"The course's folder is read-only for you, and there is no {exercise.starter} of yours here"
     return GradingError(
         f"{why}. Make your own copy of the course with {command} copy, or name your file: "
-        f"{command} {verb} {task.id} FILE."
+        f"{command} {verb} {exercise.id} FILE."
     )
 
 
-def choose_own(task: Exercise, verb: str) -> tuple[Path, str]:
+def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     """Of program and notebook the one that a class run would grade, and why where both are there."""
-    folder = exercise_folder(task)
+    folder = exercise_folder(exercise)
     if folder is None:
-        raise no_files_of(task, verb)
-    program, notebook = folder / task.starter, folder / task.notebook
+        raise no_files_of(exercise, verb)
+    program, notebook = folder / exercise.starter, folder / exercise.notebook
     if not (program.is_file() and notebook.is_file()):
         return (notebook if notebook.is_file() else program), ""
     with Readings() as readings:
-        seen = {path: _glance(readings, path, task) for path in (program, notebook)}
-    given = starter_identities(task) | {""}  # nobody has begun with these, nor with an empty program
+        seen = {path: _glance(readings, path, exercise) for path in (program, notebook)}
+    given = starter_identities(exercise) | {""}  # nobody has begun with these, nor with an empty program
     changed = [path for path, glance in seen.items() if glance.identity not in given]
     fitting = [path for path in changed if seen[path].asked_for]
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
         other = program if best == notebook else notebook
-        lacks = "is the starter still" if len(changed) == 1 else f"does not hold {task.class_name or task.variable}"
+        lacks = (
+            "is the starter still" if len(changed) == 1 else f"does not hold {exercise.class_name or exercise.variable}"
+        )
         return best, f", because {other.name} {lacks}"
     if not changed:
         return program, ""
     best, other = program, notebook
     if notebook.stat().st_mtime > program.stat().st_mtime + _AT_ONCE_S:
         best, other = notebook, program
-    named = f"{environment.command()} {verb} {task.id} {shown(other)}"
+    named = f"{environment.command()} {verb} {exercise.id} {shown(other)}"
     return best, f", the newer of your two answers. For the other one: {named}"
 
 
-def _glance(readings: Readings, path: Path, task: Exercise) -> Glance:
+def _glance(readings: Readings, path: Path, exercise: Exercise) -> Glance:
     """What a file looks like; one that cannot be read is graded if it is all there is, and the report says why."""
     with suppress(UnreadableError, GradingError), Copy(path, whole=False) as copy:
-        return readings.glance(copy, task)
+        return readings.glance(copy, exercise)
     return Glance()
 
 
 def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     """What `grade` means, and what to say about it: the file that is named, or where none is this user's own."""
     if path is None:
-        own, why = choose_own(exercise.load(exercise_id), "grade")
+        own, why = choose_own(load_exercise(exercise_id), "grade")
         return str(shown(own)), f"grading {shown(own)}{why}"
     course, given = exercise_folders.course_folder(), Path(path).absolute()
     if course is not None and given.is_relative_to(course):
@@ -283,12 +286,12 @@ def shown(path: Path) -> Path:
     return path.relative_to(here) if path.is_relative_to(here) else path
 
 
-def _places(here: Path, task: Exercise) -> Iterator[Path]:
-    yield from (here, here / task.id)
-    yield from (folder / "exercises" / exercise_folders.place(task.folder) for folder in (here, *here.parents))
+def _places(here: Path, exercise: Exercise) -> Iterator[Path]:
+    yield from (here, here / exercise.id)
+    yield from (folder / "exercises" / exercise_folders.place(exercise.folder) for folder in (here, *here.parents))
 
 
-def _has_one(folder: Path, task: Exercise) -> bool:
+def _has_one(folder: Path, exercise: Exercise) -> bool:
     with suppress(OSError):  # a folder of somebody else's
-        return (folder / task.starter).is_file() or (folder / task.notebook).is_file()
+        return (folder / exercise.starter).is_file() or (folder / exercise.notebook).is_file()
     return False

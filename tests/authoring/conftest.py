@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import list_exercise_ids
 from tests.course_copy import REPOSITORY, Course, copy_course
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def one_exercise(clone: Course) -> Callable[[str], Course]:
     """Leaves one exercise in that course, and no drill, so that there is little to grade."""
 
     def keep(name: str) -> Course:
-        for other in exercise.ids(clone.root / "exercises"):
+        for other in list_exercise_ids(clone.root / "exercises"):
             if other != name:
                 git(clone.root, "rm", "-rq", f"exercises/{other}")
         git(clone.root, "rm", "-rq", f"exercises/{exercise_folders.DRILLS}")

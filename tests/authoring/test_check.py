@@ -150,7 +150,7 @@ def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Rep
 
 def made_sets(*submissions: corpus.ProofSubmission) -> corpus.Corpus:
     loaded = corpus.load("temperature_service", ROOT)
-    return corpus.Corpus(loaded.task, submissions)
+    return corpus.Corpus(loaded.exercise, submissions)
 
 
 def texts(rule: str, of: corpus.Corpus, reports: dict[corpus.ProofSubmission, Report]) -> str:

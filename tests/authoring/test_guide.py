@@ -13,7 +13,7 @@ from course_kit import environment, grading
 from course_kit.authoring import check, new_exercise
 from course_kit.cli import main as cli
 from course_kit.grading.checks import vocabulary
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.model.exercise_folders import VARIABLE
 
 TEXT = (environment.PACKAGE / "authoring" / "AUTHORING.md").read_text(encoding="utf-8")
@@ -34,7 +34,7 @@ def test_a_counter_that_was_made_from_the_guide_alone_proves_itself(
     made = new_exercise.create("counter", "service", tmp_path).folder
     shutil.rmtree(made / "proof")
     shutil.copytree(Path(__file__).parent / "counter", made, dirs_exist_ok=True)
-    new_exercise.refresh(exercise.read(made))
+    new_exercise.refresh(read_exercise(made))
     found = check.check(environment.checkout() or Path(), ["counter"])
     assert [str(one) for one in found.faults] == []
 
@@ -52,7 +52,7 @@ def test_its_first_page_is_an_exercise_that_proves_itself(tmp_path: Path, monkey
     (made / "proof" / "slips.toml").write_text(slips)
     for name in ("correct", "broken"):
         shutil.rmtree(made / "proof" / name)
-    new_exercise.refresh(exercise.read(made))
+    new_exercise.refresh(read_exercise(made))
     found = check.check(environment.checkout() or Path(), ["battery_monitor"])
     assert [str(one) for one in found.faults] == []
     (made / "exercise.toml").write_text(toml.replace("points = 5.0", "points = 6.0"))

@@ -11,7 +11,7 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import check, new_exercise
 from course_kit.cli.main import main
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import Exercise, read_exercise
 from course_kit.grading.model.exercise_folders import VARIABLE
 
 ROOT = environment.checkout() or Path()
@@ -27,17 +27,17 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "mine"
 
 
-def make(folder: Path, kind: str = "topic", name: str = "dead_band") -> exercise.Exercise:
+def make(folder: Path, kind: str = "topic", name: str = "dead_band") -> Exercise:
     return new_exercise.create(name, kind, folder)
 
 
 @pytest.mark.parametrize("kind", new_exercise.KINDS)
 def test_what_is_made_is_proven_by_its_own_set(kind: str, mine: Path) -> None:
     """Really graded: the starter and its notebook, the solution, a right program, a wrong one, and slips."""
-    task = make(mine, kind, f"my_{kind}")
-    found = check.check(ROOT, [task.id])
+    exercise = make(mine, kind, f"my_{kind}")
+    found = check.check(ROOT, [exercise.id])
     assert [str(one) for one in found.faults] == []
-    scores = {(one.kind, one.name): report.score / task.points for one, report in found.reports.items()}
+    scores = {(one.kind, one.name): report.score / exercise.points for one, report in found.reports.items()}
     assert {purpose for purpose, _ in scores} == {"starter", "solution", "variant", "broken", "slip"}
     for (purpose, name), share in scores.items():
         if purpose in ("solution", "variant"):
@@ -48,26 +48,28 @@ def test_what_is_made_is_proven_by_its_own_set(kind: str, mine: Path) -> None:
 
 def test_a_fault_of_the_proof_set_is_found(mine: Path) -> None:
     """The same proof, red: a wrong program that gets full marks, and a slip that is seen by another check."""
-    task = make(mine)
-    proof = task.folder / "proof"
-    shutil.copy(task.solution, proof / "broken" / "unchanged.py")
+    exercise = make(mine)
+    proof = exercise.folder / "proof"
+    shutil.copy(exercise.solution, proof / "broken" / "unchanged.py")
     slips = (proof / "slips.toml").read_text()
     (proof / "slips.toml").write_text(slips.replace('failed = { doubled = "" }', 'failed = { offered = "" }'))
-    found = check.check(ROOT, [task.id])
+    found = check.check(ROOT, [exercise.id])
     faults = {(one.rule, one.submission) for one in found.faults}
     assert {("broken", "broken proof/broken/unchanged.py"), ("slips", "slip twice (proof/slips.toml)")} <= faults
 
 
 def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(mine: Path) -> None:
-    task = make(mine)
-    toml, starter, notebook = (task.folder / name for name in ("exercise.toml", task.starter, task.notebook))
+    exercise = make(mine)
+    toml, starter, notebook = (
+        exercise.folder / name for name in ("exercise.toml", exercise.starter, exercise.notebook)
+    )
     text = toml.read_text().replace("is published doubled", "comes back twice as large")
     toml.write_text(text.replace("A node that doubles numbers", "Twice"))
     starter.write_text(starter.read_text().replace("# Your code goes here.", "# Yours."))
     content = json.loads(notebook.read_text())
     content["cells"].insert(1, {"cell_type": "markdown", "id": "own", "metadata": {}, "source": ["My own words."]})
     notebook.write_text(json.dumps(content))
-    assert set(new_exercise.refresh(exercise.read(task.folder))) == {starter, notebook}
+    assert set(new_exercise.refresh(read_exercise(exercise.folder))) == {starter, notebook}
     assert "comes back twice as large" in starter.read_text()
     assert starter.read_text().startswith('"""Twice.\n')
     cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"]}
@@ -77,7 +79,7 @@ def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(
     assert cells["title"] == "# Twice\n\n5 points, 3 to pass."
     assert cells["answer"].startswith("%%submission dead_band\nimport rclpy\n")
     assert cells["answer"].endswith("# Yours.")
-    assert new_exercise.refresh(exercise.read(task.folder)) == []
+    assert new_exercise.refresh(read_exercise(exercise.folder)) == []
 
 
 def test_the_command_says_what_to_do_next(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

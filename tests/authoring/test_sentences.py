@@ -11,7 +11,7 @@ from course_kit import environment
 from course_kit.authoring import corpus, sentences
 from course_kit.authoring.corpus import Corpus, ProofSubmission
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.sentences import Sentence
 
 if TYPE_CHECKING:
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 ROOT = environment.checkout()
 assert ROOT is not None
 EXERCISES = corpus.all_exercises(ROOT)
-TASK = exercise.load("temperature_service")
-CHECKS = sentences.checks_of(TASK)
+EXERCISE = load_exercise("temperature_service")
+CHECKS = sentences.checks_of(EXERCISE)
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_sentences_and_checks_fit_together(name: str) -> None:
-    task = exercise.load(name)
-    assert sentences.faults(task, sentences.checks_of(task)) == []
-    assert len(task.sentences) >= 10
+    exercise = load_exercise(name)
+    assert sentences.faults(exercise, sentences.checks_of(exercise)) == []
+    assert len(exercise.sentences) >= 10
 
 
 @pytest.mark.parametrize("name", EXERCISES)
@@ -36,7 +36,7 @@ def test_freedoms_name_programs_that_are_there(name: str) -> None:
     sets = corpus.load(name, ROOT)
     right = {one.path.stem for one in sets.submissions if one.kind in ("solution", "variant")}
     right |= {one.name for one in sets.of("slip") if not one.failed}
-    assert {one.freedom for one in sets.task.sentences if one.freedom} <= right
+    assert {one.freedom for one in sets.exercise.sentences if one.freedom} <= right
 
 
 def without(checks: tuple[Check, ...], name: str) -> list[Check]:
@@ -44,30 +44,34 @@ def without(checks: tuple[Check, ...], name: str) -> list[Check]:
 
 
 def test_sentence_without_a_check_is_named() -> None:
-    assert sentences.faults(TASK, without(tuple(CHECKS), "same_unit")) == [
+    assert sentences.faults(EXERCISE, without(tuple(CHECKS), "same_unit")) == [
         "no sentence of the task says what the check 'same_unit' tests.",
         "no check tests the sentence 'same_unit'.",
     ]
 
 
 def test_check_that_names_no_sentence_of_the_task_is_named() -> None:
-    task = replace(TASK, sentences=tuple(one for one in TASK.sentences if one.id != "same_unit"))
+    exercise = replace(EXERCISE, sentences=tuple(one for one in EXERCISE.sentences if one.id != "same_unit"))
     said = ["the check 'same_unit' names the sentence 'same_unit', which exercise.toml does not have."]
-    assert sentences.faults(task, CHECKS) == said
+    assert sentences.faults(exercise, CHECKS) == said
 
 
-BREAKS = ProofSubmission(TASK.id, "slip", "breaks_it", TASK.folder, failed=frozenset({("x", None)}), breaks=("node",))
-RIGHT = ProofSubmission(TASK.id, "variant", "right", TASK.folder / "right.py")
+BREAKS = ProofSubmission(
+    EXERCISE.id, "slip", "breaks_it", EXERCISE.folder, failed=frozenset({("x", None)}), breaks=("node",)
+)
+RIGHT = ProofSubmission(EXERCISE.id, "variant", "right", EXERCISE.folder / "right.py")
 NODE = Sentence("node", "the node is called so.", heading="Of course")
 FREE = Sentence("free", "Any message will do.", freedom="right")
-ALL = Corpus(replace(TASK, sentences=(NODE, FREE)), (BREAKS, RIGHT))
+ALL = Corpus(replace(EXERCISE, sentences=(NODE, FREE)), (BREAKS, RIGHT))
 
 
 def report(score: float, **statuses: str) -> Report:
     checks = tuple(
         CheckReport(id=name, title=name, status=status, points=0.0, max_points=1.0) for name, status in statuses.items()
     )
-    return Report(TASK.id, "", "", "graded", passed=False, score=score, max_score=1.0, duration_s=0.0, checks=checks)
+    return Report(
+        EXERCISE.id, "", "", "graded", passed=False, score=score, max_score=1.0, duration_s=0.0, checks=checks
+    )
 
 
 def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> None:

@@ -11,7 +11,8 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import corpus, new_exercise, task_text
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.sentences import Sentence
 
 if TYPE_CHECKING:
@@ -30,26 +31,26 @@ def words(text: str) -> list[str]:
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_starter_carries_the_whole_task(name: str) -> None:
-    task = exercise.load(name)
-    docstring = ast.get_docstring(ast.parse((task.folder / task.starter).read_text())) or ""
-    assert " ".join(words(task_text.blocks(task.sentences, width=100))) in " ".join(words(docstring))
+    exercise = load_exercise(name)
+    docstring = ast.get_docstring(ast.parse((exercise.folder / exercise.starter).read_text())) or ""
+    assert " ".join(words(task_text.blocks(exercise.sentences, width=100))) in " ".join(words(docstring))
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_notebook_carries_the_whole_task_in_this_order(name: str) -> None:
-    task = exercise.load(name)
-    cells = json.loads((task.folder / task.notebook).read_text())["cells"]
+    exercise = load_exercise(name)
+    cells = json.loads((exercise.folder / exercise.notebook).read_text())["cells"]
     prose = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
-    places = [prose.index(task_text.blocks(told)) for told in task_text.of_cell(task.sentences).values()]
+    places = [prose.index(task_text.blocks(told)) for told in task_text.of_cell(exercise.sentences).values()]
     assert places == sorted(places)
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_nothing_is_left_to_write(name: str) -> None:
-    task = exercise.load(name)
-    for file, put in ((task.starter, task_text.in_starter), (task.notebook, task_text.in_notebook)):
-        before = (task.folder / file).read_text()
-        assert words(put(before, task)) == words(before), f"run ./course new exercise {name} --refresh"
+    exercise = load_exercise(name)
+    for file, put in ((exercise.starter, task_text.in_starter), (exercise.notebook, task_text.in_notebook)):
+        before = (exercise.folder / file).read_text()
+        assert words(put(before, exercise)) == words(before), f"run ./course new exercise {name} --refresh"
 
 
 def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
@@ -94,7 +95,7 @@ def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path, mon
             (folder / path.name).write_bytes(path.read_bytes())
     toml = folder / "exercise.toml"
     toml.write_text(toml.read_text().replace("Any human language will do.", "Latin will do."))
-    task = exercise.load(folder.name, tmp_path)
-    assert new_exercise.refresh(task) == [folder / task.starter, folder / task.notebook]
-    assert all("Latin will do." in path.read_text() for path in (folder / task.starter, folder / task.notebook))
-    assert new_exercise.refresh(task) == []
+    exercise = load_exercise(folder.name, tmp_path)
+    assert new_exercise.refresh(exercise) == [folder / exercise.starter, folder / exercise.notebook]
+    assert all("Latin will do." in path.read_text() for path in (folder / exercise.starter, folder / exercise.notebook))
+    assert new_exercise.refresh(exercise) == []

@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Records
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.browser.learner import ARTIFACTS, page
 from tests.browser.test_report_card import contrast
 from tests.classroom.exports import books, real_class
@@ -186,7 +186,7 @@ def test_three_hundred_students_on_a_page_that_anybody_can_read(
 
 
 def test_the_totals_of_three_exercises_are_on_a_small_screen(tmp_path: Path, chromium_page: Page) -> None:
-    exercises = tuple(exercise.load(one) for one in ("temperature_service", "move_robot", "robot_parameters"))
+    exercises = tuple(load_exercise(one) for one in ("temperature_service", "move_robot", "robot_parameters"))
     people = {"jane.doe@university.example": "Jane Doe-Whittington", "4711": "Jörg Müller"}
     checks = [books.check("first"), books.check("second", "failed")]
     records = [books.record(who, checks, of=one, name=name) for who, name in people.items() for one in exercises]

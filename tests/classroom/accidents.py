@@ -7,9 +7,9 @@ import json
 import zipfile
 from dataclasses import dataclass, field
 
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 
-SERVICE = exercise.load("temperature_service")
+SERVICE = load_exercise("temperature_service")
 STARTER = (SERVICE.folder / SERVICE.starter).read_bytes()
 STARTER_NOTEBOOK = (SERVICE.folder / SERVICE.notebook).read_bytes()
 PY, NOTEBOOK = SERVICE.starter, SERVICE.notebook

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.grading_loop import RunProgress
 from course_kit.classroom.run import ClassRun, Plan
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.report import CheckReport, Report
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.records import Gradebook
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
 
-SERVICE = exercise.load("temperature_service")
-CHOICE = exercise.load("pattern_choice")
+SERVICE = load_exercise("temperature_service")
+CHOICE = load_exercise("pattern_choice")
 
 
 class StandInForGrading:
@@ -27,17 +27,25 @@ class StandInForGrading:
     slots = 2
 
     def __init__(self) -> None:
-        self.tasks: list[Task] = []
+        self.requests: list[GradingRequest] = []
         self.closed = False
 
-    def submit(self, task: Task) -> Future[Report]:
-        self.tasks.append(task)
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        self.requests.append(request)
         done: Future[Report] = Future()
-        right = "right" in task.text.source
+        right = "right" in request.text.source
         check = CheckReport("it", "It", "passed" if right else "failed", 10.0, points=10.0 if right else 0.0)
         done.set_result(
             Report(
-                task.exercise.id, task.exercise.title, task.shown, "graded", right, check.points, 10.0, 0.1, (check,)
+                request.exercise.id,
+                request.exercise.title,
+                request.shown,
+                "graded",
+                right,
+                check.points,
+                10.0,
+                0.1,
+                (check,),
             )
         )
         return done

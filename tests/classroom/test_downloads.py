@@ -9,14 +9,14 @@ import pytest
 
 from course_kit.classroom.intake import choosing, collecting
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-SERVICE = exercise.load("temperature_service")
-ROBOT = exercise.load("move_robot")
+SERVICE = load_exercise("temperature_service")
+ROBOT = load_exercise("move_robot")
 SERVICE_PY, ROBOT_PY = SERVICE.starter, ROBOT.starter
 NAMES = ("ann", "bob", "cem", "dee")
 

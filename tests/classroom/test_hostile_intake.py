@@ -16,7 +16,7 @@ import pytest
 
 from course_kit.classroom.intake import archive, choosing, collecting, listing
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.reading.readings import Readings
 from course_kit.text.sanitize import one_line
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Copy
     from course_kit.grading.reading.reading_answers import Glance
 
-SERVICE = exercise.load("temperature_service")
+SERVICE = load_exercise("temperature_service")
 PROGRAM = "temperature_service.py"
 OTHERS = ("ann", "bob", "cem")
 
 pytestmark = pytest.mark.attack("An inbox")
 
 
-def collect(source: Path, *exercises: exercise.Exercise, layout: str = "auto") -> collecting.Intake:
+def collect(source: Path, *exercises: Exercise, layout: str = "auto") -> collecting.Intake:
     return collecting.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)
 
 

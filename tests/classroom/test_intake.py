@@ -10,14 +10,14 @@ import pytest
 
 from course_kit.classroom.intake import archive, collecting
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-SERVICE = exercise.load("temperature_service")
-ROBOT = exercise.load("move_robot")
-CHOICE = exercise.load("pattern_choice")
+SERVICE = load_exercise("temperature_service")
+ROBOT = load_exercise("move_robot")
+CHOICE = load_exercise("pattern_choice")
 
 
 def lay_out(root: Path, files: dict[str, str]) -> Path:
@@ -27,7 +27,7 @@ def lay_out(root: Path, files: dict[str, str]) -> Path:
     return root
 
 
-def collect(root: Path, *exercises: exercise.Exercise, layout: str = "auto") -> collecting.Intake:
+def collect(root: Path, *exercises: Exercise, layout: str = "auto") -> collecting.Intake:
     return collecting.collect(root, exercises or (SERVICE,), root.parent / "workspace", layout)
 
 

@@ -14,13 +14,13 @@ import pytest
 from course_kit.classroom.intake import collecting
 from course_kit.grading import GradingError
 from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.classroom.hostile_inboxes import Inbox, Maker
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-SERVICE = exercise.load("temperature_service")
+SERVICE = load_exercise("temperature_service")
 SEEDS = range(12)  # each gives ten inboxes
 EACH = 10
 PYTHONS_OWN = (sys.prefix, sys.base_prefix)  # an encoding of names is imported when it is first met

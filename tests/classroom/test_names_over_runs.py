@@ -58,7 +58,7 @@ def test_a_later_download_of_the_assignment_beside_the_first_one_grades_only_wha
     later = download(tmp_path / "later.zip", Bob_B_12="right = 2", Cem_C_13="right = 3")
     book = run(first, out, executor, more=(later,), resume=True)
     assert scores(book) == {"11": 10.0, "12": 10.0, "13": 10.0}
-    assert len(executor.tasks) == 4
+    assert len(executor.requests) == 4
     assert set(worksheet(book)) == {11, 12, 13}
 
 
@@ -120,7 +120,7 @@ def test_what_is_wrong_with_names_numbers_and_dates_in_both_files_is_told_at_onc
         "line 5: Bob B is 12, who stands in line 4 already",
     ):
         assert mistake in said
-    assert executor.tasks == []
+    assert executor.requests == []
 
 
 def refused(tmp_path: Path, called: str, **programs: str) -> str:

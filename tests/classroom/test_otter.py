@@ -13,7 +13,7 @@ import pytest
 from course_kit import environment, grading
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.model.exercise import ids, load
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import otter
 from tests.lab.kernel import Kernel
 
@@ -92,10 +92,10 @@ def cases(exercise: str, patch: pytest.MonkeyPatch) -> list[Any]:
     return [value for value in names.values() if isinstance(value, names["test_case"])]
 
 
-@pytest.mark.parametrize("exercise", ids())
+@pytest.mark.parametrize("exercise", list_exercise_ids())
 def test_the_cases_have_the_points_of_the_exercise(exercise: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found = cases(exercise, monkeypatch)
-    assert sum(case.points for case in found) == load(exercise).points
+    assert sum(case.points for case in found) == load_exercise(exercise).points
     assert len({case.name for case in found}) == len(found) > 1
 
 
@@ -121,7 +121,7 @@ def test_asking_again_costs_nothing_until_the_cell_is_run_again(kernel: Kernel) 
     assert first[2] == 1
     assert outcome(kernel, QUICK) == (*first[:2], 0)
     kernel.run(f"%%submission {QUICK}\n{(ROOT / f'solutions/{QUICK}/{QUICK}.py').read_text()}")
-    assert outcome(kernel, QUICK) == (load(QUICK).points, {}, 1)
+    assert outcome(kernel, QUICK) == (load_exercise(QUICK).points, {}, 1)
 
 
 def test_under_otter_the_cells_of_a_submission_are_joined(kernel: Kernel) -> None:

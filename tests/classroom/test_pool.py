@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.engine import Task
-from course_kit.grading.model import exercise, submission
+from course_kit.grading.engine import GradingRequest
+from course_kit.grading.model import submission
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-SERVICE = exercise.load("temperature_service")
+SERVICE = load_exercise("temperature_service")
 SOLUTION = REPOSITORY / "solutions/temperature_service/temperature_service.py"
 
 pytestmark = pytest.mark.answers
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.answers
 
 def grade(pool: Pool) -> Report:
     with submission.Copy(SOLUTION) as copy, Reader() as reader:
-        return pool.grade(Task(SERVICE, reader.read(copy, SERVICE), "jane.py", 7))
+        return pool.grade(GradingRequest(SERVICE, reader.read(copy, SERVICE), "jane.py", 7))
 
 
 def test_a_worker_whose_folder_is_gone_costs_nobody_a_grade(
@@ -46,7 +47,7 @@ def test_a_worker_whose_folder_is_gone_costs_nobody_a_grade(
 
 
 def test_a_pool_that_is_closed_at_the_last_moment_starts_no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thread that has just been given a task; whoever closed the pool would wait for all of the grading."""
+    """A thread that has just been given a submission; whoever closed the pool would wait for all of the grading."""
     pool, started = Pool(), []
     real = pool._lock
 

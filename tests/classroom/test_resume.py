@@ -55,7 +55,7 @@ def again(inbox: Path, **options: Any) -> tuple[Gradebook, list[str]]:
     out = inbox.parent / "out"
     book = run(inbox, out, executor, resume=True, **options)
     exports.write_all(book, out)
-    return book, sorted(task.shown.partition("/")[0] for task in executor.tasks)
+    return book, sorted(request.shown.partition("/")[0] for request in executor.requests)
 
 
 def files(out: Path) -> set[str]:

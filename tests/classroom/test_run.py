@@ -22,7 +22,7 @@ from course_kit.grading.reading.reader import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.report import Report
 
 
@@ -54,7 +54,7 @@ def test_everybody_gets_a_result_and_identical_submissions_are_graded_once(hande
         "dee": ("unreadable", 0.0, ""),
         "eve": ("graded", 10.0, ""),
     }
-    assert [task.shown.partition("/")[0] for task in executor.tasks] == ["ada", "bob", "eve"]
+    assert [request.shown.partition("/")[0] for request in executor.requests] == ["ada", "bob", "eve"]
     assert executor.closed
     assert book.complete
     assert dict(book.tally()) == {"passed": 3, "not passed": 1, "unreadable": 1}
@@ -66,7 +66,7 @@ def test_what_may_never_end_is_begun_first_and_then_what_waits(handed_in: Path, 
     (handed_in / "eve/temperature_service.py").write_text("wrong = 2\nif wrong:\n    while True:\n        pass")
     executor = StandInForGrading()
     run(handed_in, tmp_path / "out", executor)
-    assert [task.shown.partition("/")[0] for task in executor.tasks] == ["eve", "ada", "dee", "bob"]
+    assert [request.shown.partition("/")[0] for request in executor.requests] == ["eve", "ada", "dee", "bob"]
 
 
 class TakingAway(StandInForGrading):
@@ -80,7 +80,7 @@ class TakingAway(StandInForGrading):
         self._when = when
 
     def require_reachable(self) -> None:
-        if any(task.shown.startswith(self._when) for task in self.tasks):
+        if any(request.shown.startswith(self._when) for request in self.requests):
             shutil.rmtree(self._folder, ignore_errors=True)
             self._when = "nobody"
 
@@ -100,11 +100,11 @@ def test_results_that_are_removed_during_a_run_are_missed(
 class NamingTheFile(StandInForGrading):
     """Says what went wrong as the grader does: with the file's name, and the traceback of the program."""
 
-    def submit(self, task: Task) -> Future[Report]:
-        report = super().submit(task).result()
-        checks = tuple(replace(one, message=f"{task.text.name} ends.", told="It ends.") for one in report.checks)
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        report = super().submit(request).result()
+        checks = tuple(replace(one, message=f"{request.text.name} ends.", told="It ends.") for one in report.checks)
         done: Future[Report] = Future()
-        done.set_result(replace(report, checks=checks, stderr=f'  File "{task.text.program}", line 1, in main'))
+        done.set_result(replace(report, checks=checks, stderr=f'  File "{request.text.program}", line 1, in main'))
         return done
 
 
@@ -114,7 +114,7 @@ def test_a_report_names_the_file_of_its_student_where_an_identical_one_was_grade
         (tmp_path / "in" / student / f"of_{student}.py.txt").write_text("wrong = 1")
     executor = NamingTheFile()
     run(tmp_path / "in", tmp_path / "out", executor)
-    assert len(executor.tasks) == 1
+    assert len(executor.requests) == 1
     for student, other in (("ada", "bob"), ("bob", "ada")):
         folder = tmp_path / "out/students" / student
         record = json.loads((folder / "temperature_service.json").read_text())
@@ -137,7 +137,7 @@ def test_a_record_that_cannot_be_read_is_none(score: str, handed_in: Path, tmp_p
     path.write_text(text.replace('"score": 10.0', f'"score": {score}'))
     again = StandInForGrading()
     second = run(handed_in, out, again, resume=True)
-    assert [task.shown.partition("/")[0] for task in again.tasks] == ["ada"]
+    assert [request.shown.partition("/")[0] for request in again.requests] == ["ada"]
     assert results(second) == results(first)
 
 
@@ -160,10 +160,10 @@ def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed
     run(handed_in, tmp_path / "own", own, exercises=(SERVICE, CHOICE), seed=7, seeds=seeds)
     executor = StandInForGrading()
     run(handed_in, tmp_path / "out", executor, exercises=(SERVICE, CHOICE), seed=7)
-    usual = {(task.shown, task.seed) for task in executor.tasks}
+    usual = {(request.shown, request.seed) for request in executor.requests}
     assert ("ada/temperature_service.py", 7) in usual
     assert ("ada/pattern_choice.py", CHOICE.seed) in usual
-    drawn = {(task.shown, task.seed) for task in own.tasks}
+    drawn = {(request.shown, request.seed) for request in own.requests}
     assert ("ada/pattern_choice.py", 98) in drawn
     assert ("bob/pattern_choice.py", 99) in drawn  # the same bytes as ada's, and not the same questions
 
@@ -257,9 +257,9 @@ def test_where_nobody_has_handed_in_anything_that_is_said_and_nothing_is_begun(t
 
 def test_a_grading_that_fails_is_an_error_for_its_student_and_graded_again(handed_in: Path, tmp_path: Path) -> None:
     class StandInForALostMachine(StandInForGrading):
-        def submit(self, task: Task) -> Future[Report]:
-            if not task.shown.startswith("ada"):
-                return super().submit(task)
+        def submit(self, request: GradingRequest) -> Future[Report]:
+            if not request.shown.startswith("ada"):
+                return super().submit(request)
             lost: Future[Report] = Future()
             lost.set_exception(KeyError("timings"))
             return lost
@@ -273,4 +273,4 @@ def test_a_grading_that_fails_is_an_error_for_its_student_and_graded_again(hande
     assert [record.entry.student for record in book.not_graded] == ["ada", "cem"]
     again = StandInForGrading()
     assert results(run(handed_in, tmp_path / "out", again, resume=True))["ada"] == ("graded", 10.0, "")
-    assert len(again.tasks) == 1
+    assert len(again.requests) == 1

@@ -55,7 +55,7 @@ def test_absent_and_unknown_students_are_told_together_before_anything_is_graded
         run(tmp_path / "in", tmp_path / "out", executor, seeds=found)
     assert "line 3: there is no student 'boo' here. Did you mean bo?" in str(told.value)
     assert "there is no seed for: bo, cy" in str(told.value)
-    assert executor.tasks == []
+    assert executor.requests == []
     assert not (tmp_path / "out/students").exists()
 
 

@@ -20,22 +20,22 @@ PATIENCE_S = 30.0  # against hanging only
 
 
 class StandInForGrading:
-    """Each task is an event it waits for, or a text it gives back at once; counts how many run side by side."""
+    """Each request is an event it waits for, or a text it gives back at once; counts how many run side by side."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._running = self.most = 0
         self.begun = threading.Semaphore(0)
 
-    def __call__(self, task: Any) -> Any:
+    def __call__(self, request: Any) -> Any:
         with self._lock:
             self._running += 1
             self.most = max(self.most, self._running)
         self.begun.release()
         try:
-            if isinstance(task, Exception):
-                raise task
-            return task.wait(PATIENCE_S) if isinstance(task, threading.Event) else task
+            if isinstance(request, Exception):
+                raise request
+            return request.wait(PATIENCE_S) if isinstance(request, threading.Event) else request
         finally:
             with self._lock:
                 self._running -= 1
@@ -64,8 +64,8 @@ def made(grade: StandInForGrading) -> Iterator[Callable[[float], Turns]]:
         one.join()
 
 
-def submit(turns_: Turns, *tasks: Any) -> list[Future[Any]]:
-    return [turns_.submit(task) for task in tasks]
+def submit(turns_: Turns, *requests: Any) -> list[Future[Any]]:
+    return [turns_.submit(request) for request in requests]
 
 
 def test_a_busy_machine_soon_gets_no_more_than_usual(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import grading
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.learner import course_list, progress
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
 from tests.lab.kernel import Kernel
@@ -46,7 +46,7 @@ def test_before_the_first_try_the_course_is_listed_in_its_order(course: Course) 
     assert done.returncode == 0
     assert done.stderr == ""
     folder = course.root / "exercises"
-    names = sorted(exercise.ids(folder), key=lambda name: exercise.load(name, folder).order)
+    names = sorted(list_exercise_ids(folder), key=lambda name: load_exercise(name, folder).order)
     places = [done.stdout.index(name) for name in names]
     assert places == sorted(places)
     assert done.stdout.count("[ ]") == done.stdout.count("not tried yet") == len(names)
@@ -80,7 +80,7 @@ def test_a_pass_is_ticked_and_said_in_words_and_stays(course: Course) -> None:
     shown = course.run("list", PYTHONIOENCODING="utf-8").stdout
     assert "[✓]  1 temperature_service" in shown
     assert " passed\n" in shown
-    assert f"1 of {len(exercise.ids(course.root / 'exercises'))} passed" in shown
+    assert f"1 of {len(list_exercise_ids(course.root / 'exercises'))} passed" in shown
     assert "Next: move_robot" in shown
 
 
@@ -174,7 +174,7 @@ def test_an_exercise_that_is_being_written_hides_no_other(tmp_path: Path) -> Non
     (tmp_path / "torn").mkdir()
     (tmp_path / "torn" / "exercise.toml").write_text("format_version = ")
     rows, told = course_list.rows(tmp_path)
-    assert [row.task.id for row in rows] == ["first", "second"]
+    assert [row.exercise.id for row in rows] == ["first", "second"]
     assert len(told) == 1
     assert "torn" in told[0]
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
 
 STUDENTS = 7
 ONE = "st001@uni.example"  # whose result for each platform is looked at
@@ -60,16 +60,16 @@ def test_each_verb_describes_itself_as_before(frozen: Callable[..., None], monke
 class Marking(StandInForGrading):
     """Gives each program some of three checks, by its text."""
 
-    def submit(self, task: Task) -> Future[Report]:
-        number = zlib.crc32(task.text.source.encode())
+    def submit(self, request: GradingRequest) -> Future[Report]:
+        number = zlib.crc32(request.text.source.encode())
         checks = tuple(
             CheckReport(f"check_{place}", f"Check {place}", "passed" if right else "failed", 3.0, points=3.0 * right)
             for place, right in enumerate(number >> place & 1 for place in range(3))
         )
         done: Future[Report] = Future()
         points = sum(one.points for one in checks)
-        made_for = (task.exercise.id, task.exercise.title, task.shown)
-        done.set_result(Report(*made_for, "graded", points >= 6, points, task.exercise.points, 0.0, checks))
+        made_for = (request.exercise.id, request.exercise.title, request.shown)
+        done.set_result(Report(*made_for, "graded", points >= 6, points, request.exercise.points, 0.0, checks))
         return done
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import grading, quiz
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.course_copy import copy_course
 from tests.grading.conftest import ROOT
 
@@ -46,8 +46,8 @@ def failed(report: grading.Report) -> list[grading.CheckReport]:
 
 
 def test_points_and_seed_are_those_of_the_exercise() -> None:
-    task = exercise.load(EXERCISE)
-    assert (task.points, task.pass_mark, task.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
+    exercise = load_exercise(EXERCISE)
+    assert (exercise.points, exercise.pass_mark, exercise.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
 
 
 @pytest.mark.parametrize("seed", [2, 90210])

@@ -8,7 +8,7 @@ import pytest
 
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.graders.strange_programs import ANYTHING, PROGRAMS
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.answers, pytest.mark.timeout(1200), pytest.mark.attack
 def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Future[Report]]:
     """All of them, side by side."""
     folder: Path = tmp_path_factory.mktemp("strange")
-    with Gradings([exercise.load(name) for name in {one.exercise for one in PROGRAMS.values()}]) as pool:
+    with Gradings([load_exercise(name) for name in {one.exercise for one in PROGRAMS.values()}]) as pool:
         begun = {}
         for number, (name, program) in enumerate(PROGRAMS.items()):
             path = folder / f"answer_{number}.py"

@@ -17,7 +17,7 @@ import pytest
 from course_kit import environment, grading
 from course_kit.grading import engine, exercise_job
 from course_kit.grading.checks.check import Result
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
 
@@ -154,7 +154,7 @@ def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcomes = {"a": "passed", "b": "error", "c": "skipped"}
     results = [asdict(Result(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
-    report = engine._report(exercise.load(EXERCISE), "shown", outcome, "", time.monotonic())
+    report = engine._report(load_exercise(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)
     assert report.problem == 'The grading did not finish: it stopped at the check "B". about b'
     assert grading.exit_code(report) == 2
@@ -248,21 +248,21 @@ def test_mistake_in_an_exercise_is_named(line: str, said: str, tmp_path: Path) -
     with pytest.raises(
         grading.GradingError, match=f"exercise.toml cannot be used.*{'memory' if replacement else said}"
     ):
-        exercise.load(EXERCISE, tmp_path)
+        load_exercise(EXERCISE, tmp_path)
 
 
 def test_points_of_the_checks_are_those_of_the_exercise() -> None:
-    task = exercise.load(EXERCISE)
-    checks = exercise_job.checks_of(task, 1)
-    assert sum(check.points for check in checks) == task.points
+    exercise = load_exercise(EXERCISE)
+    checks = exercise_job.checks_of(exercise, 1)
+    assert sum(check.points for check in checks) == exercise.points
     known = {check.id for check in checks}
     for check in known:
-        assert task.ladder(check), f"the ladder has no rung for {check}"
+        assert exercise.ladder(check), f"the ladder has no rung for {check}"
 
 
 def test_ladder_has_its_rungs_in_order() -> None:
-    task = exercise.load(EXERCISE)
-    first, second = task.ladder("answers")
+    exercise = load_exercise(EXERCISE)
+    first, second = exercise.ladder("answers")
     assert "empty response to fill in" in first
     assert "Begin with one direction" in second
-    assert task.ladder("no_such_topic") == ()
+    assert exercise.ladder("no_such_topic") == ()

@@ -12,7 +12,8 @@ import pytest
 from course_kit import environment
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import find_exercises, list_exercise_ids, load_exercise, read_exercise
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
@@ -46,9 +47,9 @@ def test_a_folder_of_exercises_and_one_exercise_itself(tmp_path: Path, monkeypat
     (several / "notes").mkdir()
     alone = outside_exercises.write(one)
     monkeypatch.setenv(exercise_folders.VARIABLE, os.pathsep.join(map(str, (several, alone))))
-    assert {"first", "second", ID} == set(exercise.ids()) - set(exercise.ids(OWN))
-    assert exercise.load("first").folder == several / "first"
-    assert exercise.load(ID).grader == str(alone / "checks.py")
+    assert {"first", "second", ID} == set(list_exercise_ids()) - set(list_exercise_ids(OWN))
+    assert load_exercise("first").folder == several / "first"
+    assert load_exercise(ID).grader == str(alone / "checks.py")
 
 
 def test_a_package_adds_its_folder_and_is_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -57,21 +58,21 @@ def test_a_package_adds_its_folder_and_is_not_run(tmp_path: Path, monkeypatch: p
     (package / "__init__.py").write_text("raise RuntimeError('it was run')\n")
     install(tmp_path, "my_exercises")
     monkeypatch.syspath_prepend(tmp_path)
-    assert exercise.load(ID).folder == package / ID
+    assert load_exercise(ID).folder == package / ID
 
 
 def test_a_package_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     install(tmp_path, "broken_package", "no_such_package")
     monkeypatch.syspath_prepend(tmp_path)
-    (problem,) = exercise.find().problems
+    (problem,) = find_exercises().problems
     assert "no_such_package" in problem
     assert "broken_package-1.0.dist-info" in problem
-    assert exercise.load("temperature_service").id == "temperature_service"
+    assert load_exercise("temperature_service").id == "temperature_service"
 
 
 def test_listing_does_not_load_the_library_that_reads_entry_points() -> None:
     program = (
-        "import sys; from course_kit.grading import exercise; exercise.ids(); "
+        "import sys; from course_kit.grading.model.exercise import list_exercise_ids; list_exercise_ids(); "
         "print('importlib.metadata' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=200, check=False)
@@ -82,9 +83,9 @@ def test_two_exercises_of_one_id_are_named_with_both_places(tmp_path: Path, monk
     places = [outside_exercises.write(tmp_path / name) for name in ("here", "there")]
     monkeypatch.setenv(exercise_folders.VARIABLE, os.pathsep.join(str(one.parent) for one in places))
     with pytest.raises(GradingError) as told:
-        exercise.load(ID)
+        load_exercise(ID)
     assert all(str(one) in str(told.value) for one in places)
-    assert exercise.load("temperature_service").folder.parent == OWN
+    assert load_exercise("temperature_service").folder.parent == OWN
 
 
 def test_an_exercise_called_like_one_of_the_course_replaces_nothing(
@@ -93,7 +94,7 @@ def test_an_exercise_called_like_one_of_the_course_replaces_nothing(
     mine = outside_exercises.write(tmp_path, "temperature_service")
     monkeypatch.setenv(exercise_folders.VARIABLE, str(tmp_path))
     with pytest.raises(GradingError) as told:
-        exercise.load("temperature_service")
+        load_exercise("temperature_service")
     assert str(mine) in str(told.value)
     assert str(OWN / "temperature_service") in str(told.value)
 
@@ -153,7 +154,7 @@ def test_an_unknown_exercise_names_the_added_ones_and_what_is_missing(
     outside_exercises.write(tmp_path)
     monkeypatch.setenv(exercise_folders.VARIABLE, os.pathsep.join([str(tmp_path), str(tmp_path / "gone")]))
     with pytest.raises(GradingError, match=f"Did you mean '?{ID}'?.*There is no folder.*gone"):
-        exercise.load("add_thre")
+        load_exercise("add_thre")
 
 
 @pytest.mark.parametrize(
@@ -171,4 +172,4 @@ def test_a_grader_lies_in_the_folder_of_its_exercise(old: str, new: str, sentenc
     toml = made / "exercise.toml"
     toml.write_text(toml.read_text().replace(old, new))
     with pytest.raises(GradingError, match=sentence):
-        exercise.read(made)
+        read_exercise(made)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Copy
 from course_kit.grading.reading.reader import Reader
 from tests.grading.conftest import EXERCISE, ROOT
@@ -20,10 +20,12 @@ SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 
 def graded(path: Path, worker: Worker, *, first_failure: bool) -> Report:
-    task = exercise.load(EXERCISE)
+    exercise = load_exercise(EXERCISE)
     with Reader() as reader, Copy(path) as copy:
-        text = reader.read(copy, task)
-    return engine.grade_task(engine.Task(task, text, path.name, 1, first_failure=first_failure), worker)
+        text = reader.read(copy, exercise)
+    return engine.grade_submission(
+        engine.GradingRequest(exercise, text, path.name, 1, first_failure=first_failure), worker
+    )
 
 
 def test_nothing_is_checked_after_the_first_failure(tmp_path: Path, worker: Worker) -> None:

@@ -10,8 +10,8 @@ import pytest
 from course_kit import grading
 from course_kit.grading import engine
 from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.engine import Task
-from course_kit.grading.model import exercise
+from course_kit.grading.engine import GradingRequest
+from course_kit.grading.model.exercise import load_exercise, read_exercise
 from course_kit.grading.model.submission import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
@@ -42,26 +42,26 @@ def test_its_solution_and_its_starter_get_their_points(tmp_path: Path, worker: g
 
 def test_the_authors_hints_come_before_the_kits(tmp_path: Path) -> None:
     """In the course's own exercises that of a diagnosis comes first: there it is more to the point."""
-    mine = exercise.read(outside_exercises.write(tmp_path))
-    own = exercise.load("temperature_service")
+    mine = read_exercise(outside_exercises.write(tmp_path))
+    own = load_exercise("temperature_service")
     known = catalogue.catalogue()["service.blocks"]
     assert engine._hints(mine, "adds", known) == ("A sum has three parts here.", known.hint)
     assert engine._hints(own, "fifty_calls", known) == (known.hint, *own.ladder("fifty_calls"))
     with (mine.folder / "exercise.toml").open("a") as file:
         file.write('\n[[hints]]\nfor = ["service.blocks"]\ntext = "Who waits?"\n')
-    mine = exercise.read(mine.folder)
+    mine = read_exercise(mine.folder)
     assert engine._hints(mine, "adds", known) == ("Who waits?", "A sum has three parts here.")
 
 
 def test_nothing_links_from_an_exercise_elsewhere_into_the_course_s_exercises(tmp_path: Path) -> None:
-    mine = exercise.read(outside_exercises.write(tmp_path))
+    mine = read_exercise(outside_exercises.write(tmp_path))
     for code in catalogue.catalogue():
         found = mine.diagnosis(code)
         assert found is not None
         assert not found.notebook.startswith("exercises/")
         if found.notebook:
             assert "exercise" not in found.section or code.startswith("quiz.")
-    drill = exercise.load("long_queue").diagnosis("math.formula")
+    drill = load_exercise("long_queue").diagnosis("math.formula")
     assert drill is not None
     assert drill.notebook == "exercises/drills/long_queue/long_queue.ipynb"
 
@@ -108,7 +108,7 @@ def test_workers_that_begin_with_both_keep_them_apart(tmp_path: Path) -> None:
     _rename_a_field(other)
     with closing(Pool(1, [str(one / "checks.py"), str(other / "checks.py")])) as pool, Reader() as reader:
         for made in (other, one):
-            task = exercise.read(made)
-            with Copy(task.solution) as copy:
-                report = pool.grade(Task(task, reader.read(copy, task), "it", 1))
+            exercise = read_exercise(made)
+            with Copy(exercise.solution) as copy:
+                report = pool.grade(GradingRequest(exercise, reader.read(copy, exercise), "it", 1))
             assert report.score == 3.0, (made, report.problem)

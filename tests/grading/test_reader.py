@@ -15,7 +15,7 @@ import pytest
 from course_kit.classroom import submissions
 from course_kit.classroom.records import Entry
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.reader import contract
@@ -25,7 +25,7 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from pathlib import Path
 
-TASK = exercise.load("temperature_service")
+EXERCISE = load_exercise("temperature_service")
 SLOW = "a = 1\nb = f'" + "{a}" * 349_000 + "'\n"  # takes seconds, whatever the Python
 # A module that lies where the reader was started from, or where the user's own variables lead, is not loaded.
 PLANTED = "open({trace!r}, 'w').close()\nraise SystemExit('planted')\n"
@@ -47,17 +47,17 @@ def test_nothing_beside_a_submission_is_loaded(program: Path, tmp_path: Path, mo
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("PYTHONSTARTUP", str(tmp_path / "json.py"))
-    found = read(program, TASK.id)
+    found = read(program, EXERCISE.id)
     assert found.fault is None
     assert not trace.exists()
 
 
 def test_what_the_text_gives_away(program: Path) -> None:
-    facts = read(program, TASK.id).facts
+    facts = read(program, EXERCISE.id).facts
     assert (facts.awaits, facts.floor_divides, facts.loops, facts.functions) == (True, True, False, ())
     outer = "def outer(self):\n    f = self.call_async(1)\n"
     program.write_text(f"{outer}    def inner():\n        pass\n    while f.done():\n        pass\n")
-    facts = read(program, TASK.id).facts
+    facts = read(program, EXERCISE.id).facts
     assert (facts.awaits, facts.floor_divides, facts.loops) == (False, False, True)
     assert [facts.waits_for_a_future(line) for line in (1, 2, 4, 5, 7)] == [True, True, False, True, False]
 
@@ -77,7 +77,7 @@ def test_what_the_text_gives_away(program: Path) -> None:
 )
 def test_calls_that_may_wait_for_long_are_seen(text: str, waits: bool, program: Path) -> None:
     program.write_text(text)
-    assert read(program, TASK.id).facts.waits is waits
+    assert read(program, EXERCISE.id).facts.waits is waits
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_calls_that_may_wait_for_long_are_seen(text: str, waits: bool, program: 
 )
 def test_the_first_future_that_a_program_makes_is_known(text: str, line: int, program: Path) -> None:
     program.write_text(text)
-    assert read(program, TASK.id).facts.future == line
+    assert read(program, EXERCISE.id).facts.future == line
 
 
 def test_two_who_read_one_file_at_once_do_not_disturb_each_other(program: Path) -> None:
@@ -98,13 +98,13 @@ def test_two_who_read_one_file_at_once_do_not_disturb_each_other(program: Path) 
     program.write_text("# many lines, of which nothing has to be made\n" * 4_000 + "x = 1\n")
     with Copy(program) as copy, Reader() as one, Reader() as other, ThreadPoolExecutor(2) as threads:
         for _ in range(300):
-            readings = list(threads.map(lambda reader: reader.read(copy, TASK).source, (one, other)))
+            readings = list(threads.map(lambda reader: reader.read(copy, EXERCISE).source, (one, other)))
             assert readings == [program.read_text()] * 2
 
 
 def test_the_reader_is_small(program: Path) -> None:
     with Reader() as reader, Copy(program) as copy:
-        reader.read(copy, TASK)
+        reader.read(copy, EXERCISE)
         process = psutil.Process(reader._process.pid)
         assert process.memory_info().rss < 40 << 20
         assert process.num_threads() == 1
@@ -113,10 +113,10 @@ def test_the_reader_is_small(program: Path) -> None:
 
 def test_a_reader_that_somebody_has_killed_gets_a_successor(program: Path) -> None:
     with Reader() as reader, Copy(program) as copy:
-        first = reader.read(copy, TASK)
+        first = reader.read(copy, EXERCISE)
         killed = reader._process.pid
         os.kill(killed, signal.SIGKILL)
-        assert reader.read(copy, TASK) == first
+        assert reader.read(copy, EXERCISE) == first
         assert reader._process.pid != killed
 
 
@@ -133,7 +133,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
         return False
 
     with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was reading"):
-        reader.read(copy, TASK)
+        reader.read(copy, EXERCISE)
     assert len(killed) == 2
 
 
@@ -141,14 +141,14 @@ def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> No
     (tmp_path / "slow.py").write_text(SLOW)
     stopped: list[bool] = []
     with Reader(lambda: bool(stopped)) as reader, Copy(program) as copy, Copy(tmp_path / "slow.py") as slow:
-        assert reader.read(copy, TASK)
+        assert reader.read(copy, EXERCISE)
         stopped.append(True)
         with pytest.raises(ReadingStoppedError):
-            reader.read(copy, TASK)
+            reader.read(copy, EXERCISE)
         stopped.clear()
         reader._stopped = lambda: len(psutil.Process(reader._process.pid).children()) > 0
         with pytest.raises(ReadingStoppedError):
-            reader.read(slow, TASK)
+            reader.read(slow, EXERCISE)
         process = psutil.Process(reader._process.pid)
         at_work = process.children()
     assert at_work
@@ -158,13 +158,13 @@ def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> No
 STARTS_ONE = """
 import sys
 from pathlib import Path
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.model.submission import Copy
 reader = Reader()
 print(reader._process.pid, flush=True)
 with Copy(Path(sys.argv[1])) as copy:
-    reader.read(copy, exercise.load("temperature_service"))
+    reader.read(copy, load_exercise("temperature_service"))
 sys.stdin.read()
 """
 
@@ -188,11 +188,11 @@ def test_limits_hold_and_are_told(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_text("a;" * 500_000)
     with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {contract.MEMORY_MB} MB of memory .*\.$"):
-        read(path, TASK.id)
+        read(path, EXERCISE.id)
     notebook = tmp_path / "a.ipynb"
     notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')
     with pytest.raises(UnreadableError, match=r"^a.ipynb cannot be read: .* Clear its outputs and hand in a shorter"):
-        read(notebook, TASK.id)
+        read(notebook, EXERCISE.id)
 
 
 NO_FILES = """
@@ -227,17 +227,17 @@ def test_a_machine_that_has_no_more_files_is_no_fault_of_the_submission(left: st
 
 
 def test_what_has_its_result_is_not_read_again(program: Path, tmp_path: Path) -> None:
-    entry = Entry("ann", TASK.id, "answer.py")
+    entry = Entry("ann", EXERCISE.id, "answer.py")
     with Reader() as reader:
-        first = submissions.read(entry, tmp_path, TASK, 3, reader)
+        first = submissions.read(entry, tmp_path, EXERCISE, 3, reader)
     assert first.text is not None
     known = first.record(first.unreadable())
     known.report["status"] = "graded"
-    again = submissions.read(entry, tmp_path, TASK, 3, reader, known=known)  # which is closed
+    again = submissions.read(entry, tmp_path, EXERCISE, 3, reader, known=known)  # which is closed
     assert again.has_result(known)
     assert again.text is None
     program.write_text("x = 2\n")
     with Reader() as reader:
-        changed = submissions.read(entry, tmp_path, TASK, 3, reader, known=known)
+        changed = submissions.read(entry, tmp_path, EXERCISE, 3, reader, known=known)
     assert changed.text is not None
     assert not changed.has_result(known)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Copy
 from course_kit.grading.reading import readings
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 
-TASK = exercise.load("temperature_service")
-CHOICE = exercise.load("pattern_choice")
+EXERCISE = load_exercise("temperature_service")
+CHOICE = load_exercise("pattern_choice")
 SOLUTION = (Path(__file__).parents[2] / "solutions/temperature_service/temperature_service.py").read_text(
     encoding="utf-8"
 )
@@ -38,12 +38,12 @@ def test_a_submission_is_read_while_it_is_looked_at(text: str, tmp_path: Path, a
     path = tmp_path / "answer.py"
     path.write_text(text)
     with Copy(path) as copy, Reader() as reader:
-        due = reader.read(copy, TASK), reader.look(copy, TASK, whatever=True).fingerprints
+        due = reader.read(copy, EXERCISE), reader.look(copy, EXERCISE, whatever=True).fingerprints
     with readings.Readings() as known, Copy(path) as copy:
-        assert known.glance(copy, TASK).asked_for
-        assert (known.read(copy, TASK), known.fingerprints(copy, TASK)) == due
+        assert known.glance(copy, EXERCISE).asked_for
+        assert (known.read(copy, EXERCISE), known.fingerprints(copy, EXERCISE)) == due
     with known.remembered() as again, Copy(path) as copy:
-        assert (again.read(copy, TASK), again.fingerprints(copy, TASK)) == due
+        assert (again.read(copy, EXERCISE), again.fingerprints(copy, EXERCISE)) == due
     assert asked == ["asked for"]
 
 
@@ -53,13 +53,13 @@ def test_another_name_text_or_exercise_is_another_reading(tmp_path: Path, asked:
         path.write_text(SOLUTION)
     with readings.Readings() as known:
         with Copy(first) as copy, Copy(changed) as before:
-            known.glance(copy, TASK)
-            known.glance(before, TASK)
+            known.glance(copy, EXERCISE)
+            known.glance(before, EXERCISE)
             assert known.read(copy, CHOICE).name == "first.py"
         changed.write_text("answers = {}\n")
         with Copy(second) as copy, Copy(changed) as after:
-            assert known.read(copy, TASK).name == "second.py"
-            assert known.read(after, TASK).source == "answers = {}\n"
+            assert known.read(copy, EXERCISE).name == "second.py"
+            assert known.read(after, EXERCISE).source == "answers = {}\n"
     assert asked == ["asked for", "asked for", "any", "any", "any"]
 
 
@@ -68,8 +68,8 @@ def test_what_is_not_asked_for_is_not_remembered(text: str, tmp_path: Path, aske
     path = tmp_path / "answer.py"
     path.write_text(text)
     with readings.Readings() as known, Copy(path) as copy:
-        assert not known.glance(copy, TASK).asked_for
-        known.fingerprints(copy, TASK)
+        assert not known.glance(copy, EXERCISE).asked_for
+        known.fingerprints(copy, EXERCISE)
     assert asked == ["asked for", "any"]
 
 
@@ -81,8 +81,8 @@ def test_a_class_may_be_larger_than_what_is_remembered(
         for name in ("first.py", "second.py"):
             (tmp_path / name).write_text(SOLUTION)
             with Copy(tmp_path / name) as copy:
-                known.glance(copy, TASK)
-                assert known.read(copy, TASK).source == SOLUTION
+                known.glance(copy, EXERCISE)
+                assert known.read(copy, EXERCISE).source == SOLUTION
     assert asked == ["asked for", "asked for", "any"]
 
 
@@ -91,6 +91,6 @@ def test_what_was_stopped_does_not_stop_who_remembers_it(tmp_path: Path) -> None
     path.write_text(SOLUTION)
     with readings.Readings(lambda: True) as known, Copy(path) as copy:
         with pytest.raises(ReadingStoppedError):
-            known.read(copy, TASK)
+            known.read(copy, EXERCISE)
         with known.remembered() as other:
-            assert other.read(copy, TASK).source == SOLUTION
+            assert other.read(copy, EXERCISE).source == SOLUTION

@@ -11,7 +11,8 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise, read_exercise
 from course_kit.learner import course_list, workspace
 from course_kit.reader import text as reader
 from tests.course_copy import REPOSITORY, Course, copy_course
@@ -38,7 +39,7 @@ def test_the_list_names_each_with_its_symptom_and_what_to_do_next(course: Course
     listed = course.run("drills")
     assert listed.returncode == 0, listed.stderr
     for name in IDS:
-        first = exercise.load(name).symptom.split()[0]
+        first = load_exercise(name).symptom.split()[0]
         assert name in listed.stdout
         assert first in listed.stdout
     assert "0 of 8 done." in listed.stdout
@@ -58,7 +59,7 @@ def test_what_is_done_has_its_tick(course: Course) -> None:
 
 
 def test_they_are_no_exercises_of_the_course(course: Course) -> None:
-    assert not {*exercise.ids(), *(row.task.id for row in course_list.rows()[0])} & set(IDS)
+    assert not {*list_exercise_ids(), *(row.exercise.id for row in course_list.rows()[0])} & set(IDS)
     course.progress.write_text(json.dumps({"format_version": 1, "exercises": {DRILL: PASSED}}))
     assert "0 of 4 passed." in course.run("list").stdout
     assert DRILL not in course.run("list", "--format", "json").stdout
@@ -103,7 +104,7 @@ def test_what_is_no_drill_is_said(typed: str, said: str) -> None:
 
 def test_an_exercise_that_is_mistyped_may_be_meant_as_a_drill() -> None:
     with pytest.raises(GradingError, match="Did you mean dark_lamp"):
-        exercise.load("dark_lmp")
+        load_exercise("dark_lmp")
 
 
 def test_a_drill_is_graded_hinted_and_recorded_like_an_exercise(course: Course) -> None:
@@ -131,7 +132,7 @@ def test_drills_of_an_instructor_are_listed_and_no_exercises(tmp_path: Path, mon
     (made / "exercise.toml").write_text(toml.replace(f'id = "{DRILL}"', 'id = "my_lamp"'))
     monkeypatch.setenv(exercise_folders.VARIABLE, str(tmp_path))
     assert "my_lamp" in course_list.describe_drills("utf-8")[0]
-    assert "my_lamp" not in [row.task.id for row in course_list.rows()[0]]
+    assert "my_lamp" not in [row.exercise.id for row in course_list.rows()[0]]
 
 
 @pytest.mark.parametrize("value", ["1", '"yes"'])
@@ -141,7 +142,7 @@ def test_practice_is_true_or_false(value: str, tmp_path: Path) -> None:
     toml = (made / "exercise.toml").read_text()
     (made / "exercise.toml").write_text(toml.replace("practice = true", f"practice = {value}"))
     with pytest.raises(GradingError, match="'practice' is neither true nor false"):
-        exercise.read(made)
+        read_exercise(made)
 
 
 def test_a_cell_that_also_runs_as_a_program_keeps_its_line_numbers() -> None:

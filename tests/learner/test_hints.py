@@ -9,7 +9,7 @@ import pytest
 
 from course_kit.grading import GradingError
 from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import handouts, progress
 
 if TYPE_CHECKING:
@@ -88,13 +88,13 @@ def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
 
 def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(folder: Path) -> None:
     failed("start", "service.exception")
-    found = handouts.ladder(exercise.load("walk", folder), progress.read()[0]["walk"])
+    found = handouts.ladder(load_exercise("walk", folder), progress.read()[0]["walk"])
     assert found.rungs == ("A push.", "A nudge.", "A shove.")
 
 
 def test_a_cause_without_a_hint_here_has_the_catalogues(folder: Path) -> None:
     failed("start", "service.no_return")
-    found = handouts.ladder(exercise.load("walk", folder), progress.read()[0]["walk"])
+    found = handouts.ladder(load_exercise("walk", folder), progress.read()[0]["walk"])
     assert found.rungs == (catalogue.catalogue()["service.no_return"].hint, "A nudge.", "A push.", "A shove.")
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.classroom.intake import collecting
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import workspace
 from tests.course_copy import REPOSITORY, TEMPERATURE, Course
 
@@ -42,8 +42,8 @@ def answer(path: Path, *, after_s: int = 0) -> None:
 
 
 def by_class(folder: Path, workspace_folder: Path) -> str:
-    task = exercise.load(TEMPERATURE)
-    (entry,) = collecting.collect(folder.parent, [task], workspace_folder, "folders").entries
+    exercise = load_exercise(TEMPERATURE)
+    (entry,) = collecting.collect(folder.parent, [exercise], workspace_folder, "folders").entries
     return entry.source.rpartition("/")[2]
 
 
@@ -98,7 +98,7 @@ def test_of_the_courses_own_file_it_says_where_yours_is(tmp_path: Path, monkeypa
 
 def test_watch_means_the_same_file(folder: Path) -> None:
     answer(folder / NOTEBOOK)
-    assert workspace.choose_own(exercise.load(TEMPERATURE), "watch")[0] == folder / NOTEBOOK
+    assert workspace.choose_own(load_exercise(TEMPERATURE), "watch")[0] == folder / NOTEBOOK
 
 
 def test_the_command_grades_the_notebook_and_says_so(folder: Path) -> None:

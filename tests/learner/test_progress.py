@@ -15,7 +15,7 @@ import pytest
 
 from course_kit.environment import paths
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import list_exercise_ids
 from course_kit.learner import progress
 from tests.course_copy import SOLUTION, TEMPERATURE, copy_course
 
@@ -80,7 +80,7 @@ def test_it_belongs_to_the_course_and_not_to_the_user(tmp_path: Path) -> None:
     first, fresh = copy_course(tmp_path / "first"), copy_course(tmp_path / "fresh")
     mine = {"COURSE_KIT_PROGRESS": "", "XDG_STATE_HOME": str(tmp_path)}
     first.run("grade", TEMPERATURE, str(SOLUTION), **mine)
-    exercises = len(exercise.ids(first.root / "exercises"))
+    exercises = len(list_exercise_ids(first.root / "exercises"))
     assert f"1 of {exercises} passed" in first.run("list", **mine).stdout
     assert f"0 of {exercises} passed" in fresh.run("list", **mine).stdout
     assert (first.root / ".course" / "progress.json").is_file()

@@ -186,14 +186,14 @@ def test_within_the_course_a_file_of_the_same_name_elsewhere_is_not_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Such as the solution, which is called like the starter."""
-    from course_kit.grading.model import exercise
+    from course_kit.grading.model.exercise import load_exercise
 
-    task = exercise.load(TEMPERATURE)
-    solutions = task.folder.parent.parent / "solutions" / TEMPERATURE
-    monkeypatch.chdir(solutions if solutions.is_dir() else task.folder)
+    exercise = load_exercise(TEMPERATURE)
+    solutions = exercise.folder.parent.parent / "solutions" / TEMPERATURE
+    monkeypatch.chdir(solutions if solutions.is_dir() else exercise.folder)
     mine = environment.paths.usual_learner_folder() / "exercises" / TEMPERATURE  # of whoever works at this machine
-    assert workspace.exercise_folder(task) == (mine if mine.is_dir() else task.folder)
+    assert workspace.exercise_folder(exercise) == (mine if mine.is_dir() else exercise.folder)
     (tmp_path / TEMPERATURE).mkdir()
     (tmp_path / TEMPERATURE / PROGRAM).touch()
     monkeypatch.chdir(tmp_path)
-    assert workspace.exercise_folder(task) == tmp_path / TEMPERATURE
+    assert workspace.exercise_folder(exercise) == tmp_path / TEMPERATURE

@@ -105,7 +105,7 @@ def cases(exercise: Corpus) -> list[Case]:
 
         def worth(text: str) -> float:
             path.write_text(text, encoding="utf-8")
-            return grading.grade(exercise.task.id, path, seed=_SEED, worker=worker).score
+            return grading.grade(exercise.exercise.id, path, seed=_SEED, worker=worker).score
 
         solution = exercise.of("solution")[0].text()
         full = worth(solution)
@@ -130,11 +130,11 @@ def _halves(text: str) -> tuple[str, str]:
 
 def _notebook(exercise: Corpus, cells: Sequence[str]) -> nbformat.NotebookNode:
     """The exercise's notebook with `cells` as its submission, and Otter's check where it was graded."""
-    notebook = nbformat.read(exercise.task.folder / exercise.task.notebook, as_version=4)
-    mark = f"%%submission {exercise.task.id}\n"
+    notebook = nbformat.read(exercise.exercise.folder / exercise.exercise.notebook, as_version=4)
+    mark = f"%%submission {exercise.exercise.id}\n"
     place = next(number for number, cell in enumerate(notebook.cells) if cell.source.startswith(mark))
     notebook.cells[place : place + 1] = [nbformat.v4.new_code_cell(mark + cell) for cell in cells]
     for cell in notebook.cells:
         if cell.source.startswith("%grade "):
-            cell.source = _CHECK.format(exercise.task.id)
+            cell.source = _CHECK.format(exercise.exercise.id)
     return notebook

@@ -65,7 +65,7 @@ def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
             if not checks <= seen:
                 here.add(each)
                 seen |= checks
-        chosen.append(corpus.Corpus(one.task, tuple(each for each in one.submissions if each in here)))
+        chosen.append(corpus.Corpus(one.exercise, tuple(each for each in one.submissions if each in here)))
     return chosen
 
 
@@ -77,7 +77,7 @@ def proofs(request: pytest.FixtureRequest) -> Proofs:
     whole = [corpus.load(name, ROOT) for name in (*EXERCISES, *DRILLS)]
     is_sample = request.param == SAMPLE
     chosen = sample(whole) if is_sample else whole
-    with Gradings([one.task for one in chosen]) as pool:
+    with Gradings([one.exercise for one in chosen]) as pool:
         reports = check.grade(pool, chosen, 1 if is_sample else request.param)
     found = [
         fault

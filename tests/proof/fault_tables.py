@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_kit.authoring import rules, sentences
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -57,7 +57,7 @@ class Verdicts:
 
 
 def _costs(program: ProofSubmission, seed: int, report: Report) -> bool:
-    checks = sentences.checks_of(exercise.load(program.exercise), seed)
+    checks = sentences.checks_of(load_exercise(program.exercise), seed)
     proving = {one.id for one in checks if set(program.breaks) & set(one.proves)}
     return any(one.points < one.max_points for one in report.checks if one.id in proving)
 
@@ -88,6 +88,6 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
 
 def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int]) -> list[Verdicts]:
     """Grade each program once for each seed, as a class is graded."""
-    with Gradings([exercise.load(name) for name in {one.exercise for one in chosen}]) as pool:
+    with Gradings([load_exercise(name) for name in {one.exercise for one in chosen}]) as pool:
         begun = [(one, {seed: pool.begin(one, seed) for seed in seeds}) for one in chosen]
         return [Verdicts(one, {seed: future.result() for seed, future in each.items()}) for one, each in begun]

@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.authoring import corpus, rules
 from course_kit.grading.diagnosis.catalogue import catalogue
-from course_kit.grading.model import exercise as course
+from course_kit.grading.model.exercise import load_exercise
 from tests.proof.conftest import DRILLS, EXERCISES, ROOT, SAMPLE
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def test_everything_holds(proofs: Proofs, request: pytest.FixtureRequest) -> Non
     assert [fault for fault in faults if not (sampled and fault.startswith(CONVERSATIONS))] == []
     for one, report in proofs.reports.items():
         if one.kind in ("solution", "variant"):
-            assert report.score == course.load(one.exercise).points
+            assert report.score == load_exercise(one.exercise).points
         elif one.exercise in DRILLS:
             assert report.passed == (one.kind == "slip" and not one.failed), one.name
 
@@ -160,9 +160,11 @@ def test_each_drill_names_the_cause_of_its_symptom(proofs: Proofs) -> None:
 
 def test_there_are_eight() -> None:
     assert sorted(SYMPTOMS) == DRILLS
-    tasks = [course.load(drill, ROOT / "exercises") for drill in DRILLS]
-    assert sorted(task.order for task in tasks) == list(range(1, 9))
-    assert all(task.practice and task.symptom and task.pass_mark == task.points for task in tasks)
+    exercises = [load_exercise(drill, ROOT / "exercises") for drill in DRILLS]
+    assert sorted(exercise.order for exercise in exercises) == list(range(1, 9))
+    assert all(
+        exercise.practice and exercise.symptom and exercise.pass_mark == exercise.points for exercise in exercises
+    )
 
 
 def test_drills_have_other_repairs_other_wrong_repairs_and_short_graders() -> None:
@@ -174,7 +176,7 @@ def test_drills_have_other_repairs_other_wrong_repairs_and_short_graders() -> No
 
 
 def grader_lines(drill: str) -> int:
-    folder = course.load(drill, ROOT / "exercises").folder
+    folder = load_exercise(drill, ROOT / "exercises").folder
     counted, inside = 0, False
     for line in (folder / "exercise.toml").read_text().splitlines():
         inside = line in ("[[checks]]", "[[endpoints]]") if line.startswith("[") else inside

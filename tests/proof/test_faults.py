@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.proof import fault_tables
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.answers
 @pytest.mark.parametrize(("name", "kind"), TABLES)
 def test_each_program_of_a_table_compiles_and_names_sentences_of_the_task(name: str, kind: str) -> None:
     found = fault_tables.programs(name, kind)
-    known = {sentence.id for sentence in exercise.load(name).sentences}
+    known = {sentence.id for sentence in load_exercise(name).sentences}
     assert len({one.text() for one in found}) == len(found) == {"fault": 60, "right": 40}[kind]
     for one in found:
         compile(one.text(), one.name, "exec")

@@ -15,7 +15,7 @@ from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAM
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise as course
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Glance
 from course_kit.grading.reading.readings import starter_identities
@@ -252,7 +252,7 @@ class Chooser:
 def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     """The exercises beside one, in its folder."""
     folder = exercise.folder.parent
-    return (course.load(one, folder) for one in course.ids(folder) if one != exercise.id)
+    return (load_exercise(one, folder) for one in list_exercise_ids(folder) if one != exercise.id)
 
 
 def _sureness(file: File, exercise: Exercise, seen: Glance) -> int:

@@ -18,7 +18,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise as course
+from course_kit.grading.model.exercise import list_exercise_ids
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
 def _of_course(exercises: Sequence[Exercise]) -> list[str]:
     """All exercises of the course: one file may serve runs that each grade a part of it."""
     folders = {one.folder.parent for one in exercises}
-    return sorted({one.id for one in exercises} | {one for folder in folders for one in course.ids(folder)})
+    return sorted({one.id for one in exercises} | {one for folder in folders for one in list_exercise_ids(folder)})
 
 
 def _number(name: str, value: Any) -> float:

@@ -68,17 +68,17 @@ class Instructions:
     ) -> tuple[list[Record], list[tuple[str, str]]]:
         known = {one.student: one for one in (*(record.entry for record in book.records), *book.others)}
         stand_ins, others = [], []
-        for student, exercise in book.missing:
-            decided = self.overrides.find(student, exercise)
+        for student, exercise_id in book.missing:
+            decided = self.overrides.find(student, exercise_id)
             if decided is None or decided.score is None:
-                others.append((student, exercise))
+                others.append((student, exercise_id))
                 continue
-            task = exercises[exercise]
-            report = engine.unreadable(task, "", _NOTHING).to_mapping()
-            who = known.get(student, Entry(student, exercise, ""))
-            entry = Entry(student, exercise, "", who.name, platform=who.platform)
-            record = Record(entry, "", 0, None, report, title=task.title)
-            adjustment = self.deadlines.judge(student, task, None, marked=False)
+            exercise = exercises[exercise_id]
+            report = engine.unreadable(exercise, "", _NOTHING).to_mapping()
+            who = known.get(student, Entry(student, exercise_id, ""))
+            entry = Entry(student, exercise_id, "", who.name, platform=who.platform)
+            record = Record(entry, "", 0, None, report, title=exercise.title)
+            adjustment = self.deadlines.judge(student, exercise, None, marked=False)
             adjustment = replace(adjustment, override=decided.score, comment=decided.comment, warning="")
             stand_ins.append(replace(record, adjustment=adjustment))
         return stand_ins, others

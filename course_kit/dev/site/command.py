@@ -22,7 +22,7 @@ import nbformat
 from course_kit import environment
 from course_kit.dev import notebooks
 from course_kit.grading import GradingError
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import export
 from course_kit.ros2cli import parser as ros2_parser
 from course_kit.text.console import cannot
@@ -125,8 +125,10 @@ def gather(root: Path, folder: Path) -> None:
 
 def _in_order(folder: Path) -> list[Path]:
     """The notebooks of the exercises in a folder, in the course's order."""
-    tasks = sorted((exercise.load(name, folder) for name in exercise.ids(folder)), key=lambda task: task.order)
-    return [folder / task.id / task.notebook for task in tasks]
+    exercises = sorted(
+        (load_exercise(name, folder) for name in list_exercise_ids(folder)), key=lambda exercise: exercise.order
+    )
+    return [folder / exercise.id / exercise.notebook for exercise in exercises]
 
 
 def _filled_in(text: str, root: Path, lists: dict[str, list[Path]]) -> str:

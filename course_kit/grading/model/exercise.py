@@ -109,7 +109,7 @@ class Exercise:
         return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
 
-def exercises_folder() -> Path:
+def find_exercises_folder() -> Path:
     """The course's folder of exercises."""
     folder = exercise_folders.course_folder()
     if folder is None:
@@ -117,24 +117,24 @@ def exercises_folder() -> Path:
     return folder
 
 
-def find(folder: Path | None = None) -> FoundExercises:
+def find_exercises(folder: Path | None = None) -> FoundExercises:
     """Where the exercises lie."""
     if folder is not None:
         return FoundExercises(exercise_folders.within(folder))
     found = exercise_folders.find()
     if not found.folders and not found.problems:
-        exercises_folder()
+        find_exercises_folder()
     return found
 
 
-def ids(folder: Path | None = None) -> list[str]:
+def list_exercise_ids(folder: Path | None = None) -> list[str]:
     """The ids of all exercises, in the alphabet's order."""
-    return sorted(find(folder).folders)
+    return sorted(find_exercises(folder).folders)
 
 
-def load(exercise_id: str, folder: Path | None = None) -> Exercise:
+def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise."""
-    found = find(folder)
+    found = find_exercises(folder)
     drills = exercise_folders.drills(folder)
     places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
     if not places:
@@ -144,19 +144,19 @@ def load(exercise_id: str, folder: Path | None = None) -> Exercise:
         raise GradingError(" ".join((there_are, *found.problems)))
     if exercise_id in found.doubles:
         raise GradingError(found.doubles[exercise_id])
-    return read(places[0])
+    return read_exercise(places[0])
 
 
-def read(folder: Path) -> Exercise:
+def read_exercise(folder: Path) -> Exercise:
     """Read the exercise in a folder."""
-    table = table_of(folder)
+    table = read_exercise_table(folder)
     try:
         return _parse(table, folder)
     except (ValueError, KeyError, TypeError) as problem:
         raise _unusable(folder, problem) from problem
 
 
-def table_of(folder: Path) -> Record:
+def read_exercise_table(folder: Path) -> Record:
     """All that stands in the exercise.toml of a folder."""
     try:
         return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
@@ -200,7 +200,7 @@ def _parse(table: Record, folder: Path) -> Exercise:
         hints=hints,
         diagnoses=_diagnoses(table.get("diagnoses", {})),
         seed=seed,
-        solution=solution_of(table, folder),
+        solution=find_solution(table, folder),
         grader=_grader(table, folder),
         sentences=sentences.read(table.get("sentences", [])),
         endpoints=_endpoints(table.get("endpoints", [])),
@@ -227,7 +227,7 @@ def _grader(table: Record, folder: Path) -> str:
     return str(folder.absolute() / grader)
 
 
-def solution_of(table: Record, folder: Path) -> Path:
+def find_solution(table: Record, folder: Path) -> Path:
     """Where the solution lies: the course's own beside all exercises, in a folder that a release leaves out."""
     named = table.get("solution")
     if named is None:

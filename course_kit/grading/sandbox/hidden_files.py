@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import find_solution, read_exercise_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,11 +27,11 @@ _KIT = __name__.partition(".")[0]
 _OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
 
 
-def of(task: Exercise) -> tuple[str, ...]:
+def of(exercise: Exercise) -> tuple[str, ...]:
     """The real paths of files and folders that the submissions of an exercise may not see."""
     exercises, packages = exercise_folders.added()
-    found = [folder.resolve() for folder in (task.folder, *exercises, *packages)]
-    found += beside(task.solution, task.grader)
+    found = [folder.resolve() for folder in (exercise.folder, *exercises, *packages)]
+    found += beside(exercise.solution, exercise.grader)
     for folder in exercises:
         with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for
             found += _named(folder, (folder / exercise_folders.TOML).stat().st_mtime_ns)
@@ -65,8 +66,8 @@ def _with_bytecode(module: Path) -> Iterator[Path]:
 def _named(folder: Path, written: int) -> tuple[Path, ...]:
     """What the exercise.toml of a folder names outside of it; read again when it was written at another time."""
     del written
-    table = exercise.table_of(folder)
-    return tuple(beside(exercise.solution_of(table, folder), str(table.get("grader", ""))))
+    table = read_exercise_table(folder)
+    return tuple(beside(find_solution(table, folder), str(table.get("grader", ""))))
 
 
 def _is_of_libraries(folder: Path) -> bool:

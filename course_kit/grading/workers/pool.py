@@ -16,7 +16,7 @@ from course_kit.grading.workers.worker import Worker, side_by_side
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.engine import Task
+    from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.report import Report
 
 _TRIES = 2
@@ -32,7 +32,7 @@ class Pool:
         self._busy: set[Worker] = set()
         self._closed = False
 
-    def grade(self, task: Task) -> Report:
+    def grade(self, request: GradingRequest) -> Report:
         """Grade with a worker that is free; a report comes whatever happens."""
         problem = ""
         for _ in range(_TRIES):
@@ -40,14 +40,14 @@ class Pool:
             if worker is None:
                 break
             try:
-                report = engine.grade_task(task, worker)
+                report = engine.grade_submission(request, worker)
             except Exception as failure:  # noqa: BLE001 - a worker in an unforeseen state must not end a class run
                 problem = str(failure) if isinstance(failure, GradingError) else f"The worker failed: {failure!r}."
                 self._give_back(worker, usable=False)
             else:
                 self._give_back(worker, usable=True)
                 return report
-        return engine.unreadable(task.exercise, task.shown, problem, status="error")
+        return engine.unreadable(request.exercise, request.shown, problem, status="error")
 
     def close(self) -> None:
         """End all workers and what they have under way."""

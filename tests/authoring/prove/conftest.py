@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring.prove import equivalent, proving
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -90,7 +90,7 @@ class Tiny:
 
     @property
     def exercise(self) -> Exercise:
-        return exercise.load("tiny", self.folder / "exercises")
+        return load_exercise("tiny", self.folder / "exercises")
 
     def declare(self, text: str) -> None:
         (self.exercise.solution.parent / equivalent.FILE).write_text(text)

@@ -19,8 +19,8 @@ ARGUMENTS = ("prove", "tiny", "--workers", "1", "--quick")
 @pytest.fixture
 def known(tiny: Tiny, monkeypatch: pytest.MonkeyPatch) -> Tiny:
     """The tiny exercise, where the command finds it."""
-    task = tiny.exercise
-    monkeypatch.setattr(exercise, "load", lambda *_: task)
+    made = tiny.exercise
+    monkeypatch.setattr(exercise, "load_exercise", lambda *_: made)
     return tiny
 
 

@@ -6,7 +6,7 @@ import random
 from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.records import Entry, Gradebook, Record
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     Maker = Callable[..., Record]
 
-SERVICE = exercise.load("temperature_service")
-ROBOT = exercise.load("move_robot")
-CHOICE = exercise.load("pattern_choice")
+SERVICE = load_exercise("temperature_service")
+ROBOT = load_exercise("move_robot")
+CHOICE = load_exercise("pattern_choice")
 
 HOSTILE = (
     '=HYPERLINK("http://evil.example","click")',
@@ -63,7 +63,7 @@ def record(  # noqa: PLR0913 - each with a default, for tests to name what they 
     student: str,
     checks: Iterable[dict[str, Any]] = (),
     *,
-    of: exercise.Exercise = SERVICE,
+    of: Exercise = SERVICE,
     status: str = "graded",
     digest: str = "",
     size: int = 1000,
@@ -108,7 +108,7 @@ def not_graded(student: str, **more: Any) -> Record:
     return record(student, status="error", stderr="the worker was gone", **more)
 
 
-def book(*records: Record, exercises: tuple[exercise.Exercise, ...] = (SERVICE,), **more: Any) -> Gradebook:
+def book(*records: Record, exercises: tuple[Exercise, ...] = (SERVICE,), **more: Any) -> Gradebook:
     found = tuple(sorted(records, key=lambda one: (one.entry.student, one.entry.exercise)))
     return Gradebook(exercises, found, layout=more.pop("layout", "folders"), seed=7, **more)
 

@@ -19,7 +19,7 @@ from course_kit.classroom.exports import autograder_results
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
 from course_kit.grading import exercise_job
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from tests.classroom.exports import rules
 from tests.classroom.exports.books import SERVICE, bad, good, unreadable
 from tests.course_copy import REPOSITORY
@@ -54,7 +54,7 @@ def test_classroom_50_gets_whole_numbers(maker: object, score: int) -> None:
 
 @pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
 def test_every_check_of_the_course_is_worth_whole_numbers_there(name: str) -> None:
-    checks = exercise_job.checks_of(exercise.load(name), 1)
+    checks = exercise_job.checks_of(load_exercise(name), 1)
     assert checks
     assert all((autograder_results.SCALE * one.points).is_integer() for one in checks)
 

@@ -13,11 +13,11 @@ import pytest
 from course_kit.authoring import corpus
 from course_kit.grading import GradingError, engine, render_html, render_text
 from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.grading.model.report import Report
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-OWN = [(name, code) for name in exercise.ids() for code in exercise.load(name).diagnoses]
+OWN = [(name, code) for name in list_exercise_ids() for code in load_exercise(name).diagnoses]
 RESULT = {
     "id": "some_check",
     "title": "Something works",
@@ -56,17 +56,17 @@ def test_exercises_word_diagnoses_in_their_own_way() -> None:
 
 @pytest.mark.parametrize(("name", "code"), OWN)
 def test_a_link_of_an_exercise_names_a_heading_of_its_notebook(name: str, code: str) -> None:
-    found = exercise.load(name).diagnoses[code]
+    found = load_exercise(name).diagnoses[code]
     assert found.section in headings(REPOSITORY / found.notebook)
     assert found != catalogue.catalogue()[code]
 
 
 @pytest.mark.parametrize(("name", "code"), OWN)
 def test_what_an_exercise_says_of_a_diagnosis_is_in_its_card_and_report(name: str, code: str) -> None:
-    task = exercise.load(name)
-    own, usual = task.diagnoses[code], catalogue.catalogue()[code]
-    check = engine._check(task, {**RESULT, "diagnosis": code})
-    report = Report(name, task.title, "a.py", "graded", False, 0.0, 1.0, 1.0, (check,))
+    exercise = load_exercise(name)
+    own, usual = exercise.diagnoses[code], catalogue.catalogue()[code]
+    check = engine._check(exercise, {**RESULT, "diagnosis": code})
+    report = Report(name, exercise.title, "a.py", "graded", False, 0.0, 1.0, 1.0, (check,))
     card = html.unescape(render_html(report, REPOSITORY))
     text = " ".join(render_text(report).split())
     for shown in (own.title, own.explanation, f"{own.notebook}#{quote(own.section.replace(' ', '-'))}"):
@@ -79,19 +79,19 @@ def test_what_an_exercise_says_of_a_diagnosis_is_in_its_card_and_report(name: st
 
 
 def test_a_diagnosis_that_an_exercise_does_not_word_is_the_catalogues() -> None:
-    task = exercise.load("temperature_service")
-    assert task.diagnoses == {}
-    assert task.diagnosis("name.node") == catalogue.catalogue()["name.node"]
-    assert task.diagnosis(None) is task.diagnosis("no.such_code") is None
+    exercise = load_exercise("temperature_service")
+    assert exercise.diagnoses == {}
+    assert exercise.diagnosis("name.node") == catalogue.catalogue()["name.node"]
+    assert exercise.diagnosis(None) is exercise.diagnosis("no.such_code") is None
 
 
 def test_a_diagnosis_of_the_task_itself_leads_to_the_notebook_of_the_exercise() -> None:
-    for name in exercise.ids():
-        task = exercise.load(name)
-        found = task.diagnosis("math.formula")
+    for name in list_exercise_ids():
+        exercise = load_exercise(name)
+        found = exercise.diagnosis("math.formula")
         assert found is not None
-        assert found.notebook == f"exercises/{name}/{task.notebook}"
-        assert found.section in headings(task.folder / task.notebook) or not task.class_name
+        assert found.notebook == f"exercises/{name}/{exercise.notebook}"
+        assert found.section in headings(exercise.folder / exercise.notebook) or not exercise.class_name
 
 
 @pytest.mark.parametrize(
@@ -115,11 +115,11 @@ def test_a_mistake_in_an_exercises_diagnoses_is_named(table: str, said: str, tmp
     text = (REPOSITORY / "exercises/temperature_service/exercise.toml").read_text()
     (folder / "exercise.toml").write_text(f"{table}\n{text}" if table.startswith("diagnoses") else f"{text}\n{table}\n")
     with pytest.raises(GradingError, match=rf"exercise.toml cannot be used: .*{re.escape(said)}"):
-        exercise.load("temperature_service", tmp_path)
+        load_exercise("temperature_service", tmp_path)
 
 
 def test_whatever_exercise_1_diagnoses_is_taught_somewhere() -> None:
     codes = BROKEN & set(catalogue.catalogue())
     assert len(codes) > 20
-    taught = [exercise.load("temperature_service").diagnosis(code) for code in codes]
+    taught = [load_exercise("temperature_service").diagnosis(code) for code in codes]
     assert all(one is not None and (REPOSITORY / one.notebook).is_file() for one in taught)

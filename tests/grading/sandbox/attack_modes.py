@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import exercise_job
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_process
@@ -86,19 +86,19 @@ def main() -> None:
         launcher._serve(end)
         os._exit(0)
     end.close()
-    task = exercise.load(name)  # now: the process that starts submissions must not know it
+    exercise = load_exercise(name)  # now: the process that starts submissions must not know it
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
     print(json.dumps({"isolation": asdict(found)}), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        _grade_each(programs, (task, seed), mode, found, (handle, starter))
+        _grade_each(programs, (exercise, seed), mode, found, (handle, starter))
         os.chdir("/")
 
 
 def _grade_each(
     programs: dict[str, str],
-    asked: tuple[exercise.Exercise, int],
+    asked: tuple[Exercise, int],
     mode: str,
     found: isolation.Isolation,
     started: tuple[launcher.Launcher, int],
@@ -117,15 +117,15 @@ def _grade_each(
         tree.end_descendants((starter,))
 
 
-def of_program(task: exercise.Exercise, seed: int, source: str) -> Job:
+def of_program(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading a program."""
-    return replace(exercise_job.of_running(task, seed), mode="run", name="answer.py", source=source)
+    return replace(exercise_job.of_running(exercise, seed), mode="run", name="answer.py", source=source)
 
 
-def of_command(task: exercise.Exercise, seed: int, source: str) -> Job:
+def of_command(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading the same program as a command, which sees the folder that it is started from."""
     Path("answer.py").write_text(source)
-    return exercise_job.of_running(task, seed, shlex.join([sys.executable, "answer.py"]))
+    return exercise_job.of_running(exercise, seed, shlex.join([sys.executable, "answer.py"]))
 
 
 def open_the_way(path: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading import engine
-from course_kit.grading.model import exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox import hidden_files
 from tests import outside_exercises
@@ -70,9 +70,9 @@ print("FRAMES", len(names) > 10)
 def test_the_frames_of_a_program_name_no_hidden_folder(tmp_path: Path, worker: grading.Worker) -> None:
     hidden = tmp_path / "everybody"
     hidden.mkdir()
-    made = exercise.load("temperature_service")
-    report = engine.grade_task(
-        engine.Task(made, Submission("ada.py", "ada.py", FRAMES), "ada.py", 1, (str(hidden),)), worker
+    made = load_exercise("temperature_service")
+    report = engine.grade_submission(
+        engine.GradingRequest(made, Submission("ada.py", "ada.py", FRAMES), "ada.py", 1, (str(hidden),)), worker
     )
     assert "FRAMES True" in report.stdout, (report.stdout, report.stderr, report.problem)
     assert "WON" not in report.stdout
