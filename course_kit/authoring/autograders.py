@@ -64,9 +64,8 @@ def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> 
     exercise = load_exercise(exercise_id)
     for name in names:
         text = (_TEMPLATES / platform / f"{name}.in").read_text(encoding="utf-8")
-        filled_in = text.replace(_FOR_EXERCISE, exercise.id).replace(
-            _FOR_OPTIONS, "" if seed is None else f"--seed={seed}"
-        )
+        options = "" if seed is None else f"--seed={seed}"
+        filled_in = text.replace(_FOR_EXERCISE, exercise.id).replace(_FOR_OPTIONS, options)
         yield name, filled_in.encode(), _EXECUTABLE
 
 

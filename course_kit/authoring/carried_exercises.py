@@ -10,14 +10,13 @@ import ast
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import read_exercise_table
+from course_kit.grading.model.exercise import Exercise, read_exercise_table
 from course_kit.grading.model.exercise_folders import INTERFACES, TOML
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from course_kit.grading.model.exercise import Exercise
 
 FOLDER = "exercises"
 _PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
@@ -26,16 +25,12 @@ _KINDS = (".msg", ".srv", ".action")
 
 def files(exercise: Exercise) -> dict[str, Path]:
     """The files of an exercise, by the names they have in a course's folder."""
-    found = {
-        exercise.folder / TOML,
-        exercise.folder / exercise.starter,
-        exercise.folder / exercise.notebook,
-        *_checks(exercise.folder),
-    }
-    found |= {path for path in (exercise.folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
-    found |= {path for path in exercise.folder.glob("*") if path.suffix.lower() in _PICTURES}
-    place = exercise_folders.place(exercise.folder)
-    return {f"{FOLDER}/{place}/{path.relative_to(exercise.folder).as_posix()}": path for path in sorted(found)}
+    folder = exercise.folder
+    found = {folder / TOML, folder / exercise.starter, folder / exercise.notebook, *_checks(folder)}
+    found |= {path for path in (folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
+    found |= {path for path in folder.glob("*") if path.suffix.lower() in _PICTURES}
+    place = exercise_folders.place(folder)
+    return {f"{FOLDER}/{place}/{path.relative_to(folder).as_posix()}": path for path in sorted(found)}
 
 
 def added() -> list[str]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import load_exercise, read_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -22,8 +22,6 @@ else:
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from course_kit.grading.model.exercise import Exercise
 
 
 @dataclass(frozen=True)
@@ -78,11 +76,8 @@ def folders_of(exercise: Exercise, root: Path) -> tuple[Path, Path, Path]:
     """Where the sets of an exercise lie: right programs, wrong programs, and the file of the slips."""
     if exercise.folder == root / "exercises" / exercise.id:
         tests = root / "tests"
-        return (
-            tests / "grading" / "correct" / exercise.id,
-            tests / "broken" / exercise.id,
-            tests / "slips" / f"{exercise.id}.toml",
-        )
+        slips = tests / "slips" / f"{exercise.id}.toml"
+        return tests / "grading" / "correct" / exercise.id, tests / "broken" / exercise.id, slips
     proof = exercise.folder / exercise_folders.PROOF
     return proof / "correct", proof / "broken", proof / "slips.toml"
 
@@ -91,10 +86,8 @@ def load(exercise_id: str, root: Path) -> Corpus:
     """The sets of one exercise of the checkout `root`, or of one that was added."""
     own = root / "exercises" / exercise_id
     exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
-    found = [
-        ProofSubmission(exercise.id, "starter", name, exercise.folder / name)
-        for name in (exercise.starter, exercise.notebook)
-    ]
+    starters = exercise.starter, exercise.notebook
+    found = [ProofSubmission(exercise.id, "starter", name, exercise.folder / name) for name in starters]
     if exercise.solution.is_file():
         found.append(ProofSubmission(exercise.id, "solution", exercise.solution.name, exercise.solution))
     correct, broken, table = folders_of(exercise, root)

@@ -18,7 +18,7 @@ from course_kit import environment
 from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.ros.names import did_you_mean
 
 if sys.version_info >= (3, 11):
@@ -28,8 +28,6 @@ else:
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
-
-    from course_kit.grading.model.exercise import Exercise
 
 
 README = Path(__file__).parent / "student" / "README.md"

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.reader import fingerprints
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from course_kit.grading.model.exercise import Exercise
 
 _SEED = 1
 _FEW = 6  # programs: no more workers are started for them

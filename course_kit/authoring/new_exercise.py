@@ -18,13 +18,12 @@ from course_kit.authoring import task_text
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import read_exercise
+from course_kit.grading.model.exercise import Exercise, read_exercise
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.grading.model.exercise import Exercise
 
 KINDS = ("service", "action", "parameters", "topic")
 _TEMPLATES = Path(__file__).with_name("templates") / "new_exercise"

@@ -14,12 +14,11 @@ from course_kit.classroom.intake.listing import FOLDER, Item, of_a_tool
 from course_kit.classroom.records import Entry, Record
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
 
 _STUDENT = "submission"  # there is only one, and the platform knows who

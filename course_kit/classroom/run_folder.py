@@ -18,14 +18,13 @@ from typing import TYPE_CHECKING, Any
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import load_exercise, read_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
 from course_kit.text.sanitize import encodable, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.classroom.run import Plan
-    from course_kit.grading.model.exercise import Exercise
 
 NOTE = "run.json"
 FORMAT_VERSION = 1

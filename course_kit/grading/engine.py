@@ -14,7 +14,7 @@ from course_kit.grading import exercise_job
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import bounds, exercise_folders, submission
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.grading_outcome import GradingOutcome
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record

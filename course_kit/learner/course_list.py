@@ -61,9 +61,8 @@ def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Ro
     listed = [exercise for exercise in loaded if isinstance(exercise, Exercise) and exercise.practice == practice]
     found = [Row(exercise, records.get(exercise.id, progress.ProgressRecord())) for exercise in listed]
     told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
-    return sorted(found, key=lambda row: (row.exercise.order, row.exercise.id)), [
-        sentence for sentence in told if sentence
-    ]
+    found.sort(key=lambda row: (row.exercise.order, row.exercise.id))
+    return found, [sentence for sentence in told if sentence]
 
 
 def _load(name: str, folder: Path | None) -> Exercise | str:
@@ -114,16 +113,13 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     exercise, known = row.exercise, row.known
     best = f"{known.best:g}" if known.tries else "-"
     mark = tick if known.passed else " "
-    numbers = f"{exercise.points:>6g}  {exercise.pass_mark:>7g}  {best:>4}"
-    head = f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  "
-    title = wrapped(exercise.title, " " * 7, " " * 7)
-    where = (
-        [f"       {workspace.shown(exercise.folder / exercise.notebook)}"]
-        if exercise_folders.is_added(exercise.folder)
-        else []
-    )
     state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"  # for who sees no tick
-    return [f"{head}{known.tries:>5}  {state}", *title, *where]
+    numbers = f"{exercise.points:>6g}  {exercise.pass_mark:>7g}  {best:>4}  {known.tries:>5}"
+    lines = [f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  {state}"]
+    lines += wrapped(exercise.title, " " * 7, " " * 7)
+    if exercise_folders.is_added(exercise.folder):
+        lines.append(f"       {workspace.shown(exercise.folder / exercise.notebook)}")
+    return lines
 
 
 def tick(encoding: str | None) -> str:
@@ -168,10 +164,8 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
         mark, done = (tick(encoding), ": done") if row.known.passed else (" ", "")
-        lines += [
-            f"[{mark}] {row.exercise.order} {row.exercise.id}{done}",
-            *wrapped(row.exercise.symptom, _INDENT, _INDENT),
-        ]
+        lines.append(f"[{mark}] {row.exercise.order} {row.exercise.id}{done}")
+        lines += wrapped(row.exercise.symptom, _INDENT, _INDENT)
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
     following = next((row.exercise.id for row in found if not row.known.passed), None)
     if following is not None:
@@ -181,13 +175,13 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
 
 def begin_drill(drill_id: str) -> str:
     """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
-    found = {row.exercise.id: row.exercise for row in rows(practice=True)[0]}
-    if drill_id in list_exercise_ids() and drill_id not in found:
-        raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
-    if drill_id not in found:
-        guess = did_you_mean(drill_id, found)
-        raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(found) or 'none'}.")
-    exercise = found[drill_id]
+    drills = {row.exercise.id: row.exercise for row in rows(practice=True)[0]}
+    if drill_id not in drills:
+        if drill_id in list_exercise_ids():
+            raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
+        guess = did_you_mean(drill_id, drills)
+        raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(drills) or 'none'}.")
+    exercise = drills[drill_id]
     place = workspace.exercise_folder(exercise)
     if place is None:
         raise workspace.no_files_of(exercise, "watch")
@@ -195,17 +189,13 @@ def begin_drill(drill_id: str) -> str:
         if not missing.file.exists():
             missing.carry_out()
     command, program = environment.command(), workspace.shown(place / exercise.starter)
-    return "\n".join(
-        [
-            *wrapped(f"Drill {exercise.order}: {exercise.title}", "", _INDENT),
-            "",
-            *wrapped(exercise.symptom),
-            "",
-            f"The program:     {program}",
-            f"In a notebook:   {workspace.shown(place / exercise.notebook)}",
-            f"While you work:  {command} watch {exercise.id}",
-            f"Is it done?      {command} grade {exercise.id} {program}",
-            f"A hint:          {command} hint {exercise.id}",
-            f"Start again:     {command} reset {exercise.id}",
-        ]
-    )
+    lines = [*wrapped(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrapped(exercise.symptom), ""]
+    lines += [
+        f"The program:     {program}",
+        f"In a notebook:   {workspace.shown(place / exercise.notebook)}",
+        f"While you work:  {command} watch {exercise.id}",
+        f"Is it done?      {command} grade {exercise.id} {program}",
+        f"A hint:          {command} hint {exercise.id}",
+        f"Start again:     {command} reset {exercise.id}",
+    ]
+    return "\n".join(lines)

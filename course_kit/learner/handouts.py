@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import shown
 from course_kit.text.console import cannot, tell, wrapped
 
 if TYPE_CHECKING:
-    from course_kit.grading.model.exercise import Exercise
     from course_kit.learner.progress import ProgressRecord
 
 _wrap = partial(wrapped, following="  ", whole_words=True)

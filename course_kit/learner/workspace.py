@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Glance
 from course_kit.grading.reading.readings import Readings, starter_identities
@@ -31,7 +31,6 @@ from course_kit.text.console import cannot, tell
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from course_kit.grading.model.exercise import Exercise
 
 BESIDE = "new-version"
 _COMMAND = "course"
@@ -246,9 +245,8 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
         other = program if best == notebook else notebook
-        lacks = (
-            "is the starter still" if len(changed) == 1 else f"does not hold {exercise.class_name or exercise.variable}"
-        )
+        unfinished = f"does not hold {exercise.class_name or exercise.variable}"
+        lacks = "is the starter still" if len(changed) == 1 else unfinished
         return best, f", because {other.name} {lacks}"
     if not changed:
         return program, ""

@@ -23,7 +23,6 @@ from course_kit.text.sanitize import one_line
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.submission import Copy
     from course_kit.grading.reading.reading_answers import Glance
 

@@ -15,7 +15,7 @@ from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAM
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
+from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Glance
 from course_kit.grading.reading.readings import starter_identities
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item, Left
     from course_kit.classroom.intake.sources import Opened
-    from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.reading.readings import Readings
 
 _LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s

@@ -18,7 +18,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise import list_exercise_ids
+from course_kit.grading.model.exercise import Exercise, list_exercise_ids
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.rules.tables import People
-    from course_kit.grading.model.exercise import Exercise
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100

@@ -125,10 +125,8 @@ def gather(root: Path, folder: Path) -> None:
 
 def _in_order(folder: Path) -> list[Path]:
     """The notebooks of the exercises in a folder, in the course's order."""
-    exercises = sorted(
-        (load_exercise(name, folder) for name in list_exercise_ids(folder)), key=lambda exercise: exercise.order
-    )
-    return [folder / exercise.id / exercise.notebook for exercise in exercises]
+    exercises = (load_exercise(name, folder) for name in list_exercise_ids(folder))
+    return [one.folder / one.notebook for one in sorted(exercises, key=lambda exercise: exercise.order)]
 
 
 def _filled_in(text: str, root: Path, lists: dict[str, list[Path]]) -> str:

@@ -16,12 +16,11 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import find_solution, read_exercise_table
+from course_kit.grading.model.exercise import Exercise, find_solution, read_exercise_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.grading.model.exercise import Exercise
 
 _KIT = __name__.partition(".")[0]
 _OPTIMIZATIONS = ("", 1, 2)  # of Python's -O

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring.prove import equivalent, proving
-from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.authoring.prove.proving import GraderProof
-    from course_kit.grading.model.exercise import Exercise
 
 SOLUTION = 'limits = {\n    "low": 2,\n    "high": 5,\n}\n'
 _TOML = """
