@@ -30,7 +30,6 @@ WEEKLY = (
     "tests/grading/checks/test_sending_attacks.py::test_a_status_line_that_is_no_text",
     "tests/grading/sandbox/test_hostile.py::test_a_flood_of_notes",
     "tests/grading/test_reading_attacks.py::test_the_rest_of_a_class_is_graded",
-    "tests/interfaces/test_reference_build.py",
     "tests/presentation/test_present_command.py::test_two_at_a_time",
     "tests/test_wheel.py",
 )

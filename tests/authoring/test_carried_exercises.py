@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring import autograders, edition_plan
+from course_kit.authoring import autograders
 from tests import outside_exercises
-from tests.course_copy import REPOSITORY, TEMPERATURE, Course
+from tests.course_copy import TEMPERATURE, Course
 from tests.outside_exercises import ID
 
 if TYPE_CHECKING:
@@ -67,13 +67,6 @@ def test_an_edition_with_a_solved_starter_is_refused(
     assert done.returncode == 1, done.stderr
     assert "exercises/add_three/add_three.py" in done.stderr
     assert not (tmp_path / "student").exists()
-
-
-def test_it_can_be_left_out(mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COURSE_EXERCISES", str(mine))
-    planned = edition_plan.plan(REPOSITORY, [ID])
-    assert planned.unwanted == [ID]
-    assert not [name for name in planned.files if ID in name]
 
 
 def test_an_autograder_has_it_where_the_kit_looks(mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import check, corpus, rules
+from course_kit.authoring import corpus, rules
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
@@ -107,34 +107,6 @@ new = 'answer = {{'
     assert told in err
     path.write_text(path.read_text().replace("failed", "fails"))
     assert f"{path} cannot be used: in the slip odd, 'failed' is missing." in run(capsys, EXERCISE)[2]
-
-
-def test_its_help_tells_an_author_where_exercises_of_their_own_come_from(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        check.main(["--help"])
-    said = " ".join(capsys.readouterr().out.split())
-    assert "--exercises DIR" in said
-    assert "what lies in its folder proof/" in said
-
-
-def test_a_sentence_that_nothing_turns_red_is_named(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = course / "exercises" / EXERCISE / "exercise.toml"
-    path.write_text(path.read_text() + '[[sentences]]\nid = "dictionary"\ntext = "The answers are a dictionary."\n')
-    code, out, _ = run(capsys, EXERCISE)
-    shown = " ".join(out.split())
-    assert code == 1
-    assert "no submission that breaks the sentence 'dictionary' fails one of its checks (answers)" in shown
-    assert "names the sentence 'no_scenario', which exercise.toml does not have" in shown
-
-
-def test_mistakes_of_use_are_told(course: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, err = run(capsys, "unicorn")
-    assert code == 2
-    assert "There is no exercise 'unicorn'" in err
-    with pytest.raises(SystemExit):
-        run(capsys, EXERCISE, "--workers", "0")
-    shutil.rmtree(course / "tests")
-    assert run(capsys, EXERCISE)[0] == 2
 
 
 def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Report:

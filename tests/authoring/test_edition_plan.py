@@ -44,16 +44,6 @@ def test_the_longest_path_on_the_lists_decides(name: str, owner: Owner) -> None:
     assert edition_plan.read_parts().owner(name) is owner
 
 
-@pytest.mark.parametrize(
-    "text", ["students = 1", "students = ['a']", "students = ['a']\ninstructors = ['a']", "students ="]
-)
-def test_a_list_with_a_mistake_is_a_sentence(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "edition.toml"
-    path.write_text(text)
-    with pytest.raises(GradingError, match=r"edition\.toml cannot be used: "):
-        edition_plan.read_parts(path)
-
-
 def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:
     for name in ("lecture 3/answers.py", "lecture 3/more.py", "exam.md", "course_kit/secrets/x.py"):
         (clone.root / name).parent.mkdir(exist_ok=True)
@@ -95,25 +85,6 @@ def test_an_exercise_that_git_calls_changed_is_refused(clone: Course, change: st
     assert TEMPERATURE not in edition_plan.plan(clone.root, [TEMPERATURE]).exercises
 
 
-def test_an_exercise_that_is_not_wanted_stays_out(clone: Course) -> None:
-    planned = edition_plan.plan(clone.root, ["move_robot"])
-    assert "move_robot" not in planned.exercises
-    assert not [name for name in planned.files if name.startswith("exercises/move_robot")]
-    assert "Left out, as you asked: move_robot." in told(planned)
-    with pytest.raises(GradingError, match="Did you mean move_robot"):
-        edition_plan.plan(clone.root, ["mov_robot"])
-
-
-def test_what_differs_from_the_last_commit_is_named(clone: Course) -> None:
-    (clone.root / "notebooks/00_welcome.ipynb").unlink()
-    robot = clone.root / "course_kit/robot.py"
-    robot.write_text(f"{robot.read_text()}\n")
-    ours = clone.root / "course_kit/authoring/rules.py"
-    ours.write_text(f"{ours.read_text()}\n")
-    said = told(edition_plan.plan(clone.root))
-    assert "Differ from the last commit: course_kit/robot.py, notebooks/00_welcome.ipynb." in said
-
-
 def test_without_git_what_was_generated_stays_out_and_it_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -134,15 +105,6 @@ def test_without_git_what_was_generated_stays_out_and_it_is_said(
     planned = edition_plan.plan(tmp_path)
     assert sorted(planned.files) == ["README.md", "exercises/b/b.py", "notebooks/a.ipynb"]
     assert "Git could not be asked (git is not installed)" in told(planned)
-
-
-def test_an_edition_made_before_in_the_course_is_no_part_of_it(clone: Course) -> None:
-    edition = clone.root / "student 1"
-    (edition / "course_kit").mkdir(parents=True)
-    (edition / "README.md").touch()
-    (clone.root / "student.zip").touch()
-    planned = edition_plan.plan(clone.root)
-    assert (planned.undecided, planned.untracked) == ([], [])
 
 
 def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course) -> None:

@@ -188,18 +188,6 @@ def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(
     assert {"exam/question.md", "course_kit/authoring/release.py"} < set(names)
 
 
-def test_a_list_that_cannot_be_written_is_said_beside_the_edition(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    made = (tmp_path, edition_plan.EditionPlan())
-    monkeypatch.setattr(release, "make", lambda *_arguments: made)
-    (tmp_path / "file").touch()
-    assert release.run("student", left_out_file=str(tmp_path / "file" / "list")) == 2
-    said = capsys.readouterr()
-    assert f"The student edition is in {tmp_path}." in said.out
-    assert said.err.startswith(f"course-kit: {tmp_path / 'file'}")
-
-
 def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None:
     cell = nbformat.v4.new_code_cell
     result = nbformat.v4.new_output("execute_result", {"text/plain": "3"}, execution_count=3)
@@ -216,23 +204,3 @@ def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None
     assert [one.source for one in kept] == ["broken()", "later()", "1 + 2"]
     assert [one.execution_count for one in kept] == [1, None, 2]
     assert kept[2].outputs[0].execution_count == 2
-
-
-def test_it_never_writes_over_anything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "work.txt").write_text("mine")
-    taken = tmp_path / "taken.zip"
-    taken.write_bytes(b"mine")
-    assert release.run(str(tmp_path)) == 2
-    assert release.run(str(taken)) == 2
-    assert "choose another name" in capsys.readouterr().err
-    assert taken.read_bytes() == b"mine"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["taken.zip", "work.txt"]
-
-
-def test_what_cannot_be_written_is_said_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").touch()
-    assert release.run(str(tmp_path / "file" / "student")) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"course-kit: {tmp_path / 'file'}")
-    assert "could not be written: " in said
-    assert "Errno" not in said

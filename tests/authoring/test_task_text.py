@@ -10,7 +10,6 @@ import pytest
 
 from course_kit import environment
 from course_kit.authoring import corpus, new_exercise, task_text
-from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.sentences import Sentence
@@ -65,25 +64,6 @@ def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
         "",
         "- **Last.** An end.",
     ]
-
-
-def test_in_a_starter_lines_are_wrapped_and_headings_plain() -> None:
-    assert task_text.blocks([FIRST, SECOND], width=18).splitlines() == ["- One. A first. A", "  second."]
-
-
-def test_what_stands_around_the_list_stays() -> None:
-    text = "Before.\n\n- old\n  more of it\n\n| a |\n\n- older\n  still\n\nAfter.\n"
-    assert task_text.replaced(text, "- new", "there") == "Before.\n\n- new\n\nAfter.\n"
-
-
-def test_a_text_without_a_place_says_so() -> None:
-    with pytest.raises(GradingError, match="the cell 'task' has no line that begins with '- '"):
-        task_text.replaced("No list.", "- new", "the cell 'task'")
-
-
-def test_a_row_of_another_length_is_named() -> None:
-    with pytest.raises(GradingError, match=r"'\| y \|' does not have 2 cells"):
-        task_text.blocks([ROW, Sentence("d", "| y |")])
 
 
 def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

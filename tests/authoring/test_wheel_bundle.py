@@ -10,7 +10,6 @@ import pytest
 
 from course_kit.authoring import wheel_bundle
 from course_kit.authoring.wheel_bundle import LockedPackage
-from course_kit.cli.main import main
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -53,20 +52,6 @@ def test_the_wheels_for_another_python_and_an_older_linux_are_downloaded(source:
     assert {path.name for path in bundle.iterdir()} == {f"{name}-1.0-{tag}.whl" for name, tag in tags.items()}
 
 
-def test_pip_loads_nothing_from_the_folder_that_one_is_in(
-    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    wanted = LockedPackage("plain", "1.0", "", (wheel(source, "plain", "py3-none-any"),))
-    inbox = tmp_path / "inbox"
-    inbox.mkdir()
-    for name in ("pip", "runpy", "json", "ssl"):
-        (inbox / f"{name}.py").write_text(f"open({str(tmp_path / 'loaded')!r}, 'a').write(__name__)\n")
-    monkeypatch.chdir(inbox)
-    wheel_bundle.download([wanted], "3.12", tmp_path)
-    assert (tmp_path / "plain-1.0-py3-none-any.whl").is_file()
-    assert not (tmp_path / "loaded").exists()
-
-
 def test_a_file_that_is_not_the_one_of_the_lock_is_refused(source: Path, tmp_path: Path) -> None:
     wheel(source, "plain", "py3-none-any")
     with pytest.raises(wheel_bundle.BundleError, match=r"Python 3\.12 did not finish; the lines above say why"):
@@ -81,9 +66,3 @@ def test_it_holds_what_a_set_up_installs_and_what_builds_the_course() -> None:
     assert "pytest" in {package.name for package in wheel_bundle.packages(REPOSITORY, "3.12", tests=True)}
     assert ("tomli" in found, "appnope" in found) == (False, False)
     assert "tomli" in {package.name for package in wheel_bundle.packages(REPOSITORY, "3.10")}
-
-
-def test_a_python_the_course_is_not_for_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bundle", str(tmp_path / "x"), "--python", "3.9"]) == 2
-    assert "the course is for Python 3.10, 3.11, 3.12, 3.13, 3.14, not 3.9." in capsys.readouterr().err
-    assert not (tmp_path / "x").exists()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import choosing, collecting
+from course_kit.classroom.intake import collecting
 from course_kit.grading import GradingError
 from course_kit.grading.model.exercise import load_exercise
 
@@ -116,12 +116,6 @@ def test_work_of_moodles_default_group_is_no_participants(tmp_path: Path) -> Non
     }
 
 
-def test_a_learners_folder_in_a_fork_has_lessons_of_ours_and_work_of_theirs() -> None:
-    ours = ["f/course_kit/__init__.py", "f/exercises/a/exercise.toml", "f/my-course/notebooks/01_services.ipynb"]
-    theirs = ["f/my-course/exercises/a/a.py", "f/my-course/notebooks/mine.ipynb"]
-    assert choosing.parts_of_kit([*ours, *theirs]) == {ours[0], ours[2]}
-
-
 WRAPPED = {
     "canvas": canvas(SERVICE_PY, 100),
     "moodle": moodle(SERVICE_PY, 11),
@@ -151,21 +145,6 @@ def test_a_class_in_a_folder_that_could_be_a_student_is_asked_for(tmp_path: Path
         collect(tmp_path, tmp_path / "in")
     assert len(collect(tmp_path, tmp_path / "in/spring").entries) == len(NAMES)
     assert len(collect(tmp_path, tmp_path / "in", layout="folders").entries) == 1
-
-
-def test_whose_zip_looks_like_a_download_is_still_one_student_among_others(tmp_path: Path) -> None:
-    for name in NAMES:
-        pack(tmp_path / f"in/{name}.zip", {SERVICE_PY: name})
-    pack(tmp_path / "in/mallory.zip", canvas(SERVICE_PY, 100))
-    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
-    assert set(handed_in(found)) == {*NAMES, "mallory"}
-    assert {entry.source for entry in found.entries if entry.student != "mallory"} == {
-        f"{name}.zip.contents/{SERVICE_PY}" for name in NAMES
-    }
-    for name in NAMES:
-        (tmp_path / f"in/{name}.zip").unlink()
-    with pytest.raises(GradingError, match=r"one zip, mallory\.zip"):
-        collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "workspace")
 
 
 def test_a_windows_zip_has_backslashes_between_folders(tmp_path: Path) -> None:
@@ -200,12 +179,6 @@ def test_names_as_canvas_writes_them(name: str) -> None:
     assert unit.platform.get("canvas_user", "") == ("" if unit.student.startswith("anon") else "12345")
 
 
-def test_the_tenth_resubmission_is_newer_than_the_second(tmp_path: Path) -> None:
-    files = {f"doejane_12345_67890_temperature_service{suffix}.py": suffix for suffix in ("", "-1", "-10", "-2", "-9")}
-    found = collecting.collect(pack(tmp_path / "all.zip", files), (SERVICE,), tmp_path / "workspace")
-    assert [entry.source for entry in found.entries] == ["doejane_12345_67890_temperature_service-10.py"]
-
-
 def test_a_group_of_gradescope_is_each_of_its_members(tmp_path: Path) -> None:
     metadata = (
         "submission_1:\n  :submitters:\n  - :name: Ann\n    :sid: '1'\n    :email: ann@x.example\n"
@@ -221,10 +194,3 @@ def test_a_group_of_gradescope_is_each_of_its_members(tmp_path: Path) -> None:
     assert entries["2"].name == "Jörg"
     assert entries["2"].platform["group"] == entries["1"].platform["group"] == "submission_1"
     assert entries["1"].platform["submitted_at"].startswith("2026-11-01 12:00:00")
-
-
-def test_of_files_of_one_age_somebody_is_told_that_only_a_name_decided(tmp_path: Path) -> None:
-    files = {f"ann/{SERVICE_PY}": "a = 1", f"ann/a/{SERVICE_PY}": "a = 3", f"bob/{SERVICE_PY}": "a = 2"}
-    found = collecting.collect(pack(tmp_path / "all.zip", files), (SERVICE,), tmp_path / "workspace")
-    [entry] = [one for one in found.entries if one.student == "ann"]
-    assert "nothing but its name tells it from " in entry.worry

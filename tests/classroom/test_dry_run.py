@@ -93,16 +93,6 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
     }
 
 
-def test_an_inbox_without_submissions_ends_with_2_and_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / "in/dee").mkdir(parents=True)
-    for name in ("a.txt", "b.txt"):
-        (tmp_path / "in/dee" / name).write_text("")
-    done = dry_run(tmp_path / "in")
-    assert done.returncode == 2
-    assert "in holds no submission for temperature_service, read with the layout 'folders'." in done.stderr
-    assert "Traceback" not in done.stderr
-
-
 def test_an_exercise_that_no_assignment_of_canvas_is_called_like_is_said(tmp_path: Path) -> None:
     (tmp_path / "in/ann").mkdir(parents=True)
     (tmp_path / "in/ann" / SERVICE.starter).write_bytes(program(1))

@@ -161,13 +161,3 @@ def test_a_node_that_was_left_running_costs_nothing(course: Path) -> None:
 )
 def test_points_are_those_of_the_cell_and_print_as_a_number(score: float, most: float, points: str) -> None:
     assert repr(grade_magics.scaled(score, 10.0, most)) == points
-
-
-def test_a_cell_of_less_than_no_points_is_refused() -> None:
-    with pytest.raises(ValueError, match="points=-1"):
-        grade_magics.points(EXERCISE, points=-1)
-
-
-def test_outside_a_notebook_it_says_what_is_missing() -> None:
-    with pytest.raises(grading.GradingError, match="%load_ext course_kit"):
-        grade_magics.points(EXERCISE)

@@ -44,23 +44,3 @@ def test_a_worker_whose_folder_is_gone_costs_nobody_a_grade(
         report = grade(pool)
         assert (report.status, report.score) == ("graded", 10), report.problem
         assert grade(pool).score == 10
-
-
-def test_a_pool_that_is_closed_at_the_last_moment_starts_no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thread that has just been given a submission; whoever closed the pool would wait for all of the grading."""
-    pool, started = Pool(), []
-    real = pool._lock
-
-    class ClosedMeanwhile:
-        def __enter__(self) -> None:
-            pool._lock = real
-            pool.close()
-            real.acquire()
-
-        def __exit__(self, *_: object) -> None:
-            real.release()
-
-    monkeypatch.setattr("course_kit.grading.workers.pool.Worker", lambda: started.append(1))
-    pool._lock = ClosedMeanwhile()  # type: ignore[assignment]
-    assert grade(pool).status == "error"
-    assert not started

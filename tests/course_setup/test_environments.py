@@ -18,14 +18,6 @@ if TYPE_CHECKING:
 
     from tests.course_clone import Clone
 
-# Is killed when it makes a link: what led somewhere before has to lead there still.
-KILLED_AT_A_LINK = """
-import os, pathlib, signal, sys
-from course_setup.environments import Environment, Environments
-root, second = map(pathlib.Path, sys.argv[1:])
-pathlib.Path.symlink_to = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
-Environments(root, "wheels").put_in_force(Environment(second))
-"""
 WAITS = "import sys; print('up', flush=True); sys.stdin.read()"
 
 
@@ -104,31 +96,12 @@ def test_an_update_that_is_stopped_leaves_the_course_as_it_was(
     assert clone.environments() == {clone.environment, Path(before)}
 
 
-def test_an_update_that_is_killed_at_the_last_step_leaves_the_course_as_it_was(clone: Clone) -> None:
-    before = used(clone.course("doctor"))
-    second = clone.root / ".venvs" / "wheels-second"
-    second.mkdir()
-    killed = subprocess.run([BASE_PYTHON, "-c", KILLED_AT_A_LINK, clone.root, second], cwd=clone.root, check=False)
-    assert killed.returncode == -signal.SIGKILL
-    assert str(clone.environment) == before
-    assert used(clone.course("doctor")) == before
-    assert clone.calls() == ["venv", "pip"]
-
-
 def test_who_deletes_the_link_gets_a_new_environment(clone: Clone) -> None:
     old = used(clone.course("doctor"))
     (clone.root / ".venv").unlink()
     assert used(clone.course("doctor")) != old
     assert clone.calls() == ["venv", "pip", "venv", "pip"]
     assert clone.environments() == {clone.environment, Path(old)}
-
-
-def test_one_whose_python_was_removed_is_made_anew(clone: Clone) -> None:
-    old = used(clone.course("doctor"))
-    for name in ("python", "python3"):
-        (clone.environment / "bin" / name).unlink(missing_ok=True)
-        (clone.environment / "bin" / name).symlink_to("/usr/bin/python3.removed")
-    assert used(clone.course("doctor")) != old
 
 
 def test_another_python_can_be_chosen_later_and_survives_an_update(clone: Clone) -> None:
@@ -143,16 +116,6 @@ def test_another_python_can_be_chosen_later_and_survives_an_update(clone: Clone)
     newest = used(clone.course("doctor", COURSE_PYTHON=""))
     assert newest != new
     assert Path(newest, ".course-python").read_text() == f"{chosen}\n"
-
-
-def test_test_tools_once_wanted_stay(clone: Clone) -> None:
-    clone.course("test")
-    edit_pyproject(clone)
-    used(clone.course("doctor"))
-    (clone.root / ".venv").unlink()
-    used(clone.course("doctor"))
-    installs = [line.split()[-1] for line in clone.log.read_text().splitlines() if " -e " in line]
-    assert installs == [".[ros,test-ros,test]"] * 3
 
 
 def test_a_virtual_environment_of_somebody_else_is_not_touched(clone: Clone) -> None:

@@ -84,18 +84,3 @@ def test_the_lock_dies_with_its_owner(tmp_path: Path) -> None:
         owner.wait(120)
         with held(lock, patience_s=0.0) as waited:
             assert not waited
-
-
-def test_the_patience_has_an_end(tmp_path: Path) -> None:
-    lock = tmp_path / "lock"
-    with subprocess.Popen(
-        [sys.executable, "-c", HOLDS, lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as owner:
-        assert owner.stdout is not None
-        assert owner.stdout.readline() == "held\n"
-        with (
-            pytest.raises(SetUpError, match=r"has not finished within .* minutes. Stop it"),
-            held(lock, patience_s=0.0),
-        ):
-            pytest.fail("two hold the lock")
-        owner.communicate()

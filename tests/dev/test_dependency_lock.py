@@ -10,7 +10,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from course_kit.authoring import wheel_bundle
-from course_kit.dev import lock, suite
+from course_kit.dev import lock
 from tests.course_copy import REPOSITORY
 
 if sys.version_info >= (3, 11):
@@ -30,12 +30,6 @@ INSTALLED_TOGETHER = {
     "build": ["build"],
 }
 NOT_INSTALLED = {"lark-parser"}  # the old name of lark: see [tool.uv] in pyproject.toml
-
-
-def test_no_start_of_jupyter_waits_for_a_grammar_to_be_compiled() -> None:
-    """It takes a second at each import of nbformat; see `lock`'s constraints. When a newer one does not, take that."""
-    for name in FILES:
-        assert "rfc3987-syntax" not in {package.name for package in wheel_bundle.read_lock(REPOSITORY, [name])}
 
 
 def versions(names: list[str], python: str) -> dict[str, set[str]]:
@@ -117,16 +111,3 @@ def test_its_files_are_as_the_command_writes_them_and_name_no_host(name: str) ->
     assert text == lock.text_of(name, wheel_bundle.parse_lock(text))
     assert "://" not in text
     assert "sha256:" in text
-
-
-def test_a_line_that_is_no_version_with_hashes_is_named() -> None:
-    with pytest.raises(ValueError, match="no version with hashes: numpy>=1"):
-        wheel_bundle.parse_lock("numpy>=1 --hash=sha256:0\n")
-
-
-def test_without_uv_the_command_says_how_to_get_it(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(suite, "find_uv", lambda: None)
-    assert lock.main([]) == 2
-    assert "there is no uv" in capsys.readouterr().err

@@ -14,25 +14,6 @@ from course_kit import environment
 from course_kit.dev import notebooks
 
 ROOT = environment.checkout() or Path()
-WITHOUT = """
-import sys
-from pathlib import Path
-
-class Absent:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in ("nbval", "pytest", "_pytest"):
-            raise ModuleNotFoundError(name)
-
-    def invalidate_caches(self):
-        pass
-
-sys.meta_path.insert(0, Absent())
-"""
-OUR_MODULES = sorted(
-    ".".join(path.relative_to(environment.PACKAGE.parent).with_suffix("").parts)
-    for path in environment.PACKAGE.rglob("*.py")
-    if path.name not in ("__init__.py", "__main__.py") and path.stem != "nbval_plugin"
-)
 
 
 def test_without_nbval_it_says_where_that_comes_from(
@@ -43,19 +24,6 @@ def test_without_nbval_it_says_where_that_comes_from(
     said = capsys.readouterr().err
     assert "nbval" in said
     assert "run ./course test" in said
-
-
-def test_nothing_but_the_plugin_needs_nbval_or_pytest() -> None:
-    program = f"{WITHOUT}\nimport importlib\nfor name in {OUR_MODULES!r}: importlib.import_module(name)\nprint('all')"
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env=environment.child_environment(),
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-    )
-    assert done.stdout.endswith("all\n"), done.stderr
 
 
 PICTURE = """class Picture:

@@ -124,14 +124,6 @@ def test_the_site_has_every_page_and_every_link_in_it_leads_somewhere(site: Path
         assert pages[site / f"reference/{command_line}.html"].find(id=verb)
 
 
-def test_a_broken_link_is_found(tmp_path: Path) -> None:
-    text = '<p id="is"><a href="#is"></a><a href="#no"></a><a href="no.html"></a><img src="https://x.org/a"></p>'
-    page = tmp_path / "page.html"
-    page.write_text(text)
-    found = faults_of_links({page: bs4.BeautifulSoup(text, "html.parser")})
-    assert found == ["page.html: #no", "page.html: no.html", "page.html fetches https://x.org/a"]
-
-
 def test_each_panel_is_a_picture_and_answers_are_folded(pages: Pages, site: Path) -> None:
     lesson = pages[site / LESSON]
     assert len(lesson.select(".ck-exchange svg")) == 2
@@ -182,27 +174,6 @@ def test_a_notebook_is_made_readable() -> None:
     assert "(01_services.ipynb#74-a-deadlock)" in made.cells[0].source
     assert made.cells[0].source.endswith("So.\n\n</details>")
     assert list(made.cells[1].outputs[0].data) == ["text/html", "text/plain"]
-
-
-def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "thesis.tex").touch()
-    for place in (tmp_path, tmp_path / "thesis.tex"):
-        assert command.main(["--to", str(place)]) == 2
-        assert f"{place} is no site that this command has made" in capsys.readouterr().err
-    assert [one.name for one in tmp_path.iterdir()] == ["thesis.tex"]
-    published = tmp_path / "published"
-    (published / ".git").mkdir(parents=True)
-    (published / command._SIGN).touch()
-    assert command.main(["--to", str(published)]) == 2
-
-
-def test_without_sphinx_it_says_how_to_get_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(command, "NEEDS", ("sphinx", "no_such_extension_of_sphinx"))
-    assert command.main(["--to", str(tmp_path / "site")]) == 2
-    assert 'pip install -e ".[site]"' in capsys.readouterr().err
-    assert not (tmp_path / "site").exists()
 
 
 @pytest.mark.parametrize("path", notebooks.with_outputs(REPOSITORY), ids=lambda path: path.stem)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.environment.files import write_atomically, write_new
+from course_kit.environment.files import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 LIMITED = """
 import resource
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-"""
-KILLED = """
-import os, signal
-os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)
 """
 WRITE = """
 import sys
@@ -87,13 +83,6 @@ def test_a_full_disk_leaves_what_was_there_and_no_rest(tmp_path: Path) -> None:
     assert names(tmp_path) == ["file"]
 
 
-def test_a_writer_that_is_killed_leaves_what_was_there(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    path.write_text("old")
-    assert another_process(path, KILLED).returncode < 0
-    assert path.read_text() == "old"
-
-
 def test_what_is_in_the_way_is_named_by_its_own_name(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     path = tmp_path / "file" / "below"
@@ -123,11 +112,3 @@ def test_two_may_write_while_others_read(tmp_path: Path) -> None:
     assert seen <= contents
     assert path.read_text() in contents
     assert names(tmp_path) == ["file"]
-
-
-def test_a_new_file_takes_nobodys_place(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    write_new(path, b"first")
-    with pytest.raises(FileExistsError):
-        write_new(path, b"second")
-    assert path.read_bytes() == b"first"

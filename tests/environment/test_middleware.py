@@ -12,7 +12,6 @@ import pytest
 
 from course_kit.environment import middleware
 from tests.course_copy import TEMPERATURE, Course, starter
-from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,23 +38,6 @@ def test_a_program_goes_on_with_fast_dds_and_says_so_in_one_line(name: str) -> N
     assert f"Unset {name}" in done.stderr
 
 
-def test_the_one_that_is_installed_is_nobodys_business() -> None:
-    assert run(PROGRAM, RMW_IMPLEMENTATION=middleware.SUPPORTED).stderr == ""
-    assert run(PROGRAM, RMW_IMPLEMENTATION="").stderr == ""
-
-
-def test_a_kernel_answers_and_grades(tmp_path: Path, domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert domain
-    monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)
-    with Kernel(cwd=tmp_path) as kernel:
-        loaded = kernel.run("%load_ext course_kit")
-        assert loaded.ok
-        assert loaded.stderr.count(SENTENCE) == 1
-        graded = kernel.run(f"%grade {TEMPERATURE} {starter(tmp_path)}")
-        assert "1 of 10 points" in graded.result["text/plain"]
-        assert "rmw_" not in graded.stderr
-
-
 def test_the_commands_answer_and_keep_their_output_clean(tmp_path: Path, domain: int) -> None:
     course = Course(tmp_path)
     variables = {"RMW_IMPLEMENTATION": MISSING, "ROS_DOMAIN_ID": str(domain)}
@@ -75,12 +57,6 @@ def test_a_middleware_that_works_and_does_not_suit_the_courses_types_is_told(mon
     assert middleware.unsupported() == ""
     monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)  # as of a sourced ROS that has it
     assert "work with rmw_fastrtps_cpp only" in middleware.unsupported()
-
-
-def test_one_that_is_installed_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(middleware, "_is_installed", lambda name: name == MISSING)  # as in a sourced ROS that has it
-    monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)
-    assert (middleware.settle(), os.environ["RMW_IMPLEMENTATION"]) == ("", MISSING)
 
 
 def test_a_grade_does_not_depend_on_the_users_middleware(monkeypatch: pytest.MonkeyPatch) -> None:

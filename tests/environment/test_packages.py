@@ -38,12 +38,6 @@ def test_one_that_has_lost_a_file_to_another_is_named_with_its_version(tmp_path:
     assert look(tmp_path) == "lark==1.3.1\n"
 
 
-def test_the_remedy_is_a_command_for_this_python_and_this_package_alone() -> None:
-    command = packages.remedy("lark==1.3.1")
-    assert sys.executable in command
-    assert command.endswith("--no-deps lark==1.3.1")
-
-
 def lay_down_wheel(folder: Path, name: str, version: str, *requirements: str) -> None:
     """A wheel with nothing in it but what it asks for."""
     information = f"{name}-{version}.dist-info"

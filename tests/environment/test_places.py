@@ -62,20 +62,3 @@ def test_where_nobody_knows_the_home_the_state_is_among_the_temporary_files(
 )
 def test_they_come_first_and_the_others_stay_in_their_order(before: str | None, after: str) -> None:
     assert paths.with_scripts_first(before) == after
-
-
-def test_children_of_the_course_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", "/usr/bin")
-    assert environment.child_environment()["PATH"] == f"{SCRIPTS}:/usr/bin"
-    assert environment.child_environment(PATH="/mine")["PATH"] == "/mine"
-
-
-def test_with_a_users_installation_it_is_the_folder_at_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("prefix", "at home"):
-        (tmp_path / name / "bin").mkdir(parents=True)
-    (tmp_path / "at home" / "bin" / "ros2").touch()
-    monkeypatch.setattr(sys, "prefix", str(tmp_path / "prefix"))
-    monkeypatch.setattr("site.getuserbase", lambda: str(tmp_path / "at home"))
-    assert environment.paths.scripts_folder() == tmp_path / "at home" / "bin"
-    (tmp_path / "prefix" / "bin" / "ros2").touch()
-    assert environment.paths.scripts_folder() == tmp_path / "prefix" / "bin"

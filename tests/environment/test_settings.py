@@ -38,16 +38,6 @@ def test_any_python_that_imports_rclpy_gets_the_settings() -> None:
     assert Path(found["ROS_LOG_DIR"]).is_dir()
 
 
-def test_any_program_finds_what_a_package_shares() -> None:
-    asked = (
-        "import rclpy; from ament_index_python import get_package_share_directory as share; "
-        "rclpy.init(); print(share('rcl_interfaces'))"
-    )
-    shown = Path(in_fresh_process(asked, AMENT_PREFIX_PATH="").stdout.strip())
-    assert shown == Path(sys.prefix, "share", "rcl_interfaces")
-    assert dumped(AMENT_PREFIX_PATH="/opt/mine")["AMENT_PREFIX_PATH"] == "/opt/mine"
-
-
 def test_two_programs_of_one_checkout_meet_in_one_domain() -> None:
     assert dumped()["ROS_DOMAIN_ID"] == dumped()["ROS_DOMAIN_ID"]
 
@@ -159,14 +149,6 @@ def test_the_graph_is_on_loopback_alone_and_a_killed_node_leaves_no_shared_memor
     assert {each.laddr.ip for each in sockets} <= {"127.0.0.1", DISCOVERY_GROUP}
 
 
-def test_with_a_range_of_ones_own_the_profile_of_the_course_does_not_narrow_it() -> None:
-    found = dumped(
-        ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET", FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE)
-    )
-    assert found["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(environment.FAST_DISCOVERY_PROFILE)
-    assert found["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
-
-
 @pytest.mark.parametrize(
     "other", [{"RMW_IMPLEMENTATION": "rmw_of_another"}, {"FASTRTPS_DEFAULT_PROFILES_FILE": "/mine.xml"}]
 )
@@ -191,18 +173,3 @@ def test_readers_and_writers_ask_alike_in_every_profile() -> None:
         assert [one.get("is_default_profile") for one in ends] == ["true", "true"]
         times.append({one.tag: ET.tostring(one[0]).split() for one in ends})
     assert times[0] == times[1] == times[2]
-
-
-def test_what_we_make_we_can_use_whatever_the_umask() -> None:
-    before = os.umask(0o700)
-    try:
-        environment.apply()
-        now = os.umask(0o022)
-    finally:
-        os.umask(before)
-    assert now & 0o700 == 0
-
-
-def test_a_child_keeps_its_docstrings(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONOPTIMIZE", "2")
-    assert "PYTHONOPTIMIZE" not in environment.child_environment()

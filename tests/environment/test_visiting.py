@@ -57,16 +57,3 @@ def test_what_is_started_afterwards_has_the_usual_profile() -> None:
     with pytest.raises(KeyError), visiting.visiting():
         raise KeyError
     assert os.environ[PROFILE] == str(environment.LOOPBACK_PROFILE)
-
-
-def test_a_profile_of_the_users_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(PROFILE, "/of/mine.xml")
-    with visiting.visiting() as visits:
-        assert (visits, os.environ[PROFILE]) == (False, "/of/mine.xml")
-
-
-def test_where_no_file_can_be_written_nothing_is_changed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    monkeypatch.setattr(visiting, "run_dir", lambda: tmp_path / "file")
-    with visiting.visiting() as visits:
-        assert (visits, os.environ[PROFILE]) == (False, str(environment.LOOPBACK_PROFILE))

@@ -21,9 +21,3 @@ def test_the_table_of_contents_is_open_until_the_learner_has_it_otherwise(tmp_pa
     file.write_text("the learner's")
     jupyter.prepare(workspaces)
     assert file.read_text() == "the learner's"
-
-
-def test_where_it_cannot_be_written_jupyters_own_counts(tmp_path: Path) -> None:
-    (tmp_path / "workspaces").write_text("no folder")
-    jupyter.prepare(tmp_path / "workspaces")
-    assert (tmp_path / "workspaces").read_text() == "no folder"

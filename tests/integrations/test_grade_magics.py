@@ -11,7 +11,6 @@ import nbformat
 import pytest
 
 from course_kit.cli import main
-from course_kit.integrations.grade_magics import parse
 from course_kit.integrations.submission_cells import SubmissionCells
 from tests.lab.kernel import Kernel
 
@@ -79,12 +78,6 @@ def test_a_slip_gets_a_sentence_and_no_traceback(kernel: Kernel, line: str, sent
     assert sentence in done.stderr
 
 
-def test_a_misspelt_exercise_in_the_cell_is_named_at_once(kernel: Kernel) -> None:
-    done = kernel.run("%%submission temprature_service\nprint('ran')")
-    assert "temperature_service" in done.stderr
-    assert done.stdout == ""
-
-
 def sources(cells: SubmissionCells, exercise: str = "exercise") -> list[str]:
     return [cell.source for cell in cells.of(exercise)]
 
@@ -102,19 +95,6 @@ def test_cells_of_a_submission_are_joined_in_the_notebooks_order(
     assert sources(cells) == ["a", "b"]
     cells.keep("exercise", "second", "new b")
     assert sources(cells) == ["a", "new b"]
-
-
-def test_without_cell_ids_the_last_cell_counts() -> None:
-    cells = SubmissionCells()
-    cells.keep("exercise", None, "old")
-    cells.keep("exercise", None, "new")
-    assert sources(cells) == ["new"]
-    assert sources(cells, "another") == []
-
-
-def test_the_line_of_the_magic() -> None:
-    assert parse("id") == ("id", None, None)
-    assert parse("id 'my file.py' --seed 3") == ("id", "my file.py", 3)
 
 
 def test_below_the_pass_mark_the_command_ends_with_1_and_shows_the_first_hint(

@@ -66,11 +66,6 @@ def test_a_folder_without_the_lessons_is_not_shown_and_the_log_says_so(capsys: p
     assert "c.Spawner.notebook_dir is /srv, and the lessons are in /home/ada/ros2-course" in capsys.readouterr().err
 
 
-def test_a_home_is_meant_by_its_sign(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", "/home/ada")
-    assert jupyter.shown_on_hub(FOLDER, LESSON, {"JUPYTERHUB_ROOT_DIR": "~"})[0] == Path("/home/ada")
-
-
 def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("JUPYTERHUB_DEFAULT_URL", raising=False)
     command, environ = jupyter.hub_command(FOLDER, LESSON, ["--debug"])
@@ -82,16 +77,6 @@ def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch:
     assert environ["ROS_DOMAIN_ID"] == str(environment.apply().domain_id)
     monkeypatch.setenv("JUPYTERHUB_DEFAULT_URL", "/tree")  # c.Spawner.default_url
     assert jupyter.hub_command(FOLDER, LESSON, [])[1]["JUPYTERHUB_DEFAULT_URL"] == "/tree"
-
-
-def test_without_a_domain_left_the_server_starts_and_the_log_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", "no number")
-    command, environ = jupyter.hub_command(FOLDER, LESSON, [])
-    assert "jupyterhub.singleuser" in command[2]
-    assert environ["JUPYTERHUB_DEFAULT_URL"].endswith(LESSON)
-    assert "ROS_DOMAIN_ID is set to 'no number'" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("on_a_hub")
@@ -107,15 +92,6 @@ def test_outside_of_a_hub_it_says_what_to_run_instead(
 
 
 @pytest.mark.usefixtures("on_a_hub")
-def test_without_jupyterhub_beside_the_course_it_says_how_to_install_it(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(jupyter, "find_spec", lambda _: None)
-    assert main.main([jupyter.HUB_VERB]) == 2
-    assert f'{sys.executable} -m pip install -e ".[hub]"' in capsys.readouterr().err
-
-
-@pytest.mark.usefixtures("on_a_hub")
 def test_root_is_refused_as_jupyter_refuses_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -123,19 +99,6 @@ def test_root_is_refused_as_jupyter_refuses_it(
     monkeypatch.setattr(environment.paths, "sign_of_container", lambda: "")
     assert main.main([jupyter.HUB_VERB]) == 2
     assert "hub-singleuser --allow-root" in capsys.readouterr().err
-
-
-@pytest.mark.usefixtures("on_a_hub")
-def test_where_the_folder_cannot_be_made_the_server_starts_without_the_lessons(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(environment.paths, "usual_learner_folder", lambda: Path("/proc/nonexistent/ros2-course"))
-    with pytest.raises(Started) as started:
-        main.main([jupyter.HUB_VERB, "--allow-root"])
-    _, command, environ = started.value.args
-    assert command[-1] == "--allow-root"
-    assert environ["JUPYTERHUB_DEFAULT_URL"] == "/lab"
-    assert "Your folder for the lessons could not be made: /proc/nonexistent" in capsys.readouterr().err
 
 
 def test_the_configuration_of_the_guide_starts_what_the_guide_installs() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -60,19 +59,6 @@ def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "state" / "ros2-course-kit"
 
 
-def test_with_a_home_nothing_is_replaced(state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert state
-    monkeypatch.setenv("HOME", str(tmp_path))
-    assert jupyter.replacements() == {}
-
-
-def test_without_one_each_folder_is_among_the_state(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOME", NOWHERE)
-    found = jupyter.replacements()
-    assert set(found) == set(OF_JUPYTER)
-    assert all(Path(folder).is_relative_to(state) for folder in found.values())
-
-
 def test_one_folder_that_cannot_be_written_is_replaced_and_still_read(
     state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -89,15 +75,6 @@ def test_one_folder_that_cannot_be_written_is_replaced_and_still_read(
     assert Path(found["JUPYTER_DATA_DIR"]).is_relative_to(state)
 
 
-def test_where_nobody_knows_the_home_there_is_one(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown() -> Path:
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(Path, "home", unknown)
-    monkeypatch.setenv("HOME", NOWHERE)
-    assert jupyter.replacements()["HOME"] == str(state)
-
-
 def test_jupyterlab_starts_without_a_home(tmp_path: Path) -> None:
     course = Course(tmp_path)
     environ = {name: value for name, value in course.environ().items() if not name.startswith(("JUPYTER", "XDG"))}
@@ -109,18 +86,3 @@ def test_jupyterlab_starts_without_a_home(tmp_path: Path) -> None:
         log = server.log.read_text()
     assert f"Jupyter's folders in your home directory cannot be written; it keeps its files below {tmp_path}" in log
     assert "Traceback" not in log
-
-
-def test_the_first_lines_of_other_commands_stand_without_a_home(tmp_path: Path) -> None:
-    """For a user whom the system does not know, HOME not set: the folders are nowhere."""
-    from tests.unprivileged import as_somebody
-
-    course = Course(tmp_path)
-    variables = course.environ(COURSE_KIT_PROGRESS="off")
-    environ = {name: value for name, value in variables.items() if name not in ("HOME", "XDG_STATE_HOME")}
-    for arguments, code in ((["hint", "move_robot"], 0), (["doctor"], 0)):
-        done = subprocess.run(
-            as_somebody("env", "-u", "ROS_LOG_DIR", *course.command(*arguments)), cwd=course.root, env=environ,
-            capture_output=True, text=True, timeout=100, check=False,
-        )  # fmt: skip
-        assert (done.returncode, done.stderr) == (code, ""), arguments

@@ -65,13 +65,6 @@ def test_it_says_which_cells_it_grades_and_when_they_ran(kernel: Kernel) -> None
     assert warned == ""
 
 
-def test_a_cell_with_another_magic_below_the_mark_counts(kernel: Kernel) -> None:
-    kernel.run(CELL.replace(MARK, f"{MARK}%%capture said\n"), cellId="one")
-    said, warned = grade(kernel)
-    assert said.count("In[") == 1
-    assert warned == ""
-
-
 def test_a_deleted_cell_does_not_count_whether_the_notebook_was_saved_or_not(kernel: Kernel) -> None:
     kernel.run(CELL, cellId="one")
     assert NOTHING in grade(kernel, "one")[1]
@@ -90,15 +83,6 @@ def test_a_marked_cell_that_was_not_run_is_graded_as_in_a_class_and_told(kernel:
     os.utime(kernel.cwd / "notebook.ipynb", (1, 1))
     kernel.run("answers = {}", cellId="old")  # has lost its mark, and the file does not show it yet
     assert grade(kernel)[1] == ""
-
-
-def test_a_cell_that_has_lost_its_mark_does_not_count(kernel: Kernel) -> None:
-    kernel.run(CELL, cellId="one")
-    kernel.run("answers = {}", cellId="one")
-    assert NOTHING in grade(kernel)[1]
-    kernel.run(CELL, cellId="one")
-    kernel.run("%%submission temperature_service\n", cellId="one")
-    assert NOTHING in grade(kernel)[1]
 
 
 def test_an_edited_cell_is_warned_of(kernel: Kernel) -> None:

@@ -61,16 +61,6 @@ def test_a_server_that_somebody_else_starts_has_ros2_in_its_terminals(
     assert "_python_argcomplete" in completed
 
 
-def test_a_shell_of_the_users_choice_is_left_to_them(
-    tmp_path: Path, home: Path, variables: dict[str, str | None]
-) -> None:
-    as_root = ["--allow-root"] if os.geteuid() == 0 else []
-    chosen = "--ServerApp.terminado_settings={'shell_command': ['/bin/sh']}"
-    with started([SCRIPTS / "jupyter", "lab", chosen, *as_root], tmp_path, home, variables) as server:
-        shown = server.in_terminal("command -v ros2; complete -p ros2 2>/dev/null || echo as it comes")
-    assert shown.splitlines() == [str(SCRIPTS / "ros2"), "as it comes"]
-
-
 def test_course_kit_lab_without_the_door_has_it_too_also_with_a_middleware_that_is_not_installed(
     tmp_path: Path, variables: dict[str, str | None]
 ) -> None:

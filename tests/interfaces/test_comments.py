@@ -35,9 +35,5 @@ def test_headings_and_constants_are_left_out() -> None:
     assert comments_of(defined) == {"far": "m"}
 
 
-def test_a_class_of_no_interface_has_none() -> None:
-    assert comments_of(type("Stranger", (), {"__module__": "elsewhere"})) == {}
-
-
 def test_a_line_is_split_at_its_comment() -> None:
     assert split_comment('string name "a # b"  # who') == ('string name "a # b"', "who")

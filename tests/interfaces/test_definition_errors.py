@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import warnings
 
 import pytest
 
@@ -20,65 +19,34 @@ def fault(text: str, type_name: str = "my_interfaces/msg/Info") -> InterfaceDefi
 
 FAULTS = {
     "sting name": "did you mean string?",
-    "int name": "did you mean int32 or int64?",
     "float speed": "did you mean float32 or float64?",
     "double speed": "did you mean float64?",
-    "boolean ok": "did you mean bool?",
     "time stamp": "did you mean builtin_interfaces/Time",
-    "duration left": "did you mean builtin_interfaces/Duration",
     "qqqq name": "expected a basic type such as int64",
-    "geometry_msgs/msg/Point target": "without a folder between: geometry_msgs/Point",
-    "geometry_msgs/point target": "expected a basic type such as int64",
-    "Geometry/Point target": "expected a basic type such as int64",
     "int64": "Expected a type and a name, such as: int64 value",
     "name string": "Expected the type first and the name second: string name",
-    "int64 maxSpeed": "'maxSpeed' cannot name a field: expected lower-case letters, digits and single underscores, "
-    "starting with a letter, such as max_speed.",
     "int64 2nd": "cannot name a field",
-    "int64 a__b": "such as a_b",
-    "int64 a_": "such as a.",
     "int64 größe": "cannot name a field",
-    "int64 class": "cannot be called 'class'",
     "int64 check_fields": "cannot be called 'check_fields'",
-    "int64 a;": "Expected the name alone, without ';'.",
     "int64 a, b": "Expected one field a line",
-    "int64 a ,b": "Expected one field a line",
     "name: string": "Expected the type first and the name second: string name",
-    "int64[ a": "is not a type",
-    "int64[] [] a": "cannot name a field",
     "int64[0] a": "'0' is not a size: expected a number of elements, such as [3] or [<=10], or []",
-    "int64[-1] a": "'-1' is not a size",
-    "int64[three] a": "'three' is not a size",
-    "int64[<=] a": "'' is not a size",
     "int64<=3 a": "Only string and wstring take a bound",
-    "string<=0 a": "'0' is not a size: expected the most characters",
-    "string<=x a": "'x' is not a size",
     "string<5 a": "is not a type",
-    " int64 b": "without blanks before it",
     "int8 a 128": "Expected a whole number from -128 to 127, not '128'.",
-    "uint8 a -1": "Expected a whole number from 0 to 255, not '-1'.",
     "int32 a 1.5": "Expected a whole number",
-    "int32 a one": "Expected a whole number",
     "bool a yes": "Expected true or false, not 'yes'.",
-    "float64 a fast": "Expected a number such as 1.5, not 'fast'.",
     'string a "x': 'Expected the text to end with "',
     'string a "x # y"': "A # starts a comment, even inside quotes.",
     'string a "x"y"': 'to be written \\"',
-    "string<=2 a abc": "Expected at most 2 characters",
     "int32[2] a 1": "in brackets, such as [1, 2, 3]",
     "int32[2] a [1]": "Expected exactly 2 values in the brackets, not 1.",
-    "int32[<=2] a [1, 2, 3]": "Expected at most 2 values in the brackets, not 3.",
     "int8[] a [1, 300]": "Expected a whole number from -128 to 127, not '300'.",
-    "geometry_msgs/Point a 1": "Only basic types can have a default value",
     "int32 limit=3": "'limit' cannot name a constant: expected capitals, such as LIMIT.",
     "int32 A__B=3": "cannot name a constant",
-    "int32 LIMIT=": "Expected a whole number",
-    "LIMIT=3": "Expected a type before the name of a constant",
     "int32[] LIMITS=3": "A constant has a basic type",
     "geometry_msgs/Point HOME=0": "A constant has a basic type",
     "string<=5 UNIT=metre": "A constant has a basic type",
-    "--- ": "Expected '---' alone: a blank behind it",
-    "---": "A .msg has no line of '---' (message); this one is too many.",
 }
 
 
@@ -99,15 +67,9 @@ def test_a_name_twice(again: str, what: str) -> None:
     assert f"There is a {what} already, in line {first}" in error.expected
 
 
-def test_the_same_name_in_request_and_response_is_fine() -> None:
-    parse("my_interfaces/srv/Info", "float64 value\n---\nfloat64 value\n")
-
-
 SEPARATORS = [
     ("srv", "int64 a\nint64 b\n", 0, "needs exactly one line of '---' (request, ---, response); found 0"),
     ("srv", "int64 a\n---\nint64 b\n---\nint64 c", 4, "has exactly one line of '---'"),
-    ("srv", "int64 a\n--\nint64 b", 2, "Expected '---', three hyphens"),
-    ("srv", "int64 a\n----\nint64 b", 2, "Expected '---', three hyphens"),
     ("srv", "int64 a\n ---\nint64 b", 2, "Expected '---', three hyphens at the start of the line"),
     (
         "action",
@@ -115,7 +77,6 @@ SEPARATORS = [
         0,
         "needs exactly two lines of '---' (goal, ---, result, ---, feedback); found 1",
     ),
-    ("action", "---\n---\n---\n", 3, "has exactly two lines of '---'"),
 ]
 
 
@@ -131,15 +92,9 @@ def test_separators(kind: str, text: str, line: int, expected: str) -> None:
     [
         ("my_interfaces/PersonInfo", "such as my_interfaces/srv/PersonInfo"),
         ("PersonInfo", "such as my_interfaces/srv/PersonInfo"),
-        ("my_interfaces/service/PersonInfo", "with the folder msg, srv or action"),
         ("my_interfaces/srv/person_info", "starting with a capital letter, such as PersonInfo"),
-        ("my_interfaces/srv/Person_Info", "such as PersonInfo"),
-        ("my_interfaces/srv/", "cannot name an interface"),
         ("MyInterfaces/srv/PersonInfo", "'MyInterfaces' cannot name a package"),
-        ("my-interfaces/srv/PersonInfo", "cannot name a package"),
-        ("class/srv/PersonInfo", "cannot name a package"),
         ("../srv/PersonInfo", "cannot name a package"),
-        ("", "This is not a full interface name"),
     ],
 )
 def test_bad_type_names(name: str, expected: str) -> None:
@@ -191,11 +146,6 @@ def test_packages_of_others_stay_as_they_are() -> None:
     assert interfaces.define("std_srvs/srv/SetBool", "bool data\n---\nbool success\nstring message\n") is SetBool
 
 
-def test_a_name_python_imports_something_else_for() -> None:
-    with pytest.raises(InterfaceDefinitionError, match=r"Python imports .*json.* for 'json'"):
-        interfaces.define("json/msg/Info", "int32 a\n")
-
-
 def test_an_indented_definition_keeps_its_line_numbers() -> None:
     interfaces.define(
         "indented_messages/msg/Info",
@@ -230,9 +180,3 @@ def test_errors_can_be_sent_between_processes() -> None:
     with pytest.raises(interfaces.InterfaceNotFoundError) as caught:
         interfaces.get_type("std_srvs/srv/SetBol")
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301
-
-
-def test_long_names_are_judged_quickly() -> None:
-    with warnings.catch_warnings():
-        assert fault(f"int32 {'A' * 5000}-=1").line == 1
-        assert fault(f"int32 {'a' * 5000}-").line == 1

@@ -60,33 +60,19 @@ def test_every_definition_there_is(package: str) -> None:
 
 LINES = [
     "int32 a -5 # comment",
-    "uint8 a 0xff",
-    "int64 a 0b101",
     "int32\ta\t7",
-    "int32   a    7",
     "byte a 0x10",
     "char[] a [1, 2]",
-    "bool a True",
     "bool[3] a [true, 0, FALSE]",
-    "float32 a 1e3",
     "float64 a inf",
-    "float64[<=3] a [1, 2.5]",
     "string a plain text with blanks",
     'string a "it\'s"',
-    "string a 'say \"no\"'",
     'string a "say \\"no\\""',
-    'string a ""',
-    "string<=5 a abcde",
     "wstring<=5[2] a ['é', \"ü\"]",
-    "string[] a []",
     "string[] a [\"a, b\", 'c', d e]",
-    'string[<=3] a ["x", "y"]',
     "int8 LOWEST=-128",
-    "string UNIT=metre",
     'string UNIT = " m "',
-    "string[<=3] a",
     "string<=7[4] a",
-    "wstring[] a",
     "geometry_msgs/Point[<=5] a",
 ]
 
@@ -100,15 +86,11 @@ def test_lines_with_all_there_is(line: str) -> None:
 
 ESCAPES = [
     r'string a "x\ty"',
-    r'string a "x\x41\101"',
     r'string a "x\\ty"',
-    r'string a "x\\\\y"',
     r"string a 'say \"so\"'",
     r"string A='x\ty'",
     r"string A=C:\\\\temp",
-    r'wstring a "é \t \\u0041"',
     r"string[] a ['x\\ny', '\x41']",
-    r"wstring<=9[2] a ['a\x42', '\\t']",
 ]
 
 

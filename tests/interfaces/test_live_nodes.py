@@ -175,11 +175,3 @@ def test_memory_stays_flat_over_conversions() -> None:
     kilobytes, blocks = steady(convert, 4000)
     assert kilobytes < 500
     assert blocks < 2000  # less than one object in two rounds
-
-
-def test_memory_stays_flat_over_calls(spun: Spun) -> None:
-    spun.node.create_service(AddTwoInts, "add", add)
-    client = spun.node.create_client(AddTwoInts, "add")
-    kilobytes, blocks = steady(lambda: spun.answer(client, AddTwoInts.Request(a=1, b=2)), 1500)
-    assert kilobytes < 1000
-    assert blocks < 750

@@ -50,12 +50,6 @@ def test_a_subclass_is_a_message() -> None:
     assert deserialize_message(serialize_message(longer), Longer) == pt(x=-2.0, more=[1.0])
 
 
-def test_bytes_for_a_list_of_byte() -> None:
-    with pytest.raises(AssertionError, match=r"of type 'bytes': write \[b'a', b'b', ...\], or make it uint8\[\]$"):
-        own("byte[] raw\n")(raw=b"abc")
-    assert own("byte[] raw\n")(raw=[b"a"]).raw == [b"a"]
-
-
 def test_wide_strings_in_lists_have_the_bounds_that_rosidl_gives_them() -> None:
     """rosidl_parser makes a `wstring<=3[]` a `wstring<=3[<=3]`; test_reference_build.py compares it with a real one."""
     cls = own("wstring<=3[] a\nwstring<=3[<=2] b\nstring<=3[] c\n")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from rclpy.action import ActionClient, ActionServer
 
 from course_kit import environment, interfaces
 from tests.interfaces.spun import Spun
@@ -68,15 +67,6 @@ def test_topic_with_old_and_new_endpoints(graph: Graph, capfd: pytest.CaptureFix
     assert capfd.readouterr().err.count("dropped a message that is not a redefined_topic/msg/Info") == 2
 
 
-def test_old_objects_do_not_pass_for_new_ones(graph: Graph) -> None:
-    old = interfaces.define("redefined_objects/msg/Info", OLD_INFO)
-    new = interfaces.define("redefined_objects/msg/Info", NEW_INFO)
-    publisher = graph.new.create_publisher(new, "info", 10)
-    with pytest.raises(TypeError):
-        publisher.publish(old())
-    assert old(name="a") != new(name="a")
-
-
 def test_service_with_old_and_new_endpoints(graph: Graph) -> None:
     asked = []
     old = interfaces.define("redefined_service/srv/Ask", OLD_ASK)
@@ -108,50 +98,6 @@ def test_service_with_old_and_new_endpoints(graph: Graph) -> None:
         assert (answer.answer, answer.sure) == ("[1, 2] 0.5", True)
     assert not any(future.done() for future in lost)
     assert {type(request) for request in asked[1:]} == {new.Request}
-
-
-OLD_ACTION = "int32 order\n---\nint32[] sequence\n---\nint32 last\n"
-NEW_ACTION = "string word\n---\nstring[] letters\nbool complete\n---\nfloat64 progress\nstring letter\n"
-
-
-def test_action_with_old_and_new_endpoints(graph: Graph) -> None:
-    old = interfaces.define("redefined_action/action/Do", OLD_ACTION)
-
-    def old_execute(goal: Any) -> Any:
-        goal.publish_feedback(old.Feedback(last=1))
-        goal.succeed()
-        return old.Result(sequence=range(goal.request.order))
-
-    old_server = ActionServer(graph.old, old, "do", old_execute)
-    old_client = ActionClient(graph.old, old, "do")
-    new = interfaces.define("redefined_action/action/Do", NEW_ACTION)
-
-    def new_execute(goal: Any) -> Any:
-        for letter in goal.request.word:
-            goal.publish_feedback(new.Feedback(letter=letter))
-        goal.succeed()
-        return new.Result(letters=list(goal.request.word), complete=True)
-
-    new_server = ActionServer(graph.new, new, "do_new", new_execute)
-    new_client, astray = (ActionClient(graph.new, new, name) for name in ("do_new", "do"))
-    graph.wait_for(lambda: all(c.server_is_ready() for c in (old_client, new_client, astray)), "the servers")
-    lost = astray.send_goal_async(new.Goal(word="lost in the old server"))
-    assert list(run(graph, old_client, old.Goal(order=4), []).sequence) == [0, 1, 2, 3]
-    letters: list[str] = []
-    result = run(graph, new_client, new.Goal(word="abc"), letters)
-    assert (result.letters, result.complete) == (["a", "b", "c"], True)
-    assert [message.feedback.letter for message in letters] == ["a", "b", "c"]
-    assert not lost.done()
-    for each in (old_server, old_client, new_server, new_client, astray):
-        each.destroy()
-
-
-def run(graph: Graph, client: Any, goal: Any, feedback: list[Any]) -> Any:
-    sent = client.send_goal_async(goal, feedback_callback=feedback.append)
-    graph.wait_for(sent.done, "a goal's acceptance")
-    done = sent.result().get_result_async()
-    graph.wait_for(done.done, "a result")
-    return done.result().result
 
 
 def test_a_message_within_a_service_is_defined_anew() -> None:

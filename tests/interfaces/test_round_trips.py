@@ -95,28 +95,15 @@ def test_a_string_ends_at_the_first_nul_as_in_compiled_types() -> None:
     assert deserialize_message(serialize_message(String(data="ab\0cd")), String).data == "ab"
 
 
-def test_nan_and_infinities() -> None:
-    cls = live_class([("float64", ""), ("float32", "[]")])
-    message = cls(field_0=float("nan"), field_1=[float("inf"), float("-inf")])
-    again = deserialize_message(serialize_message(message), cls)
-    assert again.field_0 != again.field_0
-    assert list(again.field_1) == [float("inf"), float("-inf")]
-
-
 WRONG = [
     ("int64", "", "one", "the 'field_0' field must be of type 'int', and holds 'one'"),
     ("int8", "", 200, "must be an integer in [-128, 127]"),
-    ("float64", "", "fast", "must be of type 'float'"),
     ("string", "", 5, "must be of type 'str'"),
-    ("string", "", None, "must be of type 'str'"),
     ("byte", "", b"ab", "with length 1"),
     ("geometry_msgs/Vector3", "", 1.0, "a sub message of type 'Vector3'"),
-    ("string", "[2]", ["a"], "with length 2"),
     ("string", "[<=2]", ["a", "b", "c"], "with length <= 2"),
-    ("bool", "[2]", [True], "with length 2"),
     ("byte", "[]", [b"ab"], "must hold bytes objects of length 1"),
     ("int32", "[]", None, "a set or sequence"),
-    ("geometry_msgs/Vector3", "[]", [1], "each value of type 'Vector3'"),
 ]
 
 
@@ -153,7 +140,7 @@ int64 end
 """
 
 
-@pytest.mark.parametrize("size", [0, 1, 4095, 4096, 5003])
+@pytest.mark.parametrize("size", [0, 4096, 5003])
 def test_large_fields_between_others(size: int) -> None:
     """Large ones are parts of their own on the way to the wire: what follows them keeps its alignment."""
     built = Library(lambda _: LARGE_AND_LISTS).get(TypeName("large_fields", "msg", "Large"))
@@ -185,10 +172,3 @@ def test_what_does_not_fit_into_a_list_is_told(wrong: dict[str, Any]) -> None:
         return
     with pytest.raises(TypeError, match=f"Large cannot be sent: the '{next(iter(wrong))}' field must"):
         serialize_message(message)
-
-
-def test_strings_with_nul_end_there_in_lists_too() -> None:
-    built = Library(lambda _: LARGE_AND_LISTS).get(TypeName("large_fields", "msg", "Large"))
-    assert built is not None
-    message = built.classes["Large"](words=["a\0b", "c"])
-    assert deserialize_message(serialize_message(message), type(message)).words == ["a", "c"]

@@ -16,16 +16,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def test_of_an_exercise_from_elsewhere_it_names_the_notebook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """JupyterLab does not show its folder, which lies outside of the course's."""
-    made = outside_exercises.write(tmp_path)
-    monkeypatch.setenv(exercise_folders.VARIABLE, str(made))
-    lines = course_list.to_text(course_list.rows()[0], "utf-8").splitlines()
-    (place,) = (number for number, line in enumerate(lines) if f" {made.name} " in line)
-    assert lines[place + 2].strip() == str(made / f"{made.name}.ipynb")
-    assert not any("notebook" in line or ".ipynb" in line for line in lines[:place])
-
-
 @pytest.mark.parametrize(
     ("passed", "sentence"),
     [
@@ -44,10 +34,6 @@ def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> N
 def test_after_a_drill_comes_the_next_one_that_is_not_solved() -> None:
     said = course_list.next_step("empty_dashboard", REPOSITORY)
     assert re.match(r"Next: \S+ drills deaf_to_cancel\. Compare yours with ours: \S+ solution empty_dashboard$", said)
-
-
-def test_after_the_last_one_it_says_so(tmp_path: Path) -> None:
-    assert course_list.next_step("pattern_choice", tmp_path).startswith("That is the last exercise.")
 
 
 def test_one_added_from_elsewhere_is_compared_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import list_exercise_ids, load_exercise, read_exercise
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import course_list, workspace
 from course_kit.reader import text as reader
 from tests.course_copy import REPOSITORY, Course, copy_course
@@ -58,13 +57,6 @@ def test_what_is_done_has_its_tick(course: Course) -> None:
     assert "[x] 1 empty_dashboard: done" in course.run("drills", PYTHONIOENCODING="ascii").stdout
 
 
-def test_they_are_no_exercises_of_the_course(course: Course) -> None:
-    assert not {*list_exercise_ids(), *(row.exercise.id for row in course_list.rows()[0])} & set(IDS)
-    course.progress.write_text(json.dumps({"format_version": 1, "exercises": {DRILL: PASSED}}))
-    assert "0 of 4 passed." in course.run("list").stdout
-    assert DRILL not in course.run("list", "--format", "json").stdout
-
-
 def test_one_is_begun_with_its_files_and_the_commands_for_it(course: Course) -> None:
     begun = course.run("drills", DRILL)
     assert begun.returncode == 0, begun.stderr
@@ -87,24 +79,6 @@ def test_a_program_that_is_gone_comes_back_and_one_that_was_begun_stays(course: 
     assert course.run("reset", DRILL, "--yes").returncode == 0
     assert notebook.read_text() != "mine"
     assert (folder / f"{DRILL}.backup-1.ipynb").read_text() == "mine"
-
-
-@pytest.mark.parametrize(
-    ("typed", "said"),
-    [
-        ("dark_lmp", "Did you mean dark_lamp"),
-        ("nothing_like_it", "There is no drill 'nothing_like_it'. There are: empty_dashboard, "),
-        ("move_robot", "move_robot is an exercise, not a drill."),
-    ],
-)
-def test_what_is_no_drill_is_said(typed: str, said: str) -> None:
-    with pytest.raises(GradingError, match=said):
-        course_list.begin_drill(typed)
-
-
-def test_an_exercise_that_is_mistyped_may_be_meant_as_a_drill() -> None:
-    with pytest.raises(GradingError, match="Did you mean dark_lamp"):
-        load_exercise("dark_lmp")
 
 
 def test_a_drill_is_graded_hinted_and_recorded_like_an_exercise(course: Course) -> None:
@@ -133,16 +107,6 @@ def test_drills_of_an_instructor_are_listed_and_no_exercises(tmp_path: Path, mon
     monkeypatch.setenv(exercise_folders.VARIABLE, str(tmp_path))
     assert "my_lamp" in course_list.describe_drills("utf-8")[0]
     assert "my_lamp" not in [row.exercise.id for row in course_list.rows()[0]]
-
-
-@pytest.mark.parametrize("value", ["1", '"yes"'])
-def test_practice_is_true_or_false(value: str, tmp_path: Path) -> None:
-    made = tmp_path / DRILL
-    shutil.copytree(REPOSITORY / "exercises" / "drills" / DRILL, made)
-    toml = (made / "exercise.toml").read_text()
-    (made / "exercise.toml").write_text(toml.replace("practice = true", f"practice = {value}"))
-    with pytest.raises(GradingError, match="'practice' is neither true nor false"):
-        read_exercise(made)
 
 
 def test_a_cell_that_also_runs_as_a_program_keeps_its_line_numbers() -> None:

@@ -92,12 +92,6 @@ def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(
     assert found.rungs == ("A push.", "A nudge.", "A shove.")
 
 
-def test_a_cause_without_a_hint_here_has_the_catalogues(folder: Path) -> None:
-    failed("start", "service.no_return")
-    found = handouts.ladder(load_exercise("walk", folder), progress.read()[0]["walk"])
-    assert found.rungs == (catalogue.catalogue()["service.no_return"].hint, "A nudge.", "A push.", "A shove.")
-
-
 def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     failed("nowhere", "service.no_return")
     text, _ = handouts.hint("walk", "%hint", folder=folder)
@@ -105,32 +99,11 @@ def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     assert "%hint walk --again" in text
 
 
-def test_where_to_read_on_is_where_the_exercise_says(folder: Path) -> None:
-    failed("nowhere", "limit.time")
-    text, _ = handouts.hint("walk", "%hint", folder=folder)
-    assert "notebooks/02_actions.ipynb#Cancelling" in text
-    assert catalogue.catalogue()["limit.time"].notebook not in text
-
-
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
     text, _ = handouts.hint("walk", "%hint", folder=folder)
     assert "There are no hints for this one" in text
     assert "last one" not in text
-
-
-def test_when_nothing_failed_there_is_nothing_to_hint_at(folder: Path) -> None:
-    assert progress.update("walk", lambda old: replace(old, tries=1)) == ""
-    text, _ = handouts.hint("walk", "%hint", folder=folder)
-    assert "Nothing failed" in text
-
-
-def test_without_a_usable_file_there_are_hints_all_the_same(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "file").touch()
-    monkeypatch.setenv(progress.VARIABLE, str(folder / "file" / "progress.json"))
-    text, trouble = handouts.hint("walk", "%hint", folder=folder)
-    assert "Hint 1 of 4" in text
-    assert "cannot be used" in trouble
 
 
 def test_an_exercise_that_is_misspelt_gets_the_nearest_name(folder: Path) -> None:

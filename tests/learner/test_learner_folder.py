@@ -159,26 +159,6 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
     assert len(served) == 1
 
 
-def test_what_the_course_no_longer_has_stays_and_is_not_new_when_it_comes_back(tmp_path: Path) -> None:
-    folder, course = tmp_path / "mine", {**given((LESSON, "a")), PROGRAM: b"starter\n"}
-    workspace.bring_up_to_date(folder, course)
-    assert workspace.bring_up_to_date(folder, given((LESSON, "a"))) == []
-    assert (folder / PROGRAM).read_bytes() == b"starter\n"
-    (folder / PROGRAM).write_bytes(b"mine\n")
-    assert workspace.bring_up_to_date(folder, course) == []
-    assert (folder / PROGRAM).read_bytes() == b"mine\n"
-
-
-def test_a_folder_in_place_of_a_file_stops_no_update(tmp_path: Path) -> None:
-    folder = tmp_path / "mine"
-    workspace.bring_up_to_date(folder, {**given((LESSON, "old")), PROGRAM: b"old\n"})
-    (folder / PROGRAM).unlink()
-    (folder / PROGRAM).mkdir()
-    renewed, beside = workspace.bring_up_to_date(folder, {**given((LESSON, "new")), PROGRAM: b"new\n"})
-    assert LESSON in renewed
-    assert PROGRAM in beside
-
-
 def test_commands_mean_the_folder_that_jupyterlab_was_opened_on(clone: Course) -> None:
     robots = clone.root.parent / "robots"
     assert clone.run("copy").returncode == 0
@@ -189,11 +169,3 @@ def test_commands_mean_the_folder_that_jupyterlab_was_opened_on(clone: Course) -
     clone.run("reset", TEMPERATURE, "--yes", **{environment.paths.FOLDER_VARIABLE: str(robots)})
     assert (robots / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
     assert (clone.root / LEARNER_FOLDER / PROGRAM).read_text() == "print('mine')\n"
-
-
-@pytest.mark.parametrize("verb", ["copy", "lab"])
-def test_a_name_that_no_file_can_have_is_said(clone: Course, verb: str) -> None:
-    refused = clone.run(verb, f"../{'x' * 300}")
-    assert refused.returncode == 2
-    assert "Traceback" not in refused.stderr
-    assert "File name too long" in refused.stderr

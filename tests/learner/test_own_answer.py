@@ -84,18 +84,6 @@ def test_a_notebook_that_was_only_run_is_the_starter_still(folder: Path) -> None
     assert workspace.to_grade(TEMPERATURE, None)[0] == PROGRAM
 
 
-def test_of_the_courses_own_file_it_says_where_yours_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(environment, "learner_folder", lambda: tmp_path)
-    own = REPOSITORY / "exercises" / TEMPERATURE / PROGRAM
-    assert workspace.to_grade(TEMPERATURE, str(own)) == (str(own), ""), "there is none yet"
-    (tmp_path / "exercises" / TEMPERATURE).mkdir(parents=True)
-    mine = shutil.copy(own, f"exercises/{TEMPERATURE}/{PROGRAM}")
-    said = f"{own} is the course's own file. Yours is {mine}: {environment.command()} grade {TEMPERATURE}"
-    assert workspace.to_grade(TEMPERATURE, str(own)) == (str(own), said)
-    assert workspace.to_grade(TEMPERATURE, mine) == (mine, "")
-
-
 def test_watch_means_the_same_file(folder: Path) -> None:
     answer(folder / NOTEBOOK)
     assert workspace.choose_own(load_exercise(TEMPERATURE), "watch")[0] == folder / NOTEBOOK

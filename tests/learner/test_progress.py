@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import subprocess
@@ -59,12 +58,6 @@ def test_the_best_score_and_the_first_pass_stay_and_the_failure_is_the_last_grad
     assert (late.best, late.tries, late.passed, late.first_passed) == (8.0, 3, True, passed.first_passed)
     assert late.failed == early.failed
     assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]
-
-
-@pytest.mark.parametrize("status", ["unreadable", "error"])
-def test_what_was_not_graded_is_no_try(file: Path, status: str) -> None:
-    assert progress.record(a_report(0.0, status)) == ""
-    assert not file.exists()
 
 
 def test_off_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,20 +128,6 @@ def test_a_damaged_file_is_left_alone_and_how_to_go_on_is_said(file: Path, text:
     assert file.read_bytes() == content
 
 
-def test_a_file_of_a_newer_kit_is_left_alone(file: Path) -> None:
-    file.write_text('{"format_version": 2, "something": "else"}')
-    assert "newer course kit" in progress.record(a_report(8.0))
-    assert file.read_text() == '{"format_version": 2, "something": "else"}'
-
-
-def test_a_folder_that_cannot_be_used_is_named(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file.write_text("")
-    monkeypatch.setenv(progress.VARIABLE, str(file / "progress.json"))
-    told = progress.record(a_report(8.0))
-    assert str(file) in told
-    assert "Nothing was recorded" in told
-
-
 def test_a_full_disk_leaves_the_old_file(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(descriptor: int) -> NoReturn:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(descriptor))
@@ -158,11 +137,3 @@ def test_a_full_disk_leaves_the_old_file(file: Path, monkeypatch: pytest.MonkeyP
     assert "No space left" in progress.record(a_report(8.0))
     assert progress.read()[0]["exercise"].best == 3.0
     assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]
-
-
-def test_a_lock_that_is_never_let_go_does_not_hold_the_grader_up(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "_PATIENCE_S", 0.05)
-    with file.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        assert "locked" in progress.record(a_report(8.0))
-    assert progress.record(a_report(8.0)) == ""

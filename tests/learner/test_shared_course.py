@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from typing import TYPE_CHECKING
 
@@ -96,16 +95,6 @@ def test_the_door_of_a_copy_leads_to_the_course(learner: Learner) -> None:
     assert f"Next: {TEMPERATURE}, in exercises/{TEMPERATURE}" in listed.stdout, listed.stderr
 
 
-def test_a_second_copy_changes_nothing_and_brings_what_is_missing(learner: Learner) -> None:
-    learner.run("copy", "mine")
-    mine = learner.write(learner.home / "mine" / "exercises" / TEMPERATURE / PROGRAM, MINE)
-    lesson = learner.home / "mine" / "notebooks" / "01_services.ipynb"
-    lesson.unlink()
-    assert learner.run("copy", "mine").returncode == 0
-    assert mine.read_text() == MINE
-    assert lesson.is_file()
-
-
 def test_files_anywhere_are_found_from_where_one_stands_or_by_their_name(learner: Learner) -> None:
     mine = learner.home / "robots"
     assert learner.run("reset", TEMPERATURE, str(mine)).returncode == 0
@@ -157,17 +146,6 @@ def test_what_cannot_be_written_is_a_sentence(learner: Learner) -> None:
         assert done.returncode == 2, (arguments, done.stdout)
         assert str(learner.course.root.parent) in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1
-
-
-def test_what_only_reads_works(learner: Learner) -> None:
-    assert "Exercise 4" in learner.run("quiz").stdout
-    assert "def test_" in learner.run("otter", TEMPERATURE).stdout
-    less = ("--without", "move_robot", "--without", "robot_parameters")  # what takes longest to grade
-    made = learner.run("release", "student.zip", *less)
-    assert (made.returncode, (learner.home / "student.zip").is_file()) == (0, True), made.stderr
-    unpacked = learner.run("release", "student", *less)
-    assert unpacked.returncode == 0, unpacked.stderr
-    assert os.access(learner.home / "student" / "notebooks" / "demos" / "01_deadlock.ipynb", os.W_OK)
 
 
 @pytest.mark.parametrize("verb", ["lab", "present"])

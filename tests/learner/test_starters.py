@@ -100,14 +100,6 @@ def test_on_a_terminal_it_asks_first(course: Course, file: Path, typed: str, cod
     assert (file.read_text() == MINE) is not changed
 
 
-def test_without_a_terminal_and_without_yes_nothing_happens(course: Course, file: Path) -> None:
-    file.write_text(MINE)
-    done = course.run("reset", TEMPERATURE)
-    assert done.returncode == 2
-    assert "--yes" in done.stderr
-    assert file.read_text() == MINE
-
-
 def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")
@@ -117,41 +109,6 @@ def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch
     with pytest.raises(GradingError, match="No space left"):
         handouts.reset(TEMPERATURE, yes=True, forget=False, place=file)
     assert file.read_text() == MINE
-
-
-def test_progress_is_forgotten_only_on_request(course: Course, file: Path) -> None:
-    file.write_text(MINE)
-    keep(course, **PASSED)
-    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
-    assert TEMPERATURE in course.progress.read_text()
-    done = course.run("reset", TEMPERATURE, "--yes", "--progress")
-    assert done.returncode == 0
-    assert "is deleted" in done.stdout
-    assert json.loads(course.progress.read_text())["exercises"] == {}
-
-
-def test_an_exercise_whose_starter_is_gone_is_left_alone(course: Course, file: Path) -> None:
-    file.write_text(MINE)
-    starter = course.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.ipynb"
-    kept = starter.read_bytes()
-    starter.unlink()
-    try:
-        done = course.run("reset", TEMPERATURE, "--yes")
-    finally:
-        starter.write_bytes(kept)
-    assert done.returncode == 2
-    assert f"{starter} cannot be read: No such file or directory. Nothing was changed." in done.stderr
-    assert file.read_text() == MINE
-
-
-def test_a_link_is_replaced_and_what_it_leads_to_stays(course: Course, file: Path, tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(MINE)
-    file.unlink()
-    file.symlink_to(tmp_path / "mine.py")
-    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
-    assert (tmp_path / "mine.py").read_text() == MINE
-    assert not file.is_symlink()
-    assert file.with_name(f"{TEMPERATURE}.backup-1.py").read_text() == MINE
 
 
 def test_the_student_edition_says_that_it_has_no_solutions(course: Course) -> None:

@@ -8,13 +8,12 @@ import signal
 import subprocess
 import threading
 import time
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import psutil
 import pytest
 
-from course_kit.grading import CheckReport, GradingError, Report
+from course_kit.grading import CheckReport, Report
 from course_kit.learner import watch
 from tests.background import IN_BACKGROUND
 from tests.course_copy import SOLUTION, TEMPERATURE, Course, starter
@@ -126,15 +125,6 @@ def test_each_save_gets_one_verdict_and_ctrl_c_ends_it(watching: Watching, file:
     assert '"tries": 4' in (file.parent / "progress.json").read_text()
 
 
-def test_a_worker_that_is_killed_is_replaced(watching: Watching, file: Path) -> None:
-    watching.until("points")
-    (worker,) = [each for each in workers_of(watching.process) if "worker_process" in " ".join(each.cmdline())][:1]
-    worker.kill()
-    os.utime(file)
-    assert "1 of 10 points" in watching.until("points")
-    watching.interrupt()
-
-
 def test_what_it_cannot_watch_is_said_at_once(tmp_path: Path) -> None:
     done = Course(tmp_path).run("watch", TEMPERATURE, str(tmp_path / "none.py"))
     assert done.returncode == 2
@@ -226,28 +216,8 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
     assert text.isascii()
 
 
-def test_of_a_drill_the_card_says_no_points() -> None:
-    before, after = (replace(report(score, check("One", "passed")), practice=True) for score in (2.0, 9.0))
-    assert watch.card(before, None).splitlines()[1].endswith("not solved yet (1.2 s)")
-    assert watch.card(after, before).splitlines()[1].endswith("solved (1.2 s)")
-
-
 def test_the_card_is_not_steered_by_what_the_program_has_printed() -> None:
     failed = check("One\x1b[2J", "failed", got="\x1b]0;mine\x07", message="\x1b[31mred")
     text = watch.card(report(3.5, failed, problem="\x1b[1mbold"), None)
     assert "\x1b" not in text
     assert "\x07" not in text
-
-
-def test_the_card_of_a_file_that_cannot_be_read_says_why() -> None:
-    text = watch.card(report(0.0, status="unreadable", problem="f.py is empty."), report(5.0))
-    assert "Not graded." in text
-    assert "f.py is empty." in text
-    assert "since" not in text
-
-
-def test_a_folder_or_a_name_that_is_not_there_is_said_at_once(tmp_path: Path) -> None:
-    with pytest.raises(GradingError, match=r"is a folder. Name the .py or .ipynb file in it.$"):
-        watch.watch(TEMPERATURE, tmp_path)
-    with pytest.raises(GradingError, match="There is no file"):
-        watch.watch(TEMPERATURE, tmp_path / "nothing.py")

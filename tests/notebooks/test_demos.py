@@ -14,7 +14,6 @@ from course_kit.presentation import projected
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 DEMOS = sorted((REPOSITORY / "notebooks/demos").glob("*.ipynb"))
-WIDEST = 72  # characters of a line that fit a projector of 1024 pixels
 
 demos = pytest.mark.parametrize("path", DEMOS, ids=lambda path: path.stem)
 
@@ -72,13 +71,6 @@ def test_a_class_sees_neither_notes_nor_remarks_nor_outputs(path: Path) -> None:
     text = str([(cell.source, cell.metadata) for cell in shown.cells])
     assert not [cell.source for cell in remarks if cell.cell_type == "markdown" and cell.source[:40] in text]
     nbformat.validate(shown)
-
-
-@pytest.mark.answers
-@demos
-def test_its_lines_fit_a_projector(path: Path) -> None:
-    code = [cell.source for cell in read(path).cells if cell.cell_type == "code"]
-    assert [line for source in code for line in source.splitlines() if len(line) > WIDEST] == []
 
 
 @pytest.mark.answers

@@ -59,8 +59,3 @@ def test_what_nobody_is_called_is_told_with_what_there_is(root: Path, name: str,
     with pytest.raises(PresentationError) as told:
         demos.find(root, name)
     assert said in str(told.value)
-
-
-def test_no_demos_at_all_is_told(tmp_path: Path) -> None:
-    with pytest.raises(PresentationError, match=r"There are no demos in .*/notebooks/demos"):
-        demos.find(tmp_path, "1")

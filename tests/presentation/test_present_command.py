@@ -76,12 +76,6 @@ def test_a_course_without_demos_or_with_a_damaged_one_says_so(tmp_path: Path) ->
     assert "There are no demos in" in refused(course, tmp_path)
 
 
-def test_a_folder_that_cannot_be_written_is_told(course: Course, tmp_path: Path) -> None:
-    (tmp_path / "state of mine" / "ros2-course-kit").mkdir(parents=True)
-    (tmp_path / "state of mine" / "ros2-course-kit" / "present").touch()
-    assert "The copies for the class could not be made" in refused(course, tmp_path, "1")
-
-
 def test_it_opens_the_demo_that_was_named_and_leaves_the_courses_own_file_alone(course: Course, tmp_path: Path) -> None:
     own = course.root / "notebooks/demos/02_lost_cancel.ipynb"
     before = own.read_bytes()
@@ -136,16 +130,3 @@ def test_when_it_is_ended_nothing_is_left(course: Course, tmp_path: Path) -> Non
     assert "Traceback" not in told.read_text()
     with socket.create_server(("127.0.0.1", port)):
         assert scratch(tmp_path) == []
-
-
-def test_ctrl_c_while_it_starts_is_no_traceback(course: Course, tmp_path: Path) -> None:
-    with (tmp_path / "log").open("w") as log:
-        process = subprocess.Popen(
-            course.command("present", "5", "--no-browser", *allow_root()),
-            cwd=course.root, env=environ(course, tmp_path), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-        )  # fmt: skip
-    wait_until(psutil.Process(process.pid).children, "the server")
-    process.send_signal(signal.SIGINT)
-    assert process.wait(200) == 0
-    assert "Traceback" not in (tmp_path / "log").read_text()
-    assert scratch(tmp_path) == []

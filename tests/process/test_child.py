@@ -17,7 +17,7 @@ from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
 STUBBORN = """
 import signal, subprocess, sys, time
@@ -68,13 +68,6 @@ def is_alive(pid: int) -> bool:
     return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
 
 
-@pytest.fixture
-def sleeper() -> Iterator[Child]:
-    child = Child([sys.executable, "-c", "import time; time.sleep(600)"])
-    yield child
-    child.kill()
-
-
 def test_one_that_ignores_everything_is_killed_at_last_and_so_is_what_it_has_started() -> None:
     child, grandchild = start(STUBBORN)
     ladder = Ladder(0.3, 0.3, 10.0)
@@ -101,10 +94,6 @@ def test_what_it_leaves_behind_is_killed(end: Callable[[Child], object]) -> None
     wait_until(lambda: not is_alive(int(grandchild)), "the end of the grandchild")
 
 
-def test_a_ctrl_c_at_our_terminal_does_not_reach_it(sleeper: Child) -> None:
-    assert os.getsid(sleeper.pid) == os.getpgid(sleeper.pid) == sleeper.pid
-
-
 def test_it_dies_with_us_where_it_is_to() -> None:
     with subprocess.Popen([sys.executable, "-c", DYING_WITH_US], stdout=subprocess.PIPE, text=True) as us:
         assert us.stdout is not None
@@ -124,31 +113,9 @@ def test_one_whose_parent_has_ended_before_it_could_say_so_ends_at_once() -> Non
     assert (orphan.returncode, orphan.stdout) == (-SIGKILL, "")
 
 
-def test_signals_are_due_between_the_first_and_the_last_only() -> None:
-    ladder = Ladder(0.0, 1000.0, 0.0)
-    assert ladder.pause_s() == math.inf
-    assert ladder.climb() == (SIGINT, 0.0)
-    assert ladder.pause_s() == 0
-    assert ladder.climb() == (SIGTERM, 1000.0)
-    assert 0 < ladder.pause_s() <= 1000
-    assert ladder.left
-    assert ladder.climb() == (SIGKILL, 0.0)
-    assert not ladder.left
-    assert ladder.pause_s() == math.inf
-
-
 @pytest.mark.parametrize("seconds", [60.0, math.inf, None])
 def test_the_end_of_a_child_is_waited_for(seconds: float | None) -> None:
     child = Child([sys.executable, "-c", "import sys; sys.exit(7)"])
     assert child.wait(seconds) == 7
     assert child.wait(seconds) == 7
     assert child.wait_or_kill(0.0) == 7
-
-
-def test_one_that_goes_on_is_waited_for_as_long_as_was_said() -> None:
-    child = Child([sys.executable, "-c", "import time; time.sleep(600)"])
-    opened = psutil.Process().num_fds()
-    assert child.wait(0.01) is None
-    assert child.wait(0.0) is None
-    assert child.wait_or_kill(0.01) == -SIGKILL
-    assert psutil.Process().num_fds() == opened

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import socket
+from typing import TYPE_CHECKING
 
-import pytest
-
-from course_kit.process import Closing
 from course_kit.process.fork import first_uses, fork
+
+if TYPE_CHECKING:
+    import pytest
 
 
 def status_of(child: int) -> int:
@@ -48,20 +49,3 @@ def test_each_line_comes_when_it_is_first_used_or_closed() -> None:
     assert lines[1].recv(10) == b"xmore", "nothing is taken off a line"
     for end in [end for pair in pairs for end in pair]:
         end.close()
-
-
-class Counted(Closing):
-    def __init__(self) -> None:
-        self.closed = 0
-
-    def close(self) -> None:
-        self.closed += 1
-
-
-def test_the_end_of_a_with_closes() -> None:
-    with Counted() as whole:
-        assert whole.closed == 0
-    broken = Counted()
-    with pytest.raises(LookupError), broken:
-        raise LookupError
-    assert (whole.closed, broken.closed) == (1, 1)

@@ -34,24 +34,6 @@ def test_whole_lines_are_handed_on_and_nothing_is_waited_for(ends: list[int]) ->
     assert not lines.ended
 
 
-def test_a_last_line_without_an_end_comes_with_the_end_of_the_stream(ends: list[int]) -> None:
-    lines = LineReader(ends[0])
-    os.write(ends[1], b"whole\nnot whole")
-    assert lines.read() == ["whole"]
-    os.close(ends.pop())
-    assert lines.read() == ["not whole"]
-    assert lines.ended
-    assert lines.read() == []
-
-
-def test_what_has_no_end_can_be_asked_for(ends: list[int]) -> None:
-    lines = LineReader(ends[0])
-    os.write(ends[1], b"a prompt: ")
-    assert lines.read() == []
-    assert lines.rest() == ["a prompt: "]
-    assert lines.rest() == []
-
-
 def test_a_full_pipe_is_taken_in_at_once(ends: list[int]) -> None:
     lines = LineReader(ends[0])
     os.set_blocking(ends[1], False)

@@ -78,20 +78,3 @@ def test_the_first_try_counts_and_the_last_is_shown(kept: Path) -> None:
     [score] = scores()
     assert (score.lesson, score.kind, score.right, score.answered, score.count) == ("01_services", "guess", 1, 2, 11)
     assert sorted(path.name for path in kept.rglob("*.json")) == ["float_for_int.json", "late_display.json"]
-
-
-@pytest.mark.parametrize("damage", ["", "[]", '{"first": 1, "first_right": true, "last": "x"}', '{"first": "x"}'])
-def test_a_damaged_file_counts_for_nothing(kept: Path, damage: str) -> None:
-    asked = guesses.question("01_services/late_display")
-    (kept / "01_services").mkdir(parents=True)
-    (kept / f"{asked.name}.json").write_text(damage)
-    assert GuessRecord().of(asked) is None
-    assert scores() == []
-
-
-def test_where_nothing_is_kept_a_panel_still_knows_its_answers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COURSE_KIT_PROGRESS", "off")
-    asked, record = guesses.question("01_services/late_display"), GuessRecord()
-    record.choose(asked, asked.right)
-    assert record.of(asked) is not None
-    assert GuessRecord().of(asked) is None

@@ -99,23 +99,12 @@ def test_an_id_with_a_slip_is_found() -> None:
     assert FIRST.id + "s" in result.marks[0].pattern.explanation
 
 
-def test_strangers_cost_nothing() -> None:
-    result = quiz.mark(DRAWN, {**all_right(), "unicorn": ("topic", "x"), 7: (), None: None})
-    assert result.points == 10.0
-    assert result.strangers == ("unicorn", "7", "None")
-
-
 def test_answers_to_another_seed_are_recognised() -> None:
     others = {name: right(scenario) for name, scenario in quiz.bank().items() if scenario not in DRAWN}
     result = quiz.mark(DRAWN, others)
     assert result.strangers == ()
     assert {marks.pattern.code for marks in result.marks} == {"quiz.missing"}
     assert "did you get your own seed" in result.marks[0].pattern.explanation
-
-
-def test_case_and_spaces_do_not_matter() -> None:
-    answers = {f" {name.upper()}": [pattern.title(), f"{reason} "] for name, (pattern, reason) in all_right().items()}
-    assert quiz.mark(DRAWN, answers).points == 10.0
 
 
 def passes(choose: Callable[[quiz.Scenario, random.Random], tuple[str, str]]) -> float:
@@ -137,18 +126,5 @@ def test_always_the_same_pattern_does_not_pass_even_with_all_reasons_right(patte
     assert passes(lambda scenario, _: (pattern, right(scenario)[1])) < 0.1
 
 
-def test_guessing_does_not_pass() -> None:
-    assert passes(lambda scenario, chance: (chance.choice(quiz.PATTERNS), any_reason(scenario, chance))) < 0.001
-
-
 def test_right_patterns_with_guessed_reasons_do_not_pass() -> None:
     assert passes(lambda scenario, chance: (right(scenario)[0], any_reason(scenario, chance))) < 0.04
-
-
-def test_right_reasons_with_guessed_patterns_seldom_pass() -> None:
-    assert passes(lambda scenario, chance: (chance.choice(quiz.PATTERNS), right(scenario)[1])) < 0.12
-
-
-def test_ids_nobody_would_write_are_not_compared() -> None:
-    assert quiz.nearest("weld_seam", ["weld_saem", "x" * 1_000_000]) == "weld_saem"
-    assert quiz.nearest("weld_seam" * 100_000, ["weld_seam" * 100_000]) is None

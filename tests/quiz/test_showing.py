@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import ast
-import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
-import pytest
-
 from course_kit import environment, quiz
-from course_kit.cli.main import main
 
 FOLDER = (environment.checkout() or Path()) / "exercises" / "pattern_choice"
 
@@ -70,23 +64,3 @@ def test_the_notebook_holds_the_form_of_the_default_seed() -> None:
 
     handed_in = read(FOLDER / "pattern_choice.ipynb", "pattern_choice")
     assert handed_in.source.strip() == quiz.show().form()
-
-
-def test_the_command_prints_the_sheet(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["quiz", "--seed", "5"]) == 0
-    assert capsys.readouterr().out == quiz.show(5).sheet()
-    assert main(["quiz"]) == 0
-    assert capsys.readouterr().out == quiz.show().sheet()
-
-
-@pytest.mark.parametrize("seed", ["7", None, 1.5, True])
-def test_a_seed_that_is_none_is_explained(seed: object) -> None:
-    with pytest.raises(TypeError, match=re.escape("seed=17")):
-        quiz.show(seed)  # type: ignore[arg-type]
-
-
-def test_it_needs_no_ros() -> None:
-    program = (
-        "import sys; from course_kit import quiz; quiz.show(); sys.exit(any('rclpy' in name for name in sys.modules))"
-    )
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

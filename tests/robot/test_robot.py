@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from course_kit.robot import Position, SimulatedRobot
+from course_kit.robot import SimulatedRobot
 
 
 @pytest.fixture
@@ -22,11 +22,6 @@ def drive(robot: SimulatedRobot, x: float, y: float) -> int:
         steps += 1
         assert steps < 1000, "it never arrives"
     return steps
-
-
-def test_it_starts_at_the_origin(robot: SimulatedRobot) -> None:
-    assert robot.position == Position(x=0.0, y=0.0)
-    assert isinstance(robot.position, Position)
 
 
 def test_a_step_is_five_centimetres_straight_at_the_target(robot: SimulatedRobot) -> None:
@@ -65,12 +60,6 @@ def test_the_walls_belong_to_the_arena(robot: SimulatedRobot, target: tuple[floa
     assert robot.position == target
 
 
-def test_a_target_beyond_a_wall_by_rounding_is_the_wall(robot: SimulatedRobot) -> None:
-    while robot.position.x < 10.0:
-        robot.step_towards(10.0 + 2e-15, -1e-17)
-    assert robot.position == (10.0, 0.0)
-
-
 @pytest.mark.parametrize(
     ("x", "y", "told"),
     [
@@ -94,11 +83,6 @@ def test_what_is_no_number_is_refused_with_the_right_way_to_call(robot: Simulate
         robot.step_towards(wrong, 1.0)  # type: ignore[arg-type]
 
 
-def test_the_position_cannot_be_set(robot: SimulatedRobot) -> None:
-    with pytest.raises(AttributeError):
-        robot.position = Position(5.0, 5.0)  # type: ignore[misc]
-
-
 def test_the_time_scale_stretches_the_waiting_and_not_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
     waits: list[float] = []
     monkeypatch.setattr(time, "sleep", waits.append)
@@ -113,13 +97,6 @@ def test_the_time_scale_stretches_the_waiting_and_not_the_way(monkeypatch: pytes
     assert waits == pytest.approx([0.05, 0.005, 0.1])
 
 
-@pytest.mark.parametrize("text", ["fast", "", "-1", "nan", "inf"])
-def test_a_time_scale_that_is_none_is_named(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    monkeypatch.setenv("COURSE_KIT_TIME_SCALE", text)
-    with pytest.raises(ValueError, match=f"COURSE_KIT_TIME_SCALE is '{text}'"):
-        SimulatedRobot()
-
-
 def test_steps_from_two_threads_all_count(robot: SimulatedRobot) -> None:
     def fifty_steps() -> None:
         for _ in range(50):
@@ -131,8 +108,3 @@ def test_steps_from_two_threads_all_count(robot: SimulatedRobot) -> None:
     for thread in threads:
         thread.join()
     assert robot.position == pytest.approx((5.0, 0.0))
-
-
-def test_it_shows_where_it_is(robot: SimulatedRobot) -> None:
-    drive(robot, 1.0, 0.5)
-    assert repr(robot) == "<SimulatedRobot at (1.00, 0.50)>"

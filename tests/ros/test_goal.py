@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import qos_profile_action_status_default
 
-from course_kit.ros.goal import GoalClient, GoalTracker, status_name
+from course_kit.ros.goal import GoalClient, GoalTracker
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -101,19 +101,9 @@ def test_feedback_that_comes_after_the_result_is_not_lost(pair: Pair) -> None:
     assert tracker.identifier == bytes(pair.server.goal_id.uuid)
 
 
-def test_a_rejected_goal_has_ended(pair: Pair) -> None:
-    tracker = pair.send(order=0)
-    assert (tracker.accepted, tracker.ended, tracker.status, tracker.result) == (False, True, "REJECTED", None)
-    assert pair.client.busy == {}
-
-
 def test_a_goal_whose_server_has_gone_is_lost(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GoalTracker, "_finished", lambda *_: None)  # as if the result had not come
     tracker = pair.send(order=1)
     pair.server.node.destroy_publisher(pair.server.feedback)
     pair.spin_until(lambda: tracker.ended)
     assert (tracker.status, tracker.result) == ("UNKNOWN", None)
-
-
-def test_statuses_in_words() -> None:
-    assert [status_name(number) for number in (0, 1, 6, 7, -1)] == ["UNKNOWN", "ACCEPTED", "ABORTED", "7", "-1"]

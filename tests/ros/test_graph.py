@@ -52,8 +52,3 @@ def test_what_is_offered_and_by_whom(busy: Node) -> None:
     assert "/reset" not in graph.offered(busy, graph.SERVES)  # it has a client and no server
     assert graph.offered(busy, graph.RUNS) == {"/left/fibonacci": ["example_interfaces/action/Fibonacci"]}
     assert graph.offered(busy, graph.RUNS, frozenset({"/left/busy"})) == {}
-
-
-@pytest.mark.parametrize("name", ["/gone", "_NODE_NAMESPACE_UNKNOWN_/_NODE_NAME_UNKNOWN_", "/ "])
-def test_a_node_that_has_gone_does_nothing(busy: Node, name: str) -> None:
-    assert list(graph.uses_of(busy, name)) == []

@@ -5,17 +5,14 @@ What is installed here is rclpy 7.1.6; later ones are stood in for, see `later_r
 
 from __future__ import annotations
 
-import threading
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-import rclpy
 from example_interfaces.action import Fibonacci
 from example_interfaces.srv import AddTwoInts
 from rclpy.action import ActionServer
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import String
@@ -131,33 +128,6 @@ def test_an_execute_callback_that_awaits_keeps_the_thread_free_until_its_future_
     assert list(goal.result_blocking(timeout=10).sequence) == [2]
 
 
-def test_a_node_of_ones_own_is_spun_in_a_cell(later_lab: Lab) -> None:
-    lab.start(Everything)
-    node = Node("own", context=later_lab.engine.executor_thread.context)
-    client = node.create_client(AddTwoInts, "add_two_ints")
-    future = client.call_async(AddTwoInts.Request(a=1, b=1))
-    rclpy.spin_until_future_complete(node, future, timeout_sec=20)
-    assert future.result().sum == 2
-    rclpy.spin_once(node, timeout_sec=0)
-    node.destroy_node()
-
-
-def test_a_pool_that_is_shut_down_leaves_the_lab_as_it_was(own_lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
-    later_rclpy.shut_the_pool_down_as_in_7_1_12(monkeypatch)
-    lab.start(Everything)
-    before = set(threading.enumerate())
-    executor = MultiThreadedExecutor(2, context=own_lab.engine.executor_thread.context)
-    node = Node("own", context=own_lab.engine.executor_thread.context)
-    executor.add_node(node)
-    future = node.create_client(AddTwoInts, "add_two_ints").call_async(AddTwoInts.Request(a=1, b=1))
-    executor.spin_until_future_complete(future, timeout_sec=20)
-    assert future.result().sum == 2
-    assert executor.shutdown()
-    node.destroy_node()
-    assert set(threading.enumerate()) <= before
-    assert lab.call_blocking("/add_two_ints", AddTwoInts, a=2, b=2).sum == 4
-
-
 class WithoutExecuteCallback(Node):
     """Ends its goals when its service is called."""
 
@@ -233,15 +203,6 @@ def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
     diagnosis, message = getattr(import_module(f"course_kit.grading.diagnosis.{module}"), function)(life, job)
     assert diagnosis == "service.deadlock"
     assert "line 2: rclpy.spin_until_future_complete(self, future)" in message
-
-
-def test_a_spin_that_is_refused_outside_of_a_callback_is_what_it_is() -> None:
-    from course_kit.grading.diagnosis import exits
-    from course_kit.grading.diagnosis.tracebacks import last_exception
-
-    raised = last_exception(SPINS.replace("await_or_execute", "elsewhere"), "submission.py")
-    assert raised is not None
-    assert exits.of_second_spin(raised, SimpleNamespace()) is None
 
 
 @pytest.mark.parametrize(

@@ -28,24 +28,6 @@ def test_the_nearest_name(wanted: str, meant: str | None) -> None:
     assert names.did_you_mean(wanted, GRAPH) == (f" Did you mean {meant}?" if meant else "")
 
 
-def test_a_name_is_never_meant_instead_of_itself() -> None:
-    assert names.nearest("/set_power", ["/set_power"]) is None
-
-
-def test_a_slip_rarely_changes_the_first_letter() -> None:
-    assert names.nearest("reads", ["beads", "read"]) == "read"
-
-
-@pytest.mark.parametrize(
-    ("name", "namespace", "full"),
-    [("robot", "/", "/robot"), ("robot", "/left", "/left/robot"), ("robot", "", "/robot")],
-)
-def test_full_and_short_names(name: str, namespace: str, full: str) -> None:
-    assert names.full_name(name, namespace) == full
-    assert names.from_root(full[1:]) == names.from_root(full) == full
-    assert names.short_name(full) == (full if full.count("/") > 1 else name)
-
-
 def test_what_ros_brings_along() -> None:
     assert names.is_of_every_node("/a/b/set_parameters")
     assert not names.is_of_every_node("/set_speed")

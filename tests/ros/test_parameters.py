@@ -6,7 +6,6 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from rcl_interfaces.msg import ParameterValue
 from rclpy.parameter import Parameter
 
 from course_kit.ros import parameters
@@ -49,35 +48,12 @@ def test_a_value_is_what_rclpy_makes_of_it_and_comes_back(name: str, value: Any)
     assert parameters.from_message(message.value) == value
 
 
-def test_types_have_the_names_that_ros_has_for_them() -> None:
-    names = [parameters.type_of(ParameterValue(type=kind.value)) for kind in Parameter.Type]
-    assert names == [kind.name.lower().replace("not_set", "not set") for kind in Parameter.Type]
-    strange = ParameterValue(type=77)
-    assert (parameters.type_of(strange), parameters.from_message(strange)) == ("of the unknown type 77", None)
-
-
 @pytest.mark.parametrize("value", [{}, object(), [1, 1.5], [1, "a"], 2**63, [2**63]])
 def test_what_no_parameter_can_have_is_named(value: Any) -> None:
     with pytest.raises(BadFieldError, match="'speed' was given"):
         parameters.to_message("speed", value)
 
 
-def test_one_that_is_not_declared_hides_no_other() -> None:
-    node = AnswersAsANode()
-    found = parameters.driven(parameters.values(["speed", "sped", "name"]), node)
-    assert [parameters.from_message(value) for value in found] == [1.5, None, "r2d2"]
-    assert len(node.asked) == 4
-    assert parameters.driven(parameters.values(["sped"]), node)[0].type == 0
-    assert len(node.asked) == 5
-
-
 def test_the_node_knows_what_an_empty_list_is_a_list_of() -> None:
     messages = parameters.driven(parameters.to_messages({"gears": [], "new": [], "speed": 2.0}), AnswersAsANode())
     assert [parameters.type_of(one.value) for one in messages] == ["integer_array", "byte_array", "double"]
-
-
-def test_a_verb_is_the_same_blocking_and_awaited() -> None:
-    node = AnswersAsANode()
-    awaited = asyncio.run(parameters.awaited(parameters.values(["speed", "sped"]), node.later))
-    assert awaited == parameters.driven(parameters.values(["speed", "sped"]), node)
-    assert asyncio.run(parameters.awaited(parameters.names(), node.later)) == list(VALUES)

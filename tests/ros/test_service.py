@@ -61,30 +61,6 @@ def test_the_first_response_to_any_sending_counts(pair: Pair) -> None:
     assert (sent.response().sum, sent.sent) == (4, 2)
 
 
-def test_what_the_sending_ends_with_instead_is_raised(pair: Pair) -> None:
-    pair.forgotten = 1
-    sent = pair.client.send(AddTwoInts.Request())
-    pair.client.rclpy_client.get_pending_request(1).set_exception(LookupError("the callback failed"))
-    assert sent.answered()
-    with pytest.raises(LookupError, match="the callback failed"):
-        sent.response()
-
-
-def test_an_abandoned_request_is_answered_for_nobody(pair: Pair) -> None:
-    sent = pair.client.send(AddTwoInts.Request(a=1, b=1))
-    sent.abandon()
-    sent.abandon()
-    after = pair.client.send(AddTwoInts.Request(a=5, b=5))
-    pair.spin_until(after.answered)
-    assert (after.response().sum, sent.response()) == (10, None)
-
-
 def test_a_request_of_another_service_is_refused(pair: Pair) -> None:
     with pytest.raises(TypeError):
         pair.client.send(Trigger.Request())
-
-
-def test_a_client_of_a_destroyed_node_is_not_ready(pair: Pair) -> None:
-    pair.executor.remove_node(pair.asking)
-    pair.asking.destroy_node()
-    assert not pair.client.is_ready()

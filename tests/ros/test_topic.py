@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import pytest
 import rclpy
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import Int32, String
 
 from course_kit.ros import topic
@@ -16,8 +15,6 @@ from tests.ros.two_nodes import TwoNodes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from rclpy.node import Node
 
 
 class Pair(TwoNodes):
@@ -55,18 +52,6 @@ def test_of_many_messages_the_last_are_kept_and_all_are_counted() -> None:
     assert (inbox.since(4), inbox.since(0), inbox.since(5)) == ([4], [3, 4], [])
 
 
-def test_both_ends_of_a_topic_are_named(pair: Pair) -> None:
-    pair.talker.create_publisher(String, "/words", 10)
-    Inbox().subscribe(pair.listener, String, "/words", 5)
-    pair.spin_until(lambda: bool(topic.publishers(pair.listener, "/words")))
-    pair.spin_until(lambda: bool(topic.subscriptions(pair.listener, "/words")))
-    (publisher,), (subscription,) = (ends(pair.listener, "/words") for ends in (topic.publishers, topic.subscriptions))
-    assert (publisher.node, publisher.type) == ("talker", "std_msgs/msg/String")
-    assert (subscription.node, subscription.type) == ("listener", "std_msgs/msg/String")
-    assert topic.types_of(pair.listener, "/words") == ["std_msgs/msg/String"]
-    assert topic.types_of(pair.listener, "/nothing") == []
-
-
 def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> None:
     publisher = pair.talker.create_publisher(String, "/words", 10)
     pair.talker.create_publisher(String, "/words", 10)
@@ -82,16 +67,3 @@ def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> Non
     assert not topic.is_heard(pair.talker, unreliable)
     pair.spin_until(lambda: pair.listener.count_publishers("/sensed") == 1)
     assert not topic.hears(pair.listener, reliable)
-
-
-class EndpointsStandIn:
-    """Stands in for a node that has discovered a publisher and not its node: nobody can make that last."""
-
-    def get_publishers_info_by_topic(self, name: str) -> list[TopicEndpointInfo]:
-        assert name == "/words"
-        return [TopicEndpointInfo(node_name="_NODE_NAME_UNKNOWN_", topic_type="std_msgs/msg/String")]
-
-
-def test_a_node_that_is_not_known_yet_has_no_made_up_name() -> None:
-    found = topic.publishers(cast("Node", EndpointsStandIn()), "/words")
-    assert [one.node for one in found] == ["a node that is just starting"]

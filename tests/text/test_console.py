@@ -29,9 +29,3 @@ def test_lines_break_between_words_and_not_within_an_option() -> None:
 
 def test_what_a_submission_says_does_not_steer_the_terminal() -> None:
     assert console.wrapped("got \x1b[2Jnothing") == ["got \ufffd[2Jnothing"]
-
-
-def test_an_address_stays_whole_where_it_is_to_be_copied() -> None:
-    address = f"https://docs.example/{'part/' * 20}"
-    assert console.wrapped(f"Read on: {address}", following="  ", whole_words=True) == ["Read on:", f"  {address}"]
-    assert max(map(len, console.wrapped(address))) == console.WIDTH

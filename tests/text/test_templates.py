@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 from jinja2 import UndefinedError
-from markupsafe import Markup
 
 from course_kit.text.templates import render
 
@@ -43,12 +42,6 @@ def test_what_is_filled_in_is_harmless(tmp_path: Path, template: str) -> None:
     macros = "{% macro told(text) %}{{ text }}{% endmacro %}"
     page = written(tmp_path, page=template, part="{{ wild }}", macros=macros)
     assert render(page, wild=WILD) == HARMLESS
-
-
-def test_html_of_a_template_goes_into_another_as_it_is(tmp_path: Path) -> None:
-    page = written(tmp_path, page="<p>{{ inner }}</p>", inner="<b>{{ wild }}</b>")
-    assert render(page, inner=render(tmp_path / "inner", wild=WILD)) == f"<p><b>{HARMLESS}</b></p>"
-    assert isinstance(render(page, inner=Markup("")), Markup)
 
 
 @pytest.mark.parametrize("template", ["{{ missing }}", "{{ known.missing }}"])

@@ -9,8 +9,6 @@ import pytest
 from course_kit import environment
 from course_kit.authoring.prove import equivalent, mutants
 from course_kit.grading import GradingError
-from course_kit.grading.model.exercise import load_exercise, read_exercise
-from tests import outside_exercises
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,10 +60,3 @@ def test_each_declaration_of_the_course_is_about_a_mutant_that_there_is(name: st
     entries = equivalent.read(folder / equivalent.FILE)
     assert entries
     assert [str(one) for one in entries if not any(one.covers(mutant) for mutant in made)] == []
-
-
-def test_declarations_lie_in_the_proof_set_or_beside_the_solution(tmp_path: Path) -> None:
-    folder = outside_exercises.write(tmp_path)
-    assert equivalent.file_of(read_exercise(folder)) == folder / "proof" / "equivalent.toml"
-    ours = load_exercise("move_robot")
-    assert equivalent.file_of(ours) == ours.solution.parent / "equivalent.toml"

@@ -13,7 +13,6 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import page
-from course_kit.classroom.exports.texts import headline
 from course_kit.classroom.rules.adjustments import Adjustment
 from tests.classroom.exports.books import SERVICE, book, good, not_graded, unreadable
 
@@ -68,13 +67,3 @@ def test_a_score_that_the_instructor_sets_is_a_grade_where_the_grader_failed() -
     gradebook = book(failed, set_by_hand, adjusted(unreadable("cem"), SET))
     assert [one.entry.student for one in gradebook.not_graded] == ["ann"]
     assert dict(gradebook.tally()) == {"error": 1, "passed": 2}
-
-
-def test_one_is_a_point() -> None:
-    whole = good("jane")
-    report = {**whole.report, "score": 1.0, "max_score": 1.0}
-    late = adjusted(replace(whole, report=report), replace(LATE, penalty=1.0))
-    assert headline(late).startswith("0 of 1 point, ")
-    assert "Late penalty: 1 point, taken from the 1 point of the checks." in late.remarks
-    assert "set this score to 1 point;" in " ".join(adjusted(whole, replace(SET, override=1.0)).remarks)
-    assert '<th scope="row">1 point</th>' in page.render(book(whole))

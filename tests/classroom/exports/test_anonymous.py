@@ -6,16 +6,16 @@ import random
 import re
 from typing import TYPE_CHECKING
 
-import pytest
-
 from course_kit.classroom.exports import anonymous
 from course_kit.classroom.records import Records
 from course_kit.cli.main import main
 from tests.classroom.exports import books, rules
-from tests.classroom.exports.books import SERVICE, bad, book, good, unreadable
+from tests.classroom.exports.books import bad, book, good, unreadable
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import pytest
 
     from course_kit.classroom.records import Record
 
@@ -68,10 +68,3 @@ def test_the_command_reads_a_runs_folder_and_never_writes_over_anything(
     assert len(list((tmp_path / "out").rglob("*.html"))) == 2
     assert main(command) == 2
     assert "is there already" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("folder", ["nothing", "."])
-def test_where_there_are_no_results_it_says_so(folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["export", "anonymous", str(tmp_path / folder), "--to", str(tmp_path / "out")]) == 2
-    assert "holds no results of a class" in capsys.readouterr().err
-    assert SERVICE.id not in [path.name for path in tmp_path.iterdir()]

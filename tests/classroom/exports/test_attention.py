@@ -58,18 +58,6 @@ def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> No
     assert people(book(good("fine"))) == {}
 
 
-def test_two_of_the_same_name_are_told_apart_and_others_go_by_their_name() -> None:
-    gradebook = book(good("17", name="Jane Doe"), bad("18", name="jane doe"), good("19", name="Li Na"), good("20"))
-    assert {student: str(label) for student, label in attention.labels(gradebook).items()} == {
-        "17": "Jane Doe (17)",
-        "18": "jane doe (18)",
-        "19": "Li Na",
-        "20": "20",
-    }
-    text = page.render(book(bad("17", name="سارة"), bad("18", name="سارة")))
-    assert "<bdi>سارة</bdi> (<bdi>17</bdi>)" in text, "else the number stands within a name from right to left"
-
-
 @pytest.mark.parametrize("section", ["checks", "diagnoses"])
 def test_a_check_and_a_diagnosis_unfold_to_their_students(section: str) -> None:
     text = page.render(book(bad("jane"), good("ann"), bad("li")))

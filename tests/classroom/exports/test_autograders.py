@@ -18,8 +18,6 @@ from course_kit.classroom import autograder
 from course_kit.classroom.exports import autograder_results
 from course_kit.classroom.exports.texts import json_text
 from course_kit.cli.main import main
-from course_kit.grading import exercise_job
-from course_kit.grading.model.exercise import load_exercise
 from tests.classroom.exports import rules
 from tests.classroom.exports.books import SERVICE, bad, good, unreadable
 from tests.course_copy import REPOSITORY
@@ -50,13 +48,6 @@ def test_classroom_50_gets_whole_numbers(maker: object, score: int) -> None:
     result = of_classroom50(maker("jane"))  # type: ignore[operator]
     assert (result["score"], result["max-score"]) == (score, 100)
     assert (result["owner"], result["datetime"]) == ("jane", "2026-11-22T10:00:00Z")
-
-
-@pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
-def test_every_check_of_the_course_is_worth_whole_numbers_there(name: str) -> None:
-    checks = exercise_job.checks_of(load_exercise(name), 1)
-    assert checks
-    assert all((autograder_results.SCALE * one.points).is_integer() for one in checks)
 
 
 def test_outside_of_its_runner_it_says_what_is_missing_before_anything_is_graded(
@@ -136,11 +127,6 @@ def test_only_what_was_handed_in_is_graded_for_a_platform(
     assert "Name the file or folder." in capsys.readouterr().err
 
 
-def test_a_file_for_the_result_is_not_forgotten_in_another_format(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["grade", SERVICE.id, str(BROKEN), "--to", "x.json"]) == 2
-    assert "--to is for --format gradescope and classroom50" in capsys.readouterr().err
-
-
 def test_the_zip_for_gradescope_has_its_scripts_at_the_root_and_the_kit_without_answers(tmp_path: Path) -> None:
     path = autograders.gradescope(SERVICE.id, tmp_path / "autograder.zip")
     with zipfile.ZipFile(path) as archive:
@@ -201,13 +187,3 @@ def test_the_script_of_classroom_50_loads_nothing_of_a_students(where: str, tmp_
     )
     assert done.returncode == 3
     assert not (tmp_path / "loaded").exists(), (tmp_path / "loaded").read_text()
-
-
-@pytest.mark.parametrize("kind", ["gradescope", "classroom50"])
-def test_nothing_that_is_there_is_written_over(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    there = tmp_path / "there"
-    there.mkdir()
-    (there / "mine.txt").write_text("mine")
-    assert main(["export", kind, SERVICE.id, "--to", str(there)]) == 2
-    assert "is there already" in capsys.readouterr().err
-    assert [path.name for path in there.iterdir()] == ["mine.txt"]

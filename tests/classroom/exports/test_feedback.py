@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-import json
 import re
 import zipfile
 from typing import TYPE_CHECKING
 
-import nbformat
 import pytest
 
 from course_kit.classroom import exports
@@ -100,18 +97,6 @@ def test_canvas_finds_student_and_attachment_by_the_names_of_its_download(tmp_pa
     files = contents(written(book(*class_), tmp_path) / "exports/canvas_feedback_temperature_service.zip")
     assert {read_by_canvas(name) for name in files} == {("7", "1007"), ("8", "1008"), ("9", "1009")}
     assert set(files) == {record.entry.source for record in class_}
-
-
-def test_what_canvas_shows_as_python_is_python_and_as_a_notebook_a_notebook(tmp_path: Path) -> None:
-    class_ = [of_canvas(7, "answer.py", bad), of_canvas(8, "answer.ipynb", bad), of_canvas(9, "answer.txt", bad)]
-    class_[0].report["checks"][0]["message"] = "One line\nand\x0banother\rimport os\u2028x = 1"
-    files = contents(written(book(*class_), tmp_path) / "exports/canvas_feedback_temperature_service.zip")
-    program, notebook, text = (files[record.entry.source] for record in class_)
-    assert ast.parse(program).body == []
-    assert "# The check first: not passed, 0 of 5 points" in program
-    nbformat.validate(nbformat.reads(notebook, as_version=4))
-    assert "Expected: 33.8" in json.loads(notebook)["cells"][0]["source"]
-    assert "not passed yet" in text.splitlines()[1]
 
 
 @pytest.mark.parametrize("kind", ["moodle", "canvas"])

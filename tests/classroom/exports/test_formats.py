@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import string
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -11,11 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.exports import texts
 from course_kit.classroom.intake import roster
-from course_kit.text.sanitize import printable
 from tests.classroom.exports import books, rules
-from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
+from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -78,14 +74,6 @@ def test_grades_land_in_the_assignment_of_canvas_that_is_called_like_the_exercis
     assert list(points) == ["Week 1: temperature service (811)", ROBOT.title]
     assert [rows[0][name] for name in ("ID", "SIS User ID", "SIS Login ID")] == ["4711", "S-1", "jane"]
     assert [rows[1][name] for name in ("ID", "SIS User ID", "SIS Login ID")] == ["", "", "li"]
-
-
-def test_no_text_steers_what_shows_it() -> None:
-    """No escape sequence, no mark that turns the writing round, in any file as it would be shown."""
-    for name, text in written(HOSTILE_BOOK).items():
-        shown = json.dumps(json.loads(text), ensure_ascii=False) if name.endswith(".json") else text
-        assert not {"\x1b", "\x07", "\x00", "\u202e", "\u200b"} & set(shown), name
-        assert not {"\\u001b", "\\u0007"} & set(re.findall(r"\\u....", shown)), name
 
 
 def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path) -> None:
@@ -188,17 +176,3 @@ def test_gradescope_shows_each_check_with_its_evidence() -> None:
     for line in ("We sent: 1 °C", "Expected: 33.8", "We got: 0", "first did not hold.", "Hint: Look <again>."):
         assert line in first["output"]
     assert second["output"]
-
-
-def test_names_survive_every_format() -> None:
-    """Unchanged, but for what steers, and for the apostrophe before what looks like a formula."""
-    files = written(replace(HOSTILE_BOOK, records=tuple(good(name, name=name) for name in HOSTILE), missing=()))
-    shown = {printable(name) for name in HOSTILE}
-    cells = {texts.cell(name) for name in HOSTILE}
-    exact = {texts.cell(texts.Identifier(name)) for name in HOSTILE}
-    assert len(shown) == len(cells) == len(exact) == len(HOSTILE)
-    assert {row["name"] for row in table(files["grades.csv"])} == cells
-    assert {row["student_id"] for row in table(files["exports/nbgrader.csv"])} == exact
-    assert {one["SIS Login ID"] for one in rules.canvas(files["exports/canvas.csv"])[1]} == exact
-    students = {rules.gradescope(text)["extra_data"]["student"] for name, text in files.items() if "gradescope" in name}
-    assert students == shown

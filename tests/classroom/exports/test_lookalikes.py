@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.exports import attention, lookalikes
-from course_kit.grading.render.program import LONGEST
-from tests.classroom.exports.books import CHOICE, SERVICE, book, good, unreadable
+from course_kit.classroom.exports import lookalikes
+from tests.classroom.exports.books import SERVICE, book, good
 from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised, moved, starter
 
 if TYPE_CHECKING:
@@ -78,13 +77,6 @@ def test_a_copy_of_a_copy_is_in_the_group_of_the_original() -> None:
     assert found[0].similarity >= lookalikes.THRESHOLD > found[1].similarity
 
 
-def test_identical_files_are_one_group_and_no_pair(tmp_path: Path) -> None:
-    class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=OTHER, dan=disguised(ORIGINAL))
-    found = lookalikes.find(book(*class_, root=tmp_path))
-    assert groups(found) == [["ann", "bob", "dan"]]
-    assert names(found) == [("ann", "dan")]
-
-
 def test_a_notebook_is_compared_by_its_cells(tmp_path: Path) -> None:
     cell = '{"cell_type": "code", "source": %s}'
     source = json.dumps(f"%%submission {SERVICE.id}\n{ORIGINAL}")
@@ -92,27 +84,3 @@ def test_a_notebook_is_compared_by_its_cells(tmp_path: Path) -> None:
     class_ = class_of(tmp_path, ann=disguised(ORIGINAL))
     found = lookalikes.find(book(*class_, good("bob", source="nb.ipynb"), root=tmp_path))
     assert names(found) == [("ann", "bob")]
-
-
-def test_what_cannot_be_read_is_passed_over(tmp_path: Path) -> None:
-    (tmp_path / "latin.py").write_bytes(b"# \xe9")
-    gone, latin = unreadable("gone"), unreadable("latin", source="latin.py")
-    found = lookalikes.find(book(gone, latin, *class_of(tmp_path, ann=ORIGINAL), root=tmp_path))
-    assert (found.compared, found.unread, found.groups) == (1, 2, ())
-    assert lookalikes.find(book(gone, root=None)).compared == 0
-
-
-def test_answers_of_a_quiz_are_not_compared(tmp_path: Path) -> None:
-    found = lookalikes.find(book(good("ann", of=CHOICE), exercises=(CHOICE,), root=tmp_path))
-    assert found.left_out == (CHOICE.title,)
-    assert found.groups == ()
-
-
-@pytest.mark.attack("Two programs of endless lines")
-def test_endless_lines_are_compared_and_shown_as_far_as_a_report_shows_them(tmp_path: Path) -> None:
-    long = f"{ORIGINAL}\nlong = '{'<' * 900_000}'\n"
-    class_ = class_of(tmp_path, ann=long, bob=disguised(long), cid=OTHER)
-    with lookalikes.ProgramTexts(gradebook := book(*class_, root=tmp_path)) as texts:
-        found = lookalikes.find(gradebook, texts)
-        [(_, page)] = lookalikes.pages(texts, found.pairs, attention.labels(gradebook))
-    assert 0 < page.count("&lt;") < 2 * LONGEST

@@ -18,10 +18,8 @@ from tests.classroom.exports.books import (
     SERVICE,
     bad,
     book,
-    check,
     good,
     not_graded,
-    record,
     unreadable,
 )
 
@@ -159,11 +157,3 @@ def test_it_says_how_the_class_did() -> None:
         "Similarity is not proof.",
     ):
         assert part in text, part
-
-
-def test_the_distribution_counts_every_score_once() -> None:
-    points = [0.0, 0.5, 1.0, 6.999999, 9.5, 10.0, 10.0]
-    records = [record(f"s{number}", [check("one", points=value)]) for number, value in enumerate(points)]
-    bars = page.distribution(SERVICE, [*records, not_graded("ole")])
-    assert [bar.count for bar in bars] == [2, 1, 0, 0, 0, 0, 1, 0, 0, 1, 2]
-    assert [bar.label for bar in bars] == [str(number) for number in range(11)]

@@ -20,11 +20,6 @@ def test_a_cell_is_the_text_or_an_apostrophe_and_the_text(text: str) -> None:
     assert not texts.cell(text).startswith(FORMULA_STARTS) or float(text) < 0
 
 
-@pytest.mark.parametrize("wide", ["＝1+1", "＋1", "－1", "＠x"])  # noqa: RUF001
-def test_the_wide_signs_of_east_asian_keyboards_begin_none_either(wide: str) -> None:
-    assert texts.cell(wide) == f"'{wide}"
-
-
 @pytest.mark.parametrize(
     ("value", "cell"),
     [
