@@ -53,7 +53,6 @@ SLOW = (
     "tests/classroom/test_class_command.py",
     "tests/classroom/test_hostile_intake.py",
     "tests/classroom/test_intake.py",
-    "tests/classroom/test_intake_fuzz.py",
     "tests/classroom/test_interrupted_runs.py",
     "tests/classroom/test_nbgrader.py",
     "tests/classroom/test_otter.py",
