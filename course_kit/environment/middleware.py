@@ -7,11 +7,25 @@ a word. The ROS wheels have Fast DDS alone; a sourced ROS may have others.
 from __future__ import annotations
 
 import os
+import sys
+from pathlib import Path
 
 SUPPORTED = "rmw_fastrtps_cpp"  # the one the live interfaces are made for
 VARIABLES = ("RMW_IMPLEMENTATION", "RCL_ASSERT_RMW_ID_MATCHES")  # rcl compares both with what is loaded
 # Tells the processes started from here which setting of the user's was replaced: RMW_IMPLEMENTATION=rmw_cyclonedds_cpp
 REPLACED = "COURSE_KIT_RMW_REPLACED"
+
+
+def _has_fast_dds_3() -> bool:
+    """Whether the ROS of this process is Kilted or later; Jazzy's Fast DDS 2 has its library under another name."""
+    prefixes = (sys.prefix, *filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)))
+    return any(Path(prefix, "lib", "libfastdds.so").exists() for prefix in prefixes)
+
+
+# Fast DDS 3 reads another variable, and spells the two times of a profile in another way.
+_FAST_DDS_3 = _has_fast_dds_3()
+PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE" if _FAST_DDS_3 else "FASTRTPS_DEFAULT_PROFILES_FILE"
+PROFILES = Path(__file__).with_name("fast_dds_3") if _FAST_DDS_3 else Path(__file__).parent
 
 
 def settle() -> str:

@@ -15,12 +15,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from course_kit.environment import LOOPBACK_PROFILE, domains, run_dir, write_atomically
+from course_kit.environment.middleware import PROFILE_VARIABLE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 _ALL = "<locator><udpv4><address>127.0.0.1</address></udpv4></locator>"  # means all ports, in their order
 _ONE = "<locator><udpv4><port>{}</port><address>127.0.0.1</address></udpv4></locator>"
 _PARTICIPANTS = 64  # loopback.xml's maxInitialPeersRange
@@ -34,15 +34,15 @@ def visiting(wanted: bool = True) -> Iterator[bool]:
     Fast DDS reads its profile once: this is for a process that ends with its visit. Where somebody else's profile is in
     force, or no file can be written, nothing is changed.
     """
-    profile = _profile() if wanted and os.environ.get(_VARIABLE) == str(LOOPBACK_PROFILE) else None
+    profile = _profile() if wanted and os.environ.get(PROFILE_VARIABLE) == str(LOOPBACK_PROFILE) else None
     if profile is None:
         yield False
         return
-    os.environ[_VARIABLE] = str(profile)
+    os.environ[PROFILE_VARIABLE] = str(profile)
     try:
         yield True
     finally:
-        os.environ[_VARIABLE] = str(LOOPBACK_PROFILE)
+        os.environ[PROFILE_VARIABLE] = str(LOOPBACK_PROFILE)
 
 
 def _profile() -> Path | None:

@@ -331,6 +331,6 @@ class Descriptors(list[Descriptor]):
 
 def _hint(value: object, reason: str) -> str:
     """For the slip everybody makes: 1 is an integer, and a double does not take it."""
-    if type(value) is int and re.match(r"wrong parameter type.*double", reason, re.IGNORECASE):
+    if type(value) is int and re.match(r"wrong parameter type, expected '(Type.DOUBLE|3)'", reason, re.IGNORECASE):
         return f". {value} is an integer: write {float(value)}"
     return ""

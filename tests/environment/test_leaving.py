@@ -23,4 +23,4 @@ def test_the_middleware_leaves_by_the_function_that_has_an_end(domain: int, tmp_
     subprocess.run([sys.executable, "-c", LEAVES], env=environ, check=True, timeout=120)
     bound = [match.groups() for path in tmp_path.iterdir() for match in BOUND.finditer(path.read_text())]
     assert ("librmw_fastrtps_shared_cpp.so", "_helper.so", None) in bound
-    assert any(library.startswith("libfastrtps") and within for _, library, within in bound)
+    assert any(library.startswith(("libfastrtps", "libfastdds")) and within for _, library, within in bound)

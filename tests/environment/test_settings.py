@@ -12,6 +12,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.environment import paths
+from course_kit.environment.middleware import PROFILE_VARIABLE
 
 KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
 DISCOVERY_GROUP = "239.255.0.1"  # of DDS; joined on the loopback interface only
@@ -44,9 +45,9 @@ def test_two_programs_of_one_checkout_meet_in_one_domain() -> None:
 
 def test_a_value_the_user_has_set_wins() -> None:
     set_ones = {"ROS_DOMAIN_ID": "7", "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_PYTHON_CHECK_FIELDS": "0"}
-    found = dumped(**set_ones, FASTRTPS_DEFAULT_PROFILES_FILE="0")
+    found = dumped(**set_ones, **{PROFILE_VARIABLE: "0"})
     assert {name: found[name] for name in set_ones} == set_ones
-    assert found["FASTRTPS_DEFAULT_PROFILES_FILE"] == "0"
+    assert found[PROFILE_VARIABLE] == "0"
 
 
 def test_a_child_inherits_the_domain_and_does_not_take_it_for_the_users(domain: int) -> None:
@@ -149,9 +150,7 @@ def test_the_graph_is_on_loopback_alone_and_a_killed_node_leaves_no_shared_memor
     assert {each.laddr.ip for each in sockets} <= {"127.0.0.1", DISCOVERY_GROUP}
 
 
-@pytest.mark.parametrize(
-    "other", [{"RMW_IMPLEMENTATION": "rmw_of_another"}, {"FASTRTPS_DEFAULT_PROFILES_FILE": "/mine.xml"}]
-)
+@pytest.mark.parametrize("other", [{"RMW_IMPLEMENTATION": "rmw_of_another"}, {PROFILE_VARIABLE: "/mine.xml"}])
 def test_without_the_profile_of_the_course_the_range_itself_is_local(
     other: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,7 +159,7 @@ def test_without_the_profile_of_the_course_the_range_itself_is_local(
     for name, value in other.items():
         monkeypatch.setenv(name, value)
     assert environment.defaults()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in environment.defaults()
+    assert PROFILE_VARIABLE not in environment.defaults()
 
 
 def test_readers_and_writers_ask_alike_in_every_profile() -> None:
@@ -173,3 +172,30 @@ def test_readers_and_writers_ask_alike_in_every_profile() -> None:
         assert [one.get("is_default_profile") for one in ends] == ["true", "true"]
         times.append({one.tag: ET.tostring(one[0]).split() for one in ends})
     assert times[0] == times[1] == times[2]
+
+
+@pytest.mark.parametrize("name", ["loopback", "fast_discovery", "private_network"])
+def test_fast_dds_3_is_given_the_same_profiles_in_its_spelling(name: str) -> None:
+    folder = Path(environment.__file__).parent
+    spelled = {"initialAcknackDelay": "initial_acknack_delay", "heartbeatPeriod": "heartbeat_period"}
+    texts = [ET.tostring(ET.parse(folder / place / f"{name}.xml").getroot(), "unicode") for place in ("", "fast_dds_3")]  # noqa: S314 - our own
+    for old, new in spelled.items():
+        texts[0] = texts[0].replace(old, new)
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize("by", ["AMENT_PREFIX_PATH", "prefix"])
+def test_beside_fast_dds_3_its_variable_and_its_profiles_are_used(
+    by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """ROS 2 Kilted and later have it; the other name brings a warning of the middleware into each program's output."""
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib/libfastdds.so").touch()
+    code = f"import sys; sys.prefix = {str(tmp_path)!r}" if by == "prefix" else "import sys"
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    code += "; from course_kit import environment as e; print(*e.defaults().items(), sep='\\n')"
+    environ = {**os.environ, **({"AMENT_PREFIX_PATH": f"/nowhere:{tmp_path}"} if by != "prefix" else {})}
+    said = subprocess.run([sys.executable, "-c", code], env=environ, capture_output=True, text=True, check=True).stdout
+    profile = Path(environment.__file__).with_name("fast_dds_3") / "loopback.xml"
+    assert f"('FASTDDS_DEFAULT_PROFILES_FILE', '{profile}')" in said
+    assert "FASTRTPS" not in said

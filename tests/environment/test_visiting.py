@@ -13,7 +13,7 @@ import pytest
 from course_kit import environment
 from course_kit.environment import domains, visiting
 
-PROFILE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+PROFILE = environment.middleware.PROFILE_VARIABLE
 
 
 @pytest.fixture(autouse=True)

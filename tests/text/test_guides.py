@@ -8,7 +8,11 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
-FOLDERS = (".", *(f"course_kit/{name}" for name in ("guides", "authoring", "classroom", "grading", "launch")))
+FOLDERS = (
+    ".",
+    "notebooks",
+    *(f"course_kit/{name}" for name in ("guides", "authoring", "classroom", "grading", "launch")),
+)
 OLD = {"CHANGELOG.md", "CODE_OF_CONDUCT.md"}  # of before, and somebody else's words
 GUIDES = [path for folder in FOLDERS for path in sorted((REPOSITORY / folder).glob("*.md")) if path.name not in OLD]
 MOST_WORDS = 28

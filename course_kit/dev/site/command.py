@@ -44,6 +44,7 @@ _MARKDOWN = (
     "course_kit/classroom/PRIVACY.md",
     "course_kit/grading/LIMITS.md",
     "course_kit/launch/OWN_PACKAGE.md",
+    "notebooks/jazzy_kilted_lyrical.md",
 )
 _FOLDERS = ("course_kit/guides", "notebooks/pictures")
 _LEXER = "lesson"  # see `conf`

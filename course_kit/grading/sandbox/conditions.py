@@ -58,7 +58,7 @@ def program(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> P
 
 def expect_few_participants() -> dict[str, str]:
     """Have Fast DDS announce itself to fewer ports than on a graph that a whole machine shares."""
-    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    name = environment.middleware.PROFILE_VARIABLE
     if os.environ.get(name) != str(environment.LOOPBACK_PROFILE):
         return {}
     os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)

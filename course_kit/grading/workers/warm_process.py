@@ -137,9 +137,11 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         # has it leave the transports to the profile, which allows loopback only; LOCALHOST would bring back shared
         # memory.
         variables.update(
-            RMW_IMPLEMENTATION=environment.middleware.SUPPORTED,
-            ROS_AUTOMATIC_DISCOVERY_RANGE="SYSTEM_DEFAULT",
-            FASTRTPS_DEFAULT_PROFILES_FILE=str(environment.LOOPBACK_PROFILE),
+            {
+                "RMW_IMPLEMENTATION": environment.middleware.SUPPORTED,
+                "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+                environment.middleware.PROFILE_VARIABLE: str(environment.LOOPBACK_PROFILE),
+            }
         )
     if whole:
         return variables

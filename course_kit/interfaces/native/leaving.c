@@ -10,7 +10,8 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 
-#define FAST_DDS "libfastrtps.so.2.14"
+#define JAZZYS "libfastrtps.so.2.14"
+#define KILTEDS "libfastdds.so.3.2"
 #define WITHIN "_ZN8eprosima7fastdds3dds17DomainParticipant12set_listenerEPNS1_25DomainParticipantListenerENSt6chrono8durationIlSt5ratioILl1ELl1EEEE"
 #define AN_HOUR 3600L
 #define FAILED 1u /* ReturnCode_t::RETCODE_ERROR */
@@ -18,7 +19,8 @@
 unsigned _ZN8eprosima7fastdds3dds17DomainParticipant12set_listenerEPNS1_25DomainParticipantListenerE(
     void *participant, void *listener)
 {
-    void *library = dlopen(FAST_DDS, RTLD_LAZY | RTLD_NOLOAD);
+    void *jazzys = dlopen(JAZZYS, RTLD_LAZY | RTLD_NOLOAD);
+    void *library = jazzys ? jazzys : dlopen(KILTEDS, RTLD_LAZY | RTLD_NOLOAD);
     unsigned (*set_listener)(void *, void *, long) = 0;
     if (library)
         *(void **)&set_listener = dlsym(library, WITHIN);
