@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.answers, pytest.mark.timeout(300)]
 
-STARTER = f"exercises/{TEMPERATURE}/{TEMPERATURE}.py"
-
 
 @pytest.fixture
 def edition(tmp_path: Path) -> Path:
@@ -55,8 +53,3 @@ def test_right_programs_and_parts_of_the_solution_are_found(edition: Path) -> No
         ("notebooks/demos/08_mine.ipynb", r"scores [\d.]+ of 10, the starter 1"),
     ):
         assert [said for name, said in found if name == file and re.fullmatch(why, said)], (file, found)
-
-
-def test_a_solved_starter_is_found(edition: Path) -> None:
-    (edition / STARTER).with_suffix(".ipynb").write_text(notebook_of(variant()))
-    assert [name for name, why in find(edition) if why.startswith("the starter scores ")] == [STARTER]
