@@ -5,6 +5,8 @@ timeout for a kernel that is no more. The course's `conftest.py` loads it.
 
 It also leaves pictures out of the comparison, as nbval itself does those in PNG: the HTML of panels, diagrams and time
 lines holds style sheets and measured times. The words that each brings along, as text/plain, are compared.
+
+The steps of a lesson are run with their solutions in place, so that every check is proven to accept one.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import nbval.kernel
 import nbval.plugin
 import pytest
 
+from course_kit.dev import lesson_steps
 from course_kit.ros import compat
 
 if TYPE_CHECKING:
@@ -81,3 +84,15 @@ def pytest_collect_file() -> Generator[None, object, object]:
         if isinstance(collector, nbval.plugin.IPyNbFile):
             collector.skip_compare = (*collector.skip_compare, _PICTURE)
     return found
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, pytest.CollectReport, object]:
+    """Solve the steps of a notebook once its cells are collected; what they print is not stored."""
+    report = yield
+    if isinstance(collector, nbval.plugin.IPyNbFile):
+        solved = [id(cell) for step in lesson_steps.solve(collector.nb) for cell in (step.empty, step.check)]
+        for item in report.result:
+            if isinstance(item, nbval.plugin.IPyNbCell) and id(item.cell) in solved:
+                item.options["check"] = False
+    return report

@@ -14,6 +14,7 @@ from nbclient import NotebookClient
 
 from course_kit import environment
 from course_kit.authoring.edition_notebooks import number_anew
+from course_kit.dev import lesson_steps
 from course_kit.text.console import cannot
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
@@ -22,10 +23,13 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 def run(path: Path) -> None:
-    """Execute one notebook in its own folder and write it back with its outputs."""
+    """Execute one notebook in its own folder, its steps solved, and write it back with its outputs."""
     notebook = nbformat.read(path, as_version=4)
+    given = [step.empty.source for step in lesson_steps.steps_of(notebook)]
+    steps = lesson_steps.solve(notebook)
     client = NotebookClient(notebook, timeout=CELL_TIMEOUT_S, resources={"metadata": {"path": str(path.parent)}})
     client.execute()
+    lesson_steps.empty(steps, given)
     nbformat.write(normalised(notebook), path)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from IPython.core.interactiveshell import ExecutionResult, InteractiveShell
 
 _MAGICS = {
-    "line": ("grade", "hint", "ros2", "ros_stop"),
+    "line": ("check", "grade", "hint", "ros2", "ros_stop"),
     "cell": ("submission", "interface", "ros_launch"),
     "line_cell": ("ros_script",),
 }

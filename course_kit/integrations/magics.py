@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from IPython.core.interactiveshell import InteractiveShell
 
+    from course_kit.learner.step_check import StepResult
+
 _SCRIPT_USAGE = (
     "Write %%ros_script NAME [arguments] in the first line and the program below it, "
     "such as: %%ros_script client 1 2. Options before the name: --wait, --background."
@@ -40,6 +42,7 @@ def register(shell: InteractiveShell) -> None:
     shell.register_magic_function(ros_script, "line_cell", "ros_script")
     shell.register_magic_function(ros_launch, "cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
+    shell.register_magic_function(check_line, "line", "check")
 
 
 def interface_magic(shell: InteractiveShell) -> Callable[[str, str], None]:
@@ -140,3 +143,16 @@ def hint_line(line: str) -> None:
     sys.stdout.write(text)
     if trouble:
         sys.stderr.write(f"{trouble}\n")
+
+
+def check_line(line: str) -> StepResult:
+    """Ask your running nodes about a step of the lesson: `%check triple`."""
+    __tracebackhide__ = True
+    from course_kit.learner.step_check import check_step
+    from course_kit.learner.steps import STEPS
+    from course_kit.ros.names import did_you_mean
+
+    name = line.strip()
+    if name not in STEPS:
+        raise MagicError(f"There is no step {name!r}.{did_you_mean(name, STEPS)} Use it as %check STEP.")
+    return check_step(STEPS[name])

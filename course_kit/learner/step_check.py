@@ -1,0 +1,150 @@
+"""Small steps of a lesson: what a learner writes in five minutes, and the check that asks the running node about it.
+
+A step is a function that talks with the node in the verbs of the graders' vocabulary; `steps` holds them all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import datetime, timezone
+from functools import partial
+from typing import TYPE_CHECKING
+
+from course_kit.grading.checks import graph, topics
+from course_kit.grading.checks.actions import WantedAction
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.context import CheckContext
+from course_kit.grading.checks.endpoints import Service, Topic
+from course_kit.grading.checks.graded_node import GradedNode
+from course_kit.grading.checks.matching import interface_of
+from course_kit.grading.checks.parameters import Remote
+from course_kit.grading.model.exchange_log import GRADER
+from course_kit.grading.model.job import Job
+from course_kit.grading.model.limits import Limits
+from course_kit.learner import progress
+from course_kit.ros.names import is_hidden
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from course_kit.learner.progress import ProgressRecord
+
+_APPEARS_S = 2.0  # within which what a step needs has to be on the graph
+_MOST_S = 20.0  # for all that one check asks
+_SERVERS = {"service": Service, "action": WantedAction}
+
+
+@dataclass(frozen=True)
+class LessonStep:
+    """One small thing to write.
+
+    Attributes:
+        lesson: the notebook it stands in, such as "01_services".
+        name: what `%check` calls it.
+        title: what the node does once it is right.
+        needs: what has to be on the graph, each "KIND NAME TYPE", or "node NAME".
+        ask: the check.
+    """
+
+    lesson: str
+    name: str
+    title: str
+    needs: tuple[str, ...]
+    ask: Callable[[GradedNode], object]
+
+    @property
+    def key(self) -> str:
+        """Its name among the learner's records."""
+        return f"{self.lesson}/{self.name}"
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """What a check has found, in words."""
+
+    passed: bool
+    text: str
+
+    def __repr__(self) -> str:
+        return self.text
+
+
+def check_step(step: LessonStep) -> StepResult:
+    """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress.
+
+    Example:
+        >>> print(check_step(STEPS["triple"]).text)
+        Right: `/triple` answers with three times `a`.
+          -> request /triple: a=14
+          <- response: sum=42
+    """
+    ends = [_endpoint(one) for one in step.needs if not one.startswith("node ")]
+    job = Job("", "attach", "", seed=1, limits=replace(Limits(), start_s=_APPEARS_S), endpoints=tuple(ends))
+    context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it
+    try:
+        context.begin(_MOST_S)
+        context.launch()
+        try:
+            _require(step, context)
+            step.ask(GradedNode(context))
+        except Failed as failed:
+            result = StepResult(passed=False, text=_describe_failure(failed, context))
+        else:
+            result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
+    finally:
+        context.close()
+    trouble = progress.update(step.key, lambda old: _count(old, passed=result.passed))
+    return replace(result, text="\n".join(filter(None, (result.text, trouble))))
+
+
+def _count(old: ProgressRecord, *, passed: bool) -> ProgressRecord:
+    now = datetime.now(timezone.utc).isoformat(timespec="seconds")
+    return replace(old, tries=old.tries + 1, last_try=now, first_passed=old.first_passed or (now if passed else ""))
+
+
+def _endpoint(need: str) -> dict[str, str]:
+    kind, name, interface = need.split()
+    return {"kind": kind, "name": name, "type": interface}
+
+
+def _require(step: LessonStep, context: CheckContext) -> None:
+    """Fail with what is there instead, unless all is there that the step asks about."""
+    node = context.grader_node
+    for need in step.needs:
+        kind, name, *interface = need.split()
+        if kind == "node":
+            remote = Remote(context, name)
+            _await(context, remote.ready, need, [one for one in node.nodes() if not is_hidden(one)])
+        elif kind in _SERVERS:
+            server = _SERVERS[kind](name, interface_of(*interface))
+            there = [f"{one.name} [{one.type}]" for one in server.offers(node)]
+            _await(context, partial(server.ready, node), need, there)
+        else:
+            topic = [Topic(name, interface_of(*interface))]
+            publishes = kind == "publisher"
+            topics.expect_endpoints(context, topic if publishes else [], [] if publishes else topic)
+
+
+def _await(context: CheckContext, condition: Callable[[], bool], need: str, there: Sequence[str]) -> None:
+    if context.wait_until(condition, _APPEARS_S):
+        return
+    kind, name, *interface = need.split()
+    found = f"on the graph: {', '.join(there) or 'none'}"
+    of_type = f" of type {interface[0]}" if interface else ""
+    why = f"No {kind} {name}{of_type} is there.{graph.closest(name, there)}"
+    raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
+
+
+def _describe_failure(failed: Failed, context: CheckContext) -> str:
+    seen = failed.evidence
+    lines = _exchange(context, seen)
+    if not lines:
+        lines = [f"  {what}: {words}" for what, words in (("expected", seen.expected), ("found", seen.got)) if words]
+    return "\n".join([f"Not yet: {failed.message}", *lines])
+
+
+def _exchange(context: CheckContext, seen: Evidence) -> list[str]:
+    """What was sent and what came, one a line."""
+    found = context.record.steps(seen)
+    marks = {True: "->", False: "<-"}
+    return [f"  {marks[one.sender == GRADER] if one.sender != one.receiver else '  '} {one.text}" for one in found]
