@@ -100,7 +100,7 @@ def programs_in(repository: Path) -> set[str]:
     found: set[str] = set()
     for description in repository.rglob("package.xml"):
         folder = description.parent
-        found |= set(package_index.programs(folder))
+        found |= set(package_index.read_programs(folder))
         for place in ("scripts", "nodes", "src", folder.name):
             found |= {path.name for path in (folder / place).glob("*.py")}
     return found

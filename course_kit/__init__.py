@@ -31,8 +31,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     if path := exercise_folders.interface_path():  # of exercises that bring types of their own
         os.environ[PATH_VARIABLE] = path
     environment.choose_graph(os.environ.get("JPY_SESSION_NAME", ""))
-    environment.apply()  # before rclpy is imported; grading works also where this finds no ROS domain
-    if told := environment.middleware.unsupported():
+    environment.apply_settings()  # before rclpy is imported; grading works also where this finds no ROS domain
+    if told := environment.middleware.explain_middleware():
         sys.stderr.write(f"{told}\n")
     from course_kit import lab
     from course_kit.lab.recording import attaching

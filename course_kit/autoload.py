@@ -39,7 +39,7 @@ def _make_settings() -> None:
     from course_kit import environment
 
     try:
-        environment.apply()
+        environment.apply_settings()
     except environment.DomainError as problem:
         until_then = "" if "ROS_DOMAIN_ID" in os.environ else " Until then this program uses domain 0."
         print(f"course-kit: {problem}{until_then}", file=sys.stderr)
@@ -64,7 +64,7 @@ def install() -> None:
     from course_kit.launch import finder as launch_finder
 
     finder.install()
-    launch_finder.install()
+    launch_finder.install_finder()
     sys.meta_path.insert(0, _BeforeRclpy())
     # Message classes read it when they are imported, which may be before rclpy is.
     os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
 
 environment.heed_interrupts()  # tests press Ctrl-C, wherever they were started from
-environment.apply()  # before any test module imports rclpy
+environment.apply_settings()  # before any test module imports rclpy
 os.environ["COURSE_KIT_PROGRESS"] = "off"  # what tests grade is not what the person at this machine has reached
 # A slow or busy machine is no fault of what is tested: whoever has the student edition runs these tests, too.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])

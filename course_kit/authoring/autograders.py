@@ -72,7 +72,7 @@ def _scripts(exercise_id: str, seed: int | None, platform: str, *names: str) -> 
 def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
     """Name, content and mode of each file of the kit that grading an exercise needs."""
     prefix = f"{_KIT}/"
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
     exercise = load_exercise(exercise_id)

@@ -17,7 +17,7 @@ from course_kit import environment
 from course_kit.authoring import corpus, rules
 from course_kit.authoring.gradings import Gradings
 from course_kit.grading import GradingError, Report
-from course_kit.text.console import cannot, in_points, wrapped
+from course_kit.text.console import in_points, refuse, wrap_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -92,7 +92,7 @@ def describe(found: ProofOutcome) -> Iterator[str]:
     if found.faults:
         yield from ("", "What does not hold:")
     for fault in found.faults:
-        yield from wrapped(f"✗ {fault}", following="    ", width=_WIDTH)
+        yield from wrap_text(f"✗ {fault}", following="    ", width=_WIDTH)
     proven = f"NOT PROVEN: {len(found.faults)} faults." if found.faults else "PROVEN."
     yield from (
         "",
@@ -103,13 +103,13 @@ def describe(found: ProofOutcome) -> Iterator[str]:
 def main(arguments: Sequence[str]) -> int:
     """The command: 0 when all is proven, 1 when something does not hold, 2 when it could not be tried."""
     options = _parser().parse_args(arguments)
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None or not (root / "tests").is_dir():
-        return cannot("the submissions belong to the course's folder; run this in a clone of it.")
+        return refuse("the submissions belong to the course's folder; run this in a clone of it.")
     try:
         found = check(root, options.exercises, workers=options.workers, seed=options.seed)
     except GradingError as problem:
-        return cannot(problem)
+        return refuse(problem)
     print("\n".join(describe(found)))
     return 1 if found.faults else 0
 

@@ -12,7 +12,7 @@ from course_kit.grading.engine import GradingRequest, unreadable
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
-from course_kit.process import Closing
+from course_kit.process import Closable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.report import Report
 
 
-class Gradings(Closing):
+class Gradings(Closable):
     """The pool, and what reads programs for it. Use it in a `with` statement."""
 
     def __init__(self, exercises: Sequence[Exercise], workers: int = 0) -> None:

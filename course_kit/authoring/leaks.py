@@ -56,10 +56,10 @@ def _read_code(path: Path) -> str:
 def _find_alike(
     exercises: list[Exercise], solutions: Mapping[str, Path], texts: Mapping[Path, str]
 ) -> Iterator[tuple[Path, Exercise, str]]:
-    prints = {path: fingerprints.fingerprints(text) for path, text in texts.items()}
+    prints = {path: fingerprints.take_fingerprints(text) for path, text in texts.items()}
     for exercise in exercises:
         if solutions[exercise.id].is_file():
-            solution = fingerprints.fingerprints(solutions[exercise.id].read_text(encoding="utf-8"))
+            solution = fingerprints.take_fingerprints(solutions[exercise.id].read_text(encoding="utf-8"))
             own = solution - prints[exercise.folder / exercise.starter]
             for path, found in prints.items():
                 share = len(own & found) / max(len(own), _FEWEST)

@@ -21,7 +21,7 @@ import nbformat
 from course_kit import environment
 from course_kit.authoring import edition_notebooks, edition_plan, leaks
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import cannot, tell
+from course_kit.text.console import note, refuse
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -53,18 +53,18 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
             listed = "".join(f"{name}\n" for name in planned.left_out)
             environment.write_atomically(Path(left_out_file), os.fsencode(listed))
     except AnswersFoundError as problem:
-        tell(problem)
+        note(problem)
         return ANSWERS_FOUND
     except (ReleaseError, GradingError) as problem:
-        return cannot(problem)
+        return refuse(problem)
     except OSError as problem:
-        return cannot(f"{problem.filename or target} could not be written: {problem.strerror}.")
+        return refuse(f"{problem.filename or target} could not be written: {problem.strerror}.")
     return 0
 
 
 def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan]:
     """Write the student edition, which appears under its name only when it is complete and holds no answers."""
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
         raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
     target = target.absolute()
@@ -74,7 +74,7 @@ def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan
     with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
         built = Path(workshop) / NAME
         build(planned, built)
-        tell("Grading the programs in the edition; this takes a minute.")
+        note("Grading the programs in the edition; this takes a minute.")
         if found := leaks.find(built, planned.solutions):
             raise AnswersFoundError(_describe_leaks(found))
         if _is_zip(target):

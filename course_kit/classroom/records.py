@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.classroom.rules.adjustments import Adjustment, sentences
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.text.sanitize import encodable
+from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -128,7 +128,7 @@ class Record:
         """The record as one JSON document."""
         stored = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "adjustment"}
         stored["entry"] = vars(self.entry)
-        return encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
+        return make_encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
 
     @classmethod
     def from_json(cls, text: str) -> Record:

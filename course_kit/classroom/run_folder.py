@@ -19,7 +19,7 @@ from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
-from course_kit.text.sanitize import encodable, one_line
+from course_kit.text.sanitize import make_encodable, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,7 +37,7 @@ def write(plan: Plan, seed: int) -> None:
     added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
     folders = {**_noted_folders(plan.out), **added}
     noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": folders}
-    write_atomically(plan.out / NOTE, f"{encodable(json.dumps(noted))}\n")
+    write_atomically(plan.out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 
 
 def read(out: Path) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.text.console import tell
+from course_kit.text.console import note
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -134,7 +134,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
     if not options.scheduler:
-        tell(advice_for_root())
+        note(advice_for_root())
         for one in chosen.values():
             require_machine(one.limits)
         if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
@@ -207,11 +207,11 @@ def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
     from course_kit.classroom.intake import table
     from course_kit.classroom.run import look_only, require_submissions
-    from course_kit.text.sanitize import printable
+    from course_kit.text.sanitize import make_printable
 
     with interrupts() as stops:
         found = look_only(plan, lambda: stops() > 0)
-    print(printable(table.as_text(found)))
+    print(make_printable(table.as_text(found)))
     say_of_intake(found, plan.exercises)
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
@@ -303,14 +303,14 @@ def positive(text: str) -> int:
 def command_to_continue(options: argparse.Namespace) -> str:
     """The command that goes on where this one has ended, as one would type it."""
     more = [] if options.resume else ["--resume"]
-    return shlex.join([environment.command(), *options.arguments, *more])
+    return shlex.join([environment.course_command(), *options.arguments, *more])
 
 
 def say(text: str) -> None:
     """Tell a person something in which names of strangers may stand."""
-    from course_kit.text.sanitize import printable
+    from course_kit.text.sanitize import make_printable
 
-    print(printable(text), file=sys.stderr)
+    print(make_printable(text), file=sys.stderr)
 
 
 def many(of_what: Sequence[object], name: str) -> str:
@@ -404,10 +404,10 @@ def grade_again(
 def _is_wanted(changes: Sequence[GradeChange], options: argparse.Namespace) -> bool:
     """Show what would change, and ask."""
     from course_kit.classroom.regrade import TABLE, table
-    from course_kit.text.sanitize import printable
+    from course_kit.text.sanitize import make_printable
 
     for line in table(changes) if changes else ["No result changes."]:
-        print(printable(line))
+        print(make_printable(line))
     print(f"The same as a file: {options.out / TABLE}", flush=True)
     if options.write or not changes:
         return bool(options.write)

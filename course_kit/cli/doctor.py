@@ -113,14 +113,14 @@ def packages() -> Finding:
     """Whether packages have lost files to others."""
     from course_kit.environment import packages as installed
 
-    requirement = installed.damaged()
+    requirement = installed.find_damaged_package()
     if not requirement:
         return Finding("packages", "no package has overwritten the files of another")
     return Finding(
         "packages",
         f"{installed.OLD_NAME} has overwritten files of {requirement}, which JupyterLab uses",
-        "note" if environment.checkout() is None else "bad",  # only ./course has the say in what is installed
-        f"Install {requirement} again: {installed.remedy(requirement)}",
+        "note" if environment.checkout_folder() is None else "bad",  # only ./course has the say in what is installed
+        f"Install {requirement} again: {installed.reinstall_command(requirement)}",
     )
 
 
@@ -130,11 +130,11 @@ def course_folder() -> Finding:
     if root is None or not (root / "exercises").is_dir():
         missing = "lessons and exercises" if root is None else "exercises"
         return Finding("course folder", f"the {missing} are missing in {environment.PACKAGE}", "bad", _NO_COURSE)
-    if environment.checkout() is None:
-        made = "" if mine.is_dir() else f", which {environment.command()} lab makes"
+    if environment.checkout_folder() is None:
+        made = "" if mine.is_dir() else f", which {environment.course_command()} lab makes"
         return Finding("course folder", f"installed as a package; you work in {mine}{made}")
     if environment.paths.is_shared(root):
-        advice = f"{environment.command()} lab opens your own copy: {mine}"
+        advice = f"{environment.course_command()} lab opens your own copy: {mine}"
         return Finding("course folder", f"{root}, read-only for you", "note", advice)
     return Finding("course folder", f"{root}; you work in {mine.relative_to(root) if root in mine.parents else mine}")
 
@@ -152,7 +152,7 @@ def own_files() -> Finding:
 def settings() -> Finding:
     """The private graph."""
     try:
-        chosen = environment.apply()
+        chosen = environment.apply_settings()
     except environment.DomainError as problem:
         return Finding("ROS graph", str(problem), "bad", "The course's nodes cannot run until this is fixed.")
     reach = "this machine only" if chosen.only_this_machine else "other machines can see it"
@@ -195,7 +195,7 @@ def middleware() -> Finding:
 
     name = get_rmw_implementation_identifier()
     if name != environment.middleware.SUPPORTED:
-        return Finding("RMW", name, "bad", environment.middleware.unsupported() or _OTHER_RMW)
+        return Finding("RMW", name, "bad", environment.middleware.explain_middleware() or _OTHER_RMW)
     version = checkup.version_of_package(name) if os.environ.get("ROS_DISTRO") else ""  # wheels have their own numbers
     name = f"{name} {version}" if version else name
     if not (replaced := os.environ.get(environment.middleware.REPLACED, "")):

@@ -12,7 +12,7 @@ from course_kit import environment
 from course_kit.cli import class_command
 from course_kit.integrations import otter
 from course_kit.integrations.jupyter import LabStartError
-from course_kit.text.console import cannot
+from course_kit.text.console import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -222,11 +222,11 @@ def _bundle(options: argparse.Namespace) -> int:
 
     root = environment.checkout()
     if root is None:
-        return cannot("the list of packages belongs to the course's folder; run this in a clone of it.")
+        return refuse("the list of packages belongs to the course's folder; run this in a clone of it.")
     try:
         wheel_bundle.make(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
     except wheel_bundle.BundleError as problem:
-        return cannot(problem)
+        return refuse(problem)
     return 0
 
 
@@ -237,14 +237,14 @@ def _present(words: Sequence[str]) -> int:
 
     root = environment.course_files()
     if root is None:
-        return cannot("the demos are missing. Run ./course present in the course's folder.")
+        return refuse("the demos are missing. Run ./course present in the course's folder.")
     named = next((count for count, word in enumerate(words) if word.startswith("-")), len(words))
     if named > 1:
-        return cannot(f"present shows one demo, and these are {named}: {' '.join(words[:named])}. Name one of them.")
+        return refuse(f"present shows one demo, and these are {named}: {' '.join(words[:named])}. Name one of them.")
     try:
         return session.present(root, "".join(words[:named]), words[named:])
     except (PresentationError, LabStartError) as problem:
-        return cannot(problem)
+        return refuse(problem)
 
 
 def _dev(options: argparse.Namespace) -> int:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.text.console import cannot, tell
+from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -169,12 +169,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("\ncourse-kit: stopped.", file=sys.stderr)
         return 130
     except _reasons_for_people() as problem:
-        return cannot(problem)
+        return refuse(problem)
     except BrokenPipeError:  # the reader of our output has gone, as in `course-kit doctor | head`
         sys.stderr.close()
         return 0
     except OSError as problem:
-        return cannot(f"{problem.filename or 'A file'} could not be read or written: {problem.strerror or problem}.")
+        return refuse(f"{problem.filename or 'A file'} could not be read or written: {problem.strerror or problem}.")
 
 
 def _reasons_for_people() -> tuple[type[Exception], ...]:
@@ -211,7 +211,7 @@ def _add_exercises(folders: Sequence[str]) -> None:
         from course_kit.grading.model import exercise_folders
 
         for sentence in exercise_folders.add(folders):
-            tell(sentence)
+            note(sentence)
 
 
 def _lab(options: argparse.Namespace) -> int:
@@ -249,17 +249,17 @@ def _grade(options: argparse.Namespace) -> int:
     from course_kit import grading
     from course_kit.learner import progress, workspace
     from course_kit.learner.course_list import next_step
-    from course_kit.text.console import wrapped
+    from course_kit.text.console import wrap_text
 
     if options.format in FORMATS:
         return _autograde(options)
     if not options.attach:  # on stderr, beside JSON as well
-        tell(grading.advice_for_root())
+        note(grading.advice_for_root())
     if options.to is not None:  # nobody waits for a file that other formats do not write
         raise grading.GradingError(f"--to is for --format {' and '.join(FORMATS)}. Redirect the output instead.")
     if not options.attach and options.exec_command is None:
-        options.path, note = workspace.to_grade(options.exercise, options.path)
-        tell(note)
+        options.path, remark = workspace.to_grade(options.exercise, options.path)
+        note(remark)
     report = grading.grade(
         options.exercise,
         options.path,
@@ -272,9 +272,9 @@ def _grade(options: argparse.Namespace) -> int:
         print_json(report.to_json())
     else:
         print(grading.render_text(report))
-    tell(progress.record(report))
+    note(progress.record(report))
     if report.passed and options.format != "json":
-        print("\n".join(["", *wrapped(next_step(options.exercise))]))
+        print("\n".join(["", *wrap_text(next_step(options.exercise))]))
     return grading.exit_code(report)
 
 
@@ -293,7 +293,7 @@ def _list(options: argparse.Namespace) -> int:
     else:
         print(course_list.to_text(rows, sys.stdout.encoding))
     for sentence in told:
-        tell(sentence)
+        note(sentence)
     return 0
 
 
@@ -306,16 +306,16 @@ def _drills(options: argparse.Namespace) -> int:
     text, told = course_list.describe_drills(sys.stdout.encoding)
     print(text)
     for sentence in told:
-        tell(sentence)
+        note(sentence)
     return 0
 
 
 def _hint(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    text, trouble = handouts.hint(options.exercise, f"{environment.command()} hint", again=options.again)
+    text, trouble = handouts.hint(options.exercise, f"{environment.course_command()} hint", again=options.again)
     print(text, end="")
-    tell(trouble)
+    note(trouble)
     return 0
 
 

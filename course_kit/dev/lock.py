@@ -24,7 +24,7 @@ from course_kit import environment
 from course_kit.authoring import wheel_bundle
 from course_kit.dev import suite
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import cannot
+from course_kit.text.console import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,20 +66,20 @@ def main(arguments: Sequence[str]) -> int:
     )
     parser.add_argument("--upgrade", action="store_true", help="take the newest version of each package that fits")
     options = parser.parse_args(arguments)
-    root = environment.checkout()
+    root = environment.checkout_folder()
     uv = suite.find_uv()
     if root is None:
-        return cannot("the lock belongs to the course's folder; run this in a clone of it.")
+        return refuse("the lock belongs to the course's folder; run this in a clone of it.")
     if uv is None:
-        return cannot("there is no uv, which resolves for all Pythons at once. `./course test` installs it.")
+        return refuse("there is no uv, which resolves for all Pythons at once. `./course test` installs it.")
     try:
         there = [name for name in _HEADERS if name != "numpy-1" and (root / wheel_bundle.LOCK / f"{name}.txt").exists()]
         before = [] if options.upgrade else wheel_bundle.read_lock(root, there)
         parts = resolve(root, uv, before)
     except GradingError as problem:
-        return cannot(problem)
+        return refuse(problem)
     except (OSError, ValueError) as problem:
-        return cannot(f"the lock could not be read: {problem} `course-kit dev lock --upgrade` does not need it.")
+        return refuse(f"the lock could not be read: {problem} `course-kit dev lock --upgrade` does not need it.")
     for name, packages in parts.items():
         environment.write_atomically(root / wheel_bundle.LOCK / f"{name}.txt", text_of(name, packages), durable=False)
     print(f"course: the lock is in {wheel_bundle.LOCK}. See git diff, then run ./course test.")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
 _PICTURE = "text/html"
 _POLL_S = 1.0
-_found = compat.check([compat.NOTEBOOK_TESTS])
+_found = compat.check_features([compat.NOTEBOOK_TESTS])
 if _found.has(compat.NOTEBOOK_TESTS):
 
     class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has no types

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.text.console import cannot
+from course_kit.text.console import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,13 +27,13 @@ NBVAL = ["-c", "tests/nbval.ini", "--rootdir=.", "--confcutdir=.", "--nbval", "-
 def main(arguments: Sequence[str]) -> int:
     """Run the notebooks named on the command line, or all."""
     if find_spec("nbval") is None:
-        return cannot(
+        return refuse(
             "nbval, which compares the outputs, is not installed here. It comes with the test tools: run "
             "./course test tests/text once, then this again."
         )
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
-        return cannot("the notebooks belong to the course's folder; run this in a clone of it.")
+        return refuse("the notebooks belong to the course's folder; run this in a clone of it.")
     paths = [Path(os.path.relpath(name, root)) for name in arguments]
     os.chdir(root)
     return run(environment.child_environment(COURSE_KIT_PROGRESS="off"), paths)

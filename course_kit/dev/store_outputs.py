@@ -15,7 +15,7 @@ from nbclient import NotebookClient
 from course_kit import environment
 from course_kit.authoring.edition_notebooks import number_anew
 from course_kit.dev import lesson_steps
-from course_kit.text.console import cannot
+from course_kit.text.console import refuse
 
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 CELL_TIMEOUT_S = 60
@@ -56,7 +56,7 @@ def main(arguments: list[str]) -> int:
                 run(Path(name))
                 print(f"stored {name}")
     except environment.DomainError as problem:
-        return cannot(problem)
+        return refuse(problem)
     return 0
 
 

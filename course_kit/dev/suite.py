@@ -32,7 +32,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 def main(arguments: list[str]) -> int:
     """Run the suite and return its exit code: 0 when everything passed."""
     environment.heed_interrupts()
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
         print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
         return 2

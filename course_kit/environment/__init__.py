@@ -19,8 +19,8 @@ from course_kit.environment.files import write_atomically
 from course_kit.environment.paths import (
     LEARNER_FOLDER,
     PACKAGE,
-    checkout,
-    command,
+    checkout_folder,
+    course_command,
     course_files,
     learner_folder,
     run_dir,
@@ -38,13 +38,13 @@ __all__ = [
     "NoDomainError",
     "Settings",
     "SettingsError",
-    "apply",
-    "checkout",
+    "apply_settings",
+    "checkout_folder",
     "child_environment",
     "choose_graph",
-    "command",
+    "course_command",
     "course_files",
-    "defaults",
+    "default_settings",
     "domain_of_user",
     "exclusive_domain",
     "files",
@@ -86,14 +86,14 @@ class Settings:
         return self.variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] in ("LOCALHOST", "OFF")
 
 
-class _Held:
+class _OwnLease:
     """The one lease of this process, kept for as long as the process lives."""
 
     lease: Lease | None = None
     process_id: int = 0
 
 
-def defaults() -> dict[str, str]:
+def default_settings() -> dict[str, str]:
     """The variables of the course with the values used where the user has set none.
 
     Discovery is left to Fast DDS's profile (SYSTEM_DEFAULT), which keeps it on the loopback interface. Where the
@@ -119,7 +119,7 @@ def defaults() -> dict[str, str]:
     }
 
 
-def apply() -> Settings:
+def apply_settings() -> Settings:
     """Put the course's settings into this process's environment; calling it again changes nothing."""
     os.umask(os.umask(0o077) & 0o077)  # what we make we can read, write and enter, whatever a shell has set
     made = _apply_defaults()
@@ -149,7 +149,7 @@ def child_environment(**changes: str | None) -> dict[str, str]:
         environ = dict(os.environ)
         environ.pop(_CHOSEN_BY_KIT, None)
     else:
-        apply()
+        apply_settings()
         environ = dict(os.environ)
     environ["PATH"] = with_scripts_first(environ.get("PATH"))
     environ.pop("PYTHONOPTIMIZE", None)  # asserts and docstrings are wanted: a check's title is one
@@ -183,9 +183,9 @@ def heed_interrupts() -> None:
 
 
 def _apply_defaults() -> dict[str, str]:
-    if told := middleware.settle():
+    if told := middleware.choose_middleware():
         sys.stderr.write(f"course-kit: {told}\n")
-    made = defaults()
+    made = default_settings()
     for name, value in made.items():
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise
             del os.environ[name]
@@ -211,12 +211,12 @@ def domain_of_user() -> int | None:
 
 
 def _hold_domain() -> None:
-    if _Held.lease is None or _Held.process_id != os.getpid():
+    if _OwnLease.lease is None or _OwnLease.process_id != os.getpid():
         for name in ("ROS_DOMAIN_ID", _CHOSEN_BY_KIT):  # what was inherited may be somebody else's by now
             os.environ.pop(name, None)
         # By the bytes of its name: what Python makes of them depends on the locale, and may be no text at all.
-        folder = os.fsencode(checkout() or state_dir()).decode("ascii", errors="backslashreplace")
+        folder = os.fsencode(checkout_folder() or state_dir()).decode("ascii", errors="backslashreplace")
         graph = os.environ.get(_GRAPH, "")
-        _Held.lease = Leases().share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
-        _Held.process_id = os.getpid()
-    os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_Held.lease.domain_id)
+        _OwnLease.lease = Leases().share(f"{os.getuid()}:{folder}{f':{graph}' if graph else ''}")
+        _OwnLease.process_id = os.getpid()
+    os.environ["ROS_DOMAIN_ID"] = os.environ[_CHOSEN_BY_KIT] = str(_OwnLease.lease.domain_id)

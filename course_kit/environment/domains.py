@@ -41,29 +41,29 @@ _CHOICE_LOOK_S = 0.002
 _CHOICE_S = 10.0
 
 
-def port(domain_id: int, place: int) -> int:
+def port_at(domain_id: int, place: int) -> int:
     """The port at a place, 0 to 249, of a domain's block."""
     return _BASE + _GAIN * domain_id + place
 
 
 def discovery_ports(domain_id: int) -> range:
     """The ports of which every participant in the domain binds one, to be found through."""
-    return range(port(domain_id, _FIRST_UNICAST), port(domain_id + 1, 0), 2)
+    return range(port_at(domain_id, _FIRST_UNICAST), port_at(domain_id + 1, 0), 2)
 
 
-def are_told() -> bool:
+def can_read_ports() -> bool:
     """Whether this machine lets us read which ports are bound."""
     return os.access(_TABLES[0], os.R_OK)
 
 
-def bound() -> list[tuple[int, int]]:
+def bound_ports() -> list[tuple[int, int]]:
     """The bound UDP ports of this network namespace, each with its socket's inode; none where /proc does not tell."""
     return [row for table in _TABLES for row in _rows(table)]
 
 
 def domains_in_use() -> frozenset[int]:
     """The domains with a participant of whatever program, as far as /proc tells."""
-    places = (divmod(number - _BASE, _GAIN) for number, _ in bound())
+    places = (divmod(number - _BASE, _GAIN) for number, _ in bound_ports())
     return frozenset(domain_id for domain_id, place in places if place < _MULTICAST or place >= _FIRST_UNICAST)
 
 
@@ -139,10 +139,10 @@ class Leases:
         mark = _address(f"{self._scope} {_realm()} {owner}")
         with self._choice():
             for domain_id in candidates:
-                if _is_bound(mark, port(domain_id, _MARK)) and (lease := self._join(domain_id, mark)):
+                if _is_bound(mark, port_at(domain_id, _MARK)) and (lease := self._join(domain_id, mark)):
                     return lease
             for domain_id in candidates:
-                free = not _is_bound(self._address, port(domain_id, _LEASE))
+                free = not _is_bound(self._address, port_at(domain_id, _LEASE))
                 if free and (lease := self._join(domain_id, mark)):
                     return lease
         raise NoDomainError
@@ -156,7 +156,7 @@ class Leases:
             for domain_id in range(LAST, FIRST - 1, -1):
                 if domain_id in occupied:
                     continue
-                descriptor = _bind(self._address, port(domain_id, _LEASE))
+                descriptor = _bind(self._address, port_at(domain_id, _LEASE))
                 if descriptor is not None:
                     return Lease(domain_id, (descriptor,))
             if time.monotonic() >= deadline:
@@ -167,7 +167,7 @@ class Leases:
         """Hold a domain beside others of the owner; None when it is somebody else's."""
         held: list[int] = []
         for address, place in ((mark, _MARK), (self._address, _LEASE)):
-            descriptor = _bind(address, port(domain_id, place), shared=True)
+            descriptor = _bind(address, port_at(domain_id, place), shared=True)
             if descriptor is None:
                 Lease(domain_id, tuple(held)).release()
                 return None
@@ -182,7 +182,7 @@ class Leases:
         """
         deadline = time.monotonic() + _CHOICE_S
         pause = threading.Event()
-        while (held := _bind(self._address, port(0, _CHOICE))) is None and time.monotonic() < deadline:
+        while (held := _bind(self._address, port_at(0, _CHOICE))) is None and time.monotonic() < deadline:
             pause.wait(_CHOICE_LOOK_S)
         try:
             yield

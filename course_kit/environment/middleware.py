@@ -28,7 +28,7 @@ PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE" if _FAST_DDS_3 else "FASTRTPS
 PROFILES = Path(__file__).with_name("fast_dds_3") if _FAST_DDS_3 else Path(__file__).parent
 
 
-def settle() -> str:
+def choose_middleware() -> str:
     """See that ROS can load what the environment asks for, and have it load Fast DDS where it cannot; what to tell."""
     wanted = {name: os.environ[name] for name in VARIABLES if os.environ.get(name)}
     asked = set(wanted.values())
@@ -45,7 +45,7 @@ def settle() -> str:
     )
 
 
-def unsupported() -> str:
+def explain_middleware() -> str:
     """What to tell about a middleware that works and does not suit the live interfaces; empty when all is well."""
     chosen = os.environ.get("RMW_IMPLEMENTATION") or SUPPORTED
     if chosen == SUPPORTED:

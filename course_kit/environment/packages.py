@@ -13,7 +13,7 @@ from importlib import import_module, metadata
 OLD_NAME = "lark-parser"
 
 
-def damaged() -> str:
+def find_damaged_package() -> str:
     """The requirement of a package that has lost files, "lark==1.3.1"; empty where all are whole."""
     with suppress(metadata.PackageNotFoundError, ImportError):  # a real ROS 2 brings its own
         wanted = metadata.version("lark")
@@ -21,7 +21,7 @@ def damaged() -> str:
     return ""
 
 
-def remedy(requirement: str) -> str:
+def reinstall_command(requirement: str) -> str:
     """The command that installs a package of this Python again, and nothing else; uv makes environments without pip."""
     pip = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
     uv = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]

@@ -31,7 +31,7 @@ _FILES = (".dockerenv", "run/.containerenv", "run/systemd/container")  # Docker,
 _VARIABLES = ("container", "KUBERNETES_SERVICE_HOST")  # most engines set the first for all processes
 
 
-def checkout() -> Path | None:
+def checkout_folder() -> Path | None:
     """The course folder this package runs from, or None where only the package is installed."""
     root = PACKAGE.parent
     return root if (root / "notebooks").is_dir() and (root / "pyproject.toml").is_file() else None
@@ -40,7 +40,7 @@ def checkout() -> Path | None:
 def course_files() -> Path | None:
     """The folder with the lessons and exercises: in a clone its own, of an installed package inside; None without."""
     packaged = PACKAGE / "course"
-    return checkout() or (packaged if (packaged / "notebooks").is_dir() else None)
+    return checkout_folder() or (packaged if (packaged / "notebooks").is_dir() else None)
 
 
 def is_shared(root: Path) -> bool:
@@ -50,10 +50,10 @@ def is_shared(root: Path) -> bool:
 
 def usual_learner_folder() -> Path:
     """Where a learner works: in the course's folder, or where that is shared in their home; it may not be there yet."""
-    root = checkout()
+    root = checkout_folder()
     if root is not None and not is_shared(root):
         return root / LEARNER_FOLDER
-    found = home()
+    found = home_folder()
     return state_dir() / _NAME if found is None else found / _NAME
 
 
@@ -66,16 +66,16 @@ def learner_folder() -> Path | None:
     return next((place for place in (*places, usual_learner_folder()) if (place / MANIFEST).is_file()), None)
 
 
-def lesson(notebook: str, base: Path | None = None) -> Path | None:
+def lesson_path(notebook: str, base: Path | None = None) -> Path | None:
     """A notebook of the course, None where it is not here."""
     root = course_files()
     folders = [*([base, *base.parents] if base else []), *([root] if root else [])]
     return next((folder / notebook for folder in folders if (folder / notebook).is_file()), None)
 
 
-def command() -> str:
+def course_command() -> str:
     """How the user calls the course from where they are: `./course` where that stands, `course-kit` elsewhere."""
-    root = checkout()
+    root = checkout_folder()
     try:
         if root is None:
             return "./course" if Path(MANIFEST).is_file() and Path("course").is_file() else "course-kit"
@@ -84,7 +84,7 @@ def command() -> str:
         return "course-kit"
 
 
-def home() -> Path | None:
+def home_folder() -> Path | None:
     """The user's home directory, None where there is none that can be written."""
     try:
         found = Path.home()
@@ -120,7 +120,7 @@ def _state_dir(xdg: str | None, home: str | None) -> Path:  # noqa: ARG001 - the
 
 def run_dir() -> Path:
     """This checkout's folder for generated things; beside the course when that is writable."""
-    root = checkout()
+    root = checkout_folder()
     if root is not None and is_writable(root / ".course"):
         return root / ".course"
     elsewhere = state_dir() / "run"
@@ -130,7 +130,7 @@ def run_dir() -> Path:
 
 def own_run_dir() -> Path:
     """Where progress is kept: in the learner's folder one is in, in its clone, or elsewhere for this course alone."""
-    root, mine = checkout(), learner_folder()
+    root, mine = checkout_folder(), learner_folder()
     if mine is not None and (root is None or root not in mine.parents) and is_writable(mine / ".course"):
         return mine / ".course"
     folder = run_dir()

@@ -159,7 +159,7 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
 
 def _domain() -> int:
     try:
-        return environment.apply().domain_id
+        return environment.apply_settings().domain_id
     except environment.DomainError as problem:
         raise GradingError(str(problem)) from None
 

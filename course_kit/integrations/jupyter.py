@@ -21,7 +21,7 @@ from course_kit import environment
 from course_kit.grading.model import exercise_folders
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import workspace
-from course_kit.text.console import cannot, tell
+from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -44,7 +44,7 @@ def run_lab(arguments: Sequence[str]) -> int:
     """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done."""
     root = environment.course_files()
     if root is None:
-        return cannot("the lessons are missing in this installation. Install the course again.")
+        return refuse("the lessons are missing in this installation. Install the course again.")
     usual = environment.paths.usual_learner_folder()
     folder = environment.learner_folder() or usual
     if arguments and not arguments[0].startswith("-"):
@@ -53,14 +53,14 @@ def run_lab(arguments: Sequence[str]) -> int:
             folder = Path(named).resolve()
             is_file = folder.is_file()
         except OSError as problem:
-            return cannot(f"{named} cannot be your folder: {problem.strerror or problem}.")
+            return refuse(f"{named} cannot be your folder: {problem.strerror or problem}.")
         if is_file or (root in folder.parents and folder != usual):
-            return cannot(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
+            return refuse(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     try:
         command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)
         make_ready(root, folder)  # only where JupyterLab can start
     except (LabStartError, environment.DomainError) as problem:
-        return cannot(problem)
+        return refuse(problem)
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
 
@@ -68,28 +68,28 @@ def run_lab(arguments: Sequence[str]) -> int:
 def run_on_hub(arguments: Sequence[str]) -> int:
     """Replace this process by a user's server on a hub; return 2 where that cannot be done."""
     if not os.environ.get(_OF_THE_HUB):
-        return cannot(
+        return refuse(
             f"only a JupyterHub can start {HUB_VERB}, as its c.Spawner.cmd. To open the course yourself, run "
-            f"{environment.command()} lab."
+            f"{environment.course_command()} lab."
         )
     if find_spec("jupyterhub") is None:
-        return cannot(
+        return refuse(
             f"JupyterHub is not installed in the course's environment. In the course's folder, its owner runs: "
             f'{sys.executable} -m pip install -e ".[hub]"'
         )
     root = environment.course_files()
     if root is None:
-        return cannot("the lessons are missing in this installation. Install the course again.")
+        return refuse("the lessons are missing in this installation. Install the course again.")
     try:
         as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), HUB_VERB)
     except LabStartError as problem:
-        return cannot(problem)
+        return refuse(problem)
     folder = environment.paths.usual_learner_folder()
     lesson = FIRST_LESSON
     try:
         make_ready(root, folder)
     except LabStartError as problem:  # the server starts without the lessons
-        tell(problem)
+        note(problem)
         lesson = ""
     command, environ = hub_command(folder, lesson, [*as_root, *arguments])
     sys.stdout.flush()
@@ -102,11 +102,11 @@ def hub_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple[li
     try:
         environ = environment.child_environment(**variables)
     except environment.DomainError as problem:
-        tell(problem)  # the notebooks will look for one again, and say so, too
+        note(problem)  # the notebooks will look for one again, and say so, too
         environ = {**os.environ, **variables}
     root, opens = shown_on_hub(folder, lesson, environ)
     environ.setdefault(_DEFAULT_URL, opens)  # what the administrator has set counts
-    tell(environment.middleware.unsupported())
+    note(environment.middleware.explain_middleware())
     command = environment.trusted_python("jupyterhub.singleuser", "main")
     return [*command, *server_options(root), *arguments], environ
 
@@ -118,7 +118,7 @@ def shown_on_hub(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple
     if not lesson:
         return (root if root.is_dir() else Path.home()), "/lab"
     if not folder.is_relative_to(root):
-        tell(f"c.Spawner.notebook_dir is {root}, and the lessons are in {folder}: the server shows that instead.")
+        note(f"c.Spawner.notebook_dir is {root}, and the lessons are in {folder}: the server shows that instead.")
         root = folder
     return root, f"/lab/tree/{quote((folder / lesson).relative_to(root).as_posix())}"
 
@@ -129,7 +129,7 @@ def lab_command(
     """The words and the environment that start JupyterLab here."""
     as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), verb)
     environ = environment.child_environment(**{**server_variables(root), **variables})
-    tell(environment.middleware.unsupported())
+    note(environment.middleware.explain_middleware())
     command = [
         *environment.trusted_python("jupyterlab.labapp", "main"),
         *server_options(root),
@@ -153,7 +153,7 @@ def server_variables(folder: Path) -> dict[str, str]:
     found = {**replacements(), environment.paths.FOLDER_VARIABLE: str(folder)}
     if len(found) > 1:
         spare = environment.state_dir()
-        tell(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
+        note(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
     if path := exercise_folders.interface_path():  # by which programs in terminals find the types that exercises bring
         found[PATH_VARIABLE] = path
     before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
@@ -167,11 +167,11 @@ def root_arguments(arguments: Sequence[str], user: int, container: str, verb: st
     if user != 0 or any("allow-root" in word or "allow_root" in word for word in arguments):
         return []
     if container:
-        tell(f"you are root in a container ({container}), so JupyterLab is started with {_ALLOW_ROOT}.")
+        note(f"you are root in a container ({container}), so JupyterLab is started with {_ALLOW_ROOT}.")
         return [_ALLOW_ROOT]
     raise LabStartError(
         "JupyterLab does not run as root: a program in a notebook could change anything on this machine. Log in as an "
-        f"ordinary user, or add {_ALLOW_ROOT} if you mean it: {environment.command()} {verb} {_ALLOW_ROOT}"
+        f"ordinary user, or add {_ALLOW_ROOT} if you mean it: {environment.course_command()} {verb} {_ALLOW_ROOT}"
     )
 
 
@@ -186,10 +186,10 @@ def make_ready(root: Path, folder: Path) -> None:
         what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
         raise LabStartError(f"Your folder for the lessons could not be made: {what}.") from problem
     prepare(_workspaces(folder))
-    if environment.checkout() is not None and environment.paths.is_shared(root):
-        tell(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
+    if environment.checkout_folder() is not None and environment.paths.is_shared(root):
+        note(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
-        tell(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")
+        note(f"Your lessons and exercises are in {folder}. What you change there is kept when the course is updated.")
 
 
 def _workspaces(folder: Path) -> Path:

@@ -13,7 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import WIDTH, cannot
+from course_kit.text.console import WIDTH, refuse
 
 if TYPE_CHECKING:
     import argparse
@@ -92,6 +92,6 @@ def _run(options: argparse.Namespace) -> int:
     try:
         text = case_file(options.exercise, options.seed)
     except GradingError as problem:
-        return cannot(problem)
+        return refuse(problem)
     sys.stdout.write(text)
     return 0

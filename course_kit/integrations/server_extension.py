@@ -73,7 +73,7 @@ def _load_jupyter_server_extension(server: ServerApp) -> None:
         def get(self) -> None:
             from course_kit.quiz import guesses
 
-            self.finish(guesses.chosen())
+            self.finish(guesses.chosen_answers())
 
     address = url_path_join(server.base_url, "course-kit/guesses")
     server.web_app.add_handlers(".*$", [(address, Guesses)])  # type: ignore[no-untyped-call, unused-ignore]

@@ -12,7 +12,7 @@ from course_kit import environment
 from course_kit.interfaces import finder, known_types, sources
 from course_kit.interfaces.errors import InterfaceDefinitionError, InterfaceNotFoundError
 from course_kit.interfaces.known_types import get_type, text_of
-from course_kit.interfaces.parser import parse, parse_type_name
+from course_kit.interfaces.parser import parse_definition, parse_type_name
 
 
 def define(type_name: str, text: str) -> type[Any]:
@@ -37,7 +37,7 @@ def define(type_name: str, text: str) -> type[Any]:
     owner = _other_owner(name.package)
     if owner is not None:
         return _unchanged(type_name, text, owner)
-    cls = cast("type[Any]", finder.installed().library.define(name, text).find(name.name))
+    cls = cast("type[Any]", finder.get_finder().library.define(name, text).find(name.name))
     _refuse_hidden_package(type_name, name.package)
     _save(Path(name.package, name.kind, f"{name.name}.{name.kind}"), text)
     return cls
@@ -53,7 +53,7 @@ def _other_owner(package: str) -> str | None:
 def _unchanged(type_name: str, text: str, owner: str) -> type[Any]:
     """The existing type of somebody else's package, if the text says the same."""
     try:
-        same = parse(type_name, text) == parse(type_name, text_of(type_name))
+        same = parse_definition(type_name, text) == parse_definition(type_name, text_of(type_name))
     except InterfaceNotFoundError:
         same = False
     if same:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from course_kit.interfaces.definition import TypeName
-    from course_kit.interfaces.library import Built, Library
+    from course_kit.interfaces.library import BuiltDefinition, Library
 
 _PACKAGE, _KIND, _MODULE = 1, 2, 3  # parts of the name: my_interfaces . srv . _person_info
 
@@ -76,7 +76,7 @@ class LiveFinder:
         package, kind, *rest = module.split(".")
         return set() if rest else self._names(package, kind)
 
-    def _built(self, package: str, kind: str, name: str) -> Built | None:
+    def _built(self, package: str, kind: str, name: str) -> BuiltDefinition | None:
         library = self.library  # first: it explains what is missing without ROS 2
         from course_kit.interfaces.definition import TypeName
 
@@ -98,7 +98,7 @@ class LiveFinder:
 
     def _names(self, package: str, kind: str) -> set[str]:
         """On disk or, where that could not be written, in this process only."""
-        return sources.names(package, kind) | {made.name for made in self._made() if made[:2] == (package, kind)}
+        return sources.live_names(package, kind) | {made.name for made in self._made() if made[:2] == (package, kind)}
 
     def _made(self) -> list[TypeName]:
         return [] if self._library is None else self._library.names()
@@ -163,7 +163,7 @@ def install() -> None:
         sys.meta_path.append(LiveFinder())
 
 
-def installed() -> LiveFinder:
+def get_finder() -> LiveFinder:
     """The finder of this process, put in place if it is not."""
     install()
     return next(finder for finder in sys.meta_path if isinstance(finder, LiveFinder))

@@ -38,7 +38,7 @@ OTHER_NAMES = {
 }
 
 
-def nearest(name: str, candidates: Iterable[str], alike: float = 0.6) -> str | None:
+def nearest_name(name: str, candidates: Iterable[str], alike: float = 0.6) -> str | None:
     """The candidate that is written most like a name, None if none is; slips rarely change the first letter."""
     lowered = {candidate.lower(): candidate for candidate in candidates}
     found = difflib.get_close_matches(name.lower(), lowered, n=3, cutoff=alike)
@@ -66,7 +66,7 @@ def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
         return f"Expected the type first and the name second: {name} {text.rstrip(':;,')}"
     if text in OTHER_NAMES:
         return f"There is no type {text!r} in ROS 2: did you mean {OTHER_NAMES[text]}?"
-    similar = nearest(text, primitives)
+    similar = nearest_name(text, primitives)
     if similar:
         return f"There is no type {text!r}: did you mean {similar}?"
     return f"There is no type {text!r}: {TYPE_EXAMPLES}"

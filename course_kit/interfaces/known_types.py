@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.interfaces import hints, sources
 from course_kit.interfaces.errors import InterfaceNotFoundError
-from course_kit.interfaces.sources import KINDS, first_text, folders
+from course_kit.interfaces.sources import KINDS, first_text, source_folders
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")  # noqa: PTH118 - light at start
 
 
-def prefixes() -> list[str]:
+def package_prefixes() -> list[str]:
     """The folders ROS packages are installed below: those of a sourced ROS 2, and this Python's own."""
     sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return list(dict.fromkeys(folder for folder in (*sourced, sys.prefix) if folder))
@@ -27,7 +27,7 @@ def prefixes() -> list[str]:
 def installed_packages() -> set[str]:
     """The packages that install interfaces."""
     found: set[str] = set()
-    for prefix in prefixes():
+    for prefix in package_prefixes():
         with suppress(OSError):
             found.update(os.listdir(os.path.join(prefix, _INDEX)))  # noqa: PTH118, PTH208
     return found
@@ -35,20 +35,21 @@ def installed_packages() -> set[str]:
 
 def installed_types(package: str) -> set[str]:
     """The full names of a package's interfaces, such as "std_srvs/srv/SetBool"."""
-    listed = first_text(prefixes(), _INDEX, package) or ""  # the first that has it hides the others, as with ament
+    # The first that has it hides the others, as with ament.
+    listed = first_text(package_prefixes(), _INDEX, package) or ""
     lines = (line.rpartition(".") for line in listed.split())
     return {f"{package}/{stem}" for stem, _, ending in lines if ending in KINDS}
 
 
 def installed_text(package: str, kind: str, name: str) -> str | None:
     """The definition of an installed interface, None when there is no such."""
-    return first_text(prefixes(), "share", package, kind, f"{name}.{kind}")
+    return first_text(package_prefixes(), "share", package, kind, f"{name}.{kind}")
 
 
 def idl_file(package: str, name: str) -> str | None:
     """The file of a message that is written in IDL; None when there is no such."""
-    shares = (os.path.join(prefix, "share") for prefix in prefixes())  # noqa: PTH118
-    files = (os.path.join(place, package, "msg", f"{name}.idl") for place in (*folders(), *shares))  # noqa: PTH118
+    shares = (os.path.join(prefix, "share") for prefix in package_prefixes())  # noqa: PTH118
+    files = (os.path.join(place, package, "msg", f"{name}.idl") for place in (*source_folders(), *shares))  # noqa: PTH118
     return next((file for file in files if os.path.isfile(file)), None)  # noqa: PTH113
 
 
@@ -73,7 +74,7 @@ def types(package: str | None = None, kind: str | None = None) -> list[str]:
     known = packages()
     if package is not None and package not in known:
         reason = f"No package {package!r} with interfaces is installed or defined."
-        raise InterfaceNotFoundError(package, hints.nearest(package, known), reason)
+        raise InterfaceNotFoundError(package, hints.nearest_name(package, known), reason)
     found = {name for each in ([package] if package else known) for name in _types_of(each)}
     return sorted(name for name in found if kind in (None, name.split("/")[1]) and _can_name(name.split("/")[2]))
 
@@ -146,7 +147,8 @@ def _nearest(parts: list[str]) -> str | None:
     """The most similar full name: same name in another folder or package first."""
     known = types()
     same = [name for name in known if name.split("/")[2].lower() == parts[-1].lower()]
-    return hints.nearest("/".join(parts), same) or hints.nearest("/".join(parts), known) or next(iter(same), None)
+    text = "/".join(parts)
+    return hints.nearest_name(text, same) or hints.nearest_name(text, known) or next(iter(same), None)
 
 
 def _types_of(package: str, kinds: Sequence[str] = sources.KINDS) -> set[str]:
@@ -154,4 +156,4 @@ def _types_of(package: str, kinds: Sequence[str] = sources.KINDS) -> set[str]:
     installed = installed_types(package)
     if installed:
         return installed
-    return {f"{package}/{kind}/{name}" for kind in kinds for name in sources.names(package, kind)}
+    return {f"{package}/{kind}/{name}" for kind in kinds for name in sources.live_names(package, kind)}

@@ -10,8 +10,8 @@ from course_kit.interfaces import hints
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition, TypeName
 from course_kit.interfaces.errors import InterfaceDefinitionError
 from course_kit.interfaces.message_class import make_message_class, make_metaclass, python_module
-from course_kit.interfaces.message_fields import message_class, remember
-from course_kit.interfaces.parser import parse
+from course_kit.interfaces.message_fields import keep_record, message_class
+from course_kit.interfaces.parser import parse_definition
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from course_kit.interfaces.definition import Definition, Field
 
 
-class Built:
+class BuiltDefinition:
     """The classes one definition has led to."""
 
     def __init__(self, text: str, definition: Definition, nested: dict[str, type]) -> None:
@@ -37,11 +37,11 @@ class Library:
 
     def __init__(self, find_text: Callable[[TypeName], str | None]) -> None:
         self._find_text = find_text
-        self._built: dict[TypeName, Built] = {}
+        self._built: dict[TypeName, BuiltDefinition] = {}
         self._being_built: list[TypeName] = []
         self._lock = threading.RLock()
 
-    def get(self, name: TypeName) -> Built | None:
+    def get(self, name: TypeName) -> BuiltDefinition | None:
         """The live type of that name, made if need be; None if there is no text for it."""
         with self._lock:
             if name in self._being_built:
@@ -53,7 +53,7 @@ class Library:
                 self._built[name] = self._build(name, text)
             return self._built[name]
 
-    def define(self, name: TypeName, text: str) -> Built:
+    def define(self, name: TypeName, text: str) -> BuiltDefinition:
         """Make a type from a text given now; the types that contain it are made anew when next wanted."""
         with self._lock:
             known = self._built.get(name)
@@ -74,15 +74,15 @@ class Library:
         for other in [other for other, built in self._built.items() if str(name) in built.nested]:
             self._forget(other)
 
-    def _build(self, name: TypeName, text: str) -> Built:
-        definition = parse(str(name), text)
+    def _build(self, name: TypeName, text: str) -> BuiltDefinition:
+        definition = parse_definition(str(name), text)
         self._being_built.append(name)
         try:
             fields = (field for part in _parts(definition) for field in part.fields if field.type.is_nested)
             nested = {field.type.base: self._nested(name, field) for field in fields}
         finally:
             self._being_built.pop()
-        return _build_classes(Built(text, definition, nested), definition)
+        return _build_classes(BuiltDefinition(text, definition, nested), definition)
 
     def _nested(self, owner: TypeName, field: Field) -> type:
         """The class of a field's messages, live or compiled."""
@@ -116,7 +116,7 @@ def _no_message(package: str, name: str) -> str:
     known = [full.replace("/msg/", "/") for full in known_types.types(kind="msg")]
     if name in hints.OTHER_NAMES:
         return f"There is no message {wanted}: did you mean {hints.OTHER_NAMES[name]}?"
-    similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest(wanted, known)
+    similar = next((full for full in known if full.endswith(f"/{name}")), None) or hints.nearest_name(wanted, known)
     hint = f" Did you mean {similar}?" if similar else f" E{hints.TYPE_EXAMPLES[1:]}"
     return f"There is no message {wanted}.{hint}"
 
@@ -129,7 +129,7 @@ def _parts(definition: Definition) -> tuple[MessageDefinition, ...]:
     return (definition,)
 
 
-def _build_classes(built: Built, definition: Definition) -> Built:
+def _build_classes(built: BuiltDefinition, definition: Definition) -> BuiltDefinition:
     if isinstance(definition, MessageDefinition):
         _add_message(built, definition, built.text)
     elif isinstance(definition, ServiceDefinition):
@@ -139,7 +139,7 @@ def _build_classes(built: Built, definition: Definition) -> Built:
     return built
 
 
-def _add_message(built: Built, definition: MessageDefinition, text: str | None = None) -> type:
+def _add_message(built: BuiltDefinition, definition: MessageDefinition, text: str | None = None) -> type:
     """Make the class of a message whose nested messages are those of the definition, its own parts, or ROS's."""
     nested = {}
     for field in definition.fields:
@@ -152,12 +152,12 @@ def _add_message(built: Built, definition: MessageDefinition, text: str | None =
     return cls
 
 
-def _add_service(built: Built, definition: ServiceDefinition, text: str | None = None) -> type:
+def _add_service(built: BuiltDefinition, definition: ServiceDefinition, text: str | None = None) -> type:
     parts = {"Request": definition.request, "Response": definition.response, "Event": definition.event}
     return _bundle(built, definition, {name: _add_message(built, part) for name, part in parts.items()}, text)
 
 
-def _add_action(built: Built, definition: ActionDefinition) -> None:
+def _add_action(built: BuiltDefinition, definition: ActionDefinition) -> None:
     public = {
         "Goal": _add_message(built, definition.goal),
         "Result": _add_message(built, definition.result),
@@ -175,7 +175,7 @@ def _add_action(built: Built, definition: ActionDefinition) -> None:
 
 
 def _bundle(
-    built: Built, definition: ServiceDefinition | ActionDefinition, parts: dict[str, type], text: str | None
+    built: BuiltDefinition, definition: ServiceDefinition | ActionDefinition, parts: dict[str, type], text: str | None
 ) -> type:
     """Make the class of a service or an action out of those of its parts."""
     what = "service" if isinstance(definition, ServiceDefinition) else "action"
@@ -186,6 +186,6 @@ def _bundle(
     cls: type = make_metaclass(definition, what, {})(
         definition.name.name, (), {"__module__": python_module(definition), "__init__": __init__, **parts}
     )
-    remember(cls, definition.name.kind, text)
+    keep_record(cls, definition.name.kind, text)
     built.classes[definition.name.name] = cls
     return cls

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from course_kit.interfaces.definition import FieldType, to_slot_type
 from course_kit.interfaces.field_checks import checks_by_default, field_check
-from course_kit.interfaces.message_fields import MessageField, default_text, message_fields, remember
+from course_kit.interfaces.message_fields import MessageField, default_text, keep_record, message_fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -125,7 +125,7 @@ def make_message_class(
         **{field.name: field_property(field) for field in fields},
     }
     cls = cast("type[Message]", metaclass(name, (), body))
-    remember(cls, definition.name.kind, text, fields)
+    keep_record(cls, definition.name.kind, text, fields)
     return cls
 
 

@@ -31,7 +31,7 @@ def record_of(cls: type) -> LiveRecord | None:
     return getattr(type(cls), _ATTRIBUTE, None)
 
 
-def remember(cls: type, kind: str, text: str | None, fields: tuple[MessageField, ...] = ()) -> None:
+def keep_record(cls: type, kind: str, text: str | None, fields: tuple[MessageField, ...] = ()) -> None:
     """Keep a record of a class just made where rclpy, which asks metaclasses for type support, finds it."""
     setattr(type(cls), _ATTRIBUTE, LiveRecord(cls, ("implicit", "") if text is None else (kind, text), fields))
 

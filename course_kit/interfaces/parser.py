@@ -182,7 +182,7 @@ def parse_type_name(text: str) -> TypeName:
     return TypeName(package, kind, name)
 
 
-def parse(type_name: str, text: str) -> Definition:
+def parse_definition(type_name: str, text: str) -> Definition:
     """Read the definition of an interface."""
     name = parse_type_name(type_name)
     sections = _split(name, text)

@@ -21,7 +21,7 @@ _ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__
 _NEVER_PACKAGES = ("sitecustomize", "usercustomize")
 
 
-def folders() -> Iterator[str]:
+def source_folders() -> Iterator[str]:
     """The folders to search, in this order: the course's, COURSE_KIT_INTERFACE_PATH, the learner's definitions."""
     yield OWN_FOLDER
     yield from (folder for folder in os.environ.get(PATH_VARIABLE, "").split(os.pathsep) if folder)
@@ -61,17 +61,17 @@ def has_package(package: str) -> bool:
     """Whether some folder has interfaces of the package. Costs a few microseconds."""
     if package in _NEVER_PACKAGES or package.startswith("_") or not package.islower():
         return False
-    return any(has_kind(package, kind, folder) for folder in folders() for kind in KINDS)
+    return any(has_kind(package, kind, folder) for folder in source_folders() for kind in KINDS)
 
 
 def has_kind(package: str, kind: str, folder: str | None = None) -> bool:
     """Whether a package has messages, services or actions, in one folder or in any."""
-    return any(os.path.isdir(os.path.join(each, package, kind)) for each in ([folder] if folder else folders()))  # noqa: PTH112, PTH118
+    return any(os.path.isdir(os.path.join(each, package, kind)) for each in ([folder] if folder else source_folders()))  # noqa: PTH112, PTH118
 
 
 def find_text(package: str, kind: str, name: str) -> str | None:
     """The text of an interface, None if no folder has it."""
-    return first_text(folders(), package, kind, f"{name}.{kind}")
+    return first_text(source_folders(), package, kind, f"{name}.{kind}")
 
 
 def first_text(places: Iterable[str], *parts: str) -> str | None:
@@ -99,10 +99,10 @@ def _not_utf8(path: str, error: UnicodeDecodeError) -> Exception:
     return InterfaceDefinitionError(name, before.count(b"\n") + 1, line, expected)
 
 
-def names(package: str, kind: str) -> set[str]:
+def live_names(package: str, kind: str) -> set[str]:
     """The names of a package's live interfaces of one kind."""
     found: set[str] = set()
-    for folder in folders():
+    for folder in source_folders():
         found.update(_stems(os.path.join(folder, package, kind), f".{kind}"))  # noqa: PTH118
     return found
 
@@ -110,7 +110,7 @@ def names(package: str, kind: str) -> set[str]:
 def live_packages() -> set[str]:
     """The packages any folder has."""
     found: set[str] = set()
-    for folder in folders():
+    for folder in source_folders():
         found.update(package for package in _list(folder) if has_package(package))
     return found
 

@@ -47,7 +47,7 @@ class DescribedType(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def describe(cls: type) -> DescribedType:
+def describe_type(cls: type) -> DescribedType:
     """Describe a message, service or action class, live or compiled."""
     parts = _parts(cls)
     if parts is None:
@@ -59,12 +59,12 @@ def describe(cls: type) -> DescribedType:
 def referenced_classes(cls: type) -> list[type]:
     """The classes a type refers to, directly or not, sorted by full name, without itself."""
     found: dict[str, type] = {}
-    to_do = [*describe(cls).refers_to]
+    to_do = [*describe_type(cls).refers_to]
     while to_do:
         other = to_do.pop()
         if full_name(other) not in found:
             found[full_name(other)] = other
-            to_do += describe(other).refers_to
+            to_do += describe_type(other).refers_to
     return [found[name] for name in sorted(found)]
 
 
@@ -72,8 +72,8 @@ def type_hash(cls: type) -> bytes:
     """The 32 bytes of a type's hash; written "RIHS01_" and their hexadecimal digits."""
     text = json.dumps(
         {
-            "type_description": _hashed(describe(cls)),
-            "referenced_type_descriptions": [_hashed(describe(other)) for other in referenced_classes(cls)],
+            "type_description": _hashed(describe_type(cls)),
+            "referenced_type_descriptions": [_hashed(describe_type(other)) for other in referenced_classes(cls)],
         },
         separators=(", ", ": "),
     )

@@ -16,8 +16,8 @@ from course_kit.interfaces.definition import EMPTY_MEMBER, FieldType
 from course_kit.interfaces.errors import NativeHelperError
 from course_kit.interfaces.message_fields import MessageField, message_fields
 from course_kit.interfaces.native import loader
-from course_kit.interfaces.native.loader import capsule, function_address, keep, keep_object, keep_text
-from course_kit.interfaces.type_description import describe, full_name, referenced_classes, source_text, type_hash
+from course_kit.interfaces.native.loader import function_address, keep_data, keep_object, keep_text, make_capsule
+from course_kit.interfaces.type_description import describe_type, full_name, referenced_classes, source_text, type_hash
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,7 +51,7 @@ def add_support(cls: Any) -> None:
             support = _service_support(cls)
         else:
             support = _message_support(cls)
-        type(cls)._TYPE_SUPPORT = capsule(support)  # last: with it rclpy takes the rest as given
+        type(cls)._TYPE_SUPPORT = make_capsule(support)  # last: with it rclpy takes the rest as given
 
 
 def _message_support(cls: Any) -> int:
@@ -59,10 +59,10 @@ def _message_support(cls: Any) -> int:
     package, folder, name = full_name(cls).split("/")
     description = description_of(cls)
     address = metaclass._live.native = _new_type(cls)
-    metaclass._CREATE_ROS_MESSAGE = capsule(helper.live_create_function(address))
-    metaclass._DESTROY_ROS_MESSAGE = capsule(function_address(helper.live_destroy))
-    metaclass._CONVERT_FROM_PY = capsule(function_address(helper.live_from_python))
-    metaclass._CONVERT_TO_PY = capsule(function_address(helper.live_to_python))
+    metaclass._CREATE_ROS_MESSAGE = make_capsule(helper.live_create_function(address))
+    metaclass._DESTROY_ROS_MESSAGE = make_capsule(function_address(helper.live_destroy))
+    metaclass._CONVERT_FROM_PY = make_capsule(function_address(helper.live_from_python))
+    metaclass._CONVERT_TO_PY = make_capsule(function_address(helper.live_to_python))
     library = loader.ros_library("librosidl_typesupport_introspection_c.so")
     introspection = helper.live_introspection(
         # rmw_fastrtps compares this one by its address.
@@ -104,7 +104,7 @@ def _support_address(cls: Any) -> int:
     metaclass = type(cls)
     if metaclass._TYPE_SUPPORT is None:
         metaclass.__import_type_support__()
-    return loader.pointer(metaclass._TYPE_SUPPORT)
+    return loader.capsule_pointer(metaclass._TYPE_SUPPORT)
 
 
 def _new_type(cls: type[Message]) -> int:
@@ -123,7 +123,8 @@ def _new_type(cls: type[Message]) -> int:
     program = _Program()
     program.message(cls)
     words = array.array("I", program.words)
-    address: int = helper.live_new_type(keep_text(full_name(cls)), keep(words.tobytes()), len(words), encode, decode)
+    name, data = keep_text(full_name(cls)), keep_data(words.tobytes())
+    address: int = helper.live_new_type(name, data, len(words), encode, decode)
     if not address:
         raise NativeHelperError("This program has defined more messages than it has room for: start Python again.")
     return address
@@ -242,15 +243,15 @@ def _event_maker(cls: Any) -> Callable[[bytes, bytes | None, bytes | None], Payl
 def description_of(cls: type) -> int:
     """Address of the helper's `struct description` of a message, service or action class."""
     classes = [cls, *referenced_classes(cls)]
-    type_hash_address = keep(bytes([_HASH_VERSION]) + type_hash(cls))
-    description = keep(_individual(cls) + _sequence([_individual(other) for other in classes[1:]]))
-    sources = keep(_sequence([_source(other) for other in classes]))
-    return keep(struct.pack("3Q", type_hash_address, description, sources))
+    type_hash_address = keep_data(bytes([_HASH_VERSION]) + type_hash(cls))
+    description = keep_data(_individual(cls) + _sequence([_individual(other) for other in classes[1:]]))
+    sources = keep_data(_sequence([_source(other) for other in classes]))
+    return keep_data(struct.pack("3Q", type_hash_address, description, sources))
 
 
 @lru_cache(maxsize=512)
 def _individual(cls: type) -> bytes:
-    described = describe(cls)
+    described = describe_type(cls)
     return _string(described.type_name) + _sequence([_field(field) for field in described.fields])
 
 
@@ -262,7 +263,7 @@ def _field(field: DescribedField) -> bytes:
 @lru_cache(maxsize=512)
 def _source(cls: type) -> bytes:
     encoding, text = source_text(cls)
-    return _string(describe(cls).type_name) + _string(encoding) + _string(text)
+    return _string(describe_type(cls).type_name) + _string(encoding) + _string(text)
 
 
 def _string(text: str) -> bytes:
@@ -271,4 +272,4 @@ def _string(text: str) -> bytes:
 
 
 def _sequence(items: list[bytes]) -> bytes:
-    return struct.pack("3Q", keep(b"".join(items)) if items else 0, len(items), len(items))
+    return struct.pack("3Q", keep_data(b"".join(items)) if items else 0, len(items), len(items))

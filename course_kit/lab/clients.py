@@ -98,7 +98,7 @@ class Clients:
         def make() -> Any:
             node = self.node
             validate_topic_name(action)
-            types = graph.offered(node, graph.RUNS).get(full_action_name(node, action), [])
+            types = graph.offered_types(node, graph.RUNS).get(full_action_name(node, action), [])
             if types and type_name(action_type) not in types:  # rclpy would make half a client, and lose it
                 raise OtherTypeError(f"{action} is already in use with a different type than {type_name(action_type)}.")
             # On the thread that will use it, and not while that looks through the node's entities.

@@ -16,7 +16,7 @@ from course_kit.lab.messages import message_of
 from course_kit.ros.goal import GoalTracker
 from course_kit.ros.graph import RUNS
 from course_kit.ros.messages import is_action_type, type_name
-from course_kit.ros.showing import snapshot
+from course_kit.ros.showing import copy_message
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -216,7 +216,7 @@ class Goal:
             raise NoAnswerError(gone(self.action))
 
     def __repr__(self) -> str:
-        fields = snapshot(self.request)
+        fields = copy_message(self.request)
         shown = ", ".join(f"{name}={value!r}" for name, value in fields.items()) if isinstance(fields, dict) else ""
         # Whether it is executing already is a matter of microseconds; a stored notebook shows the same each time.
         state = "accepted" if self.status in {"ACCEPTED", "EXECUTING"} else self.status

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError
 from course_kit.ros import graph
-from course_kit.ros.names import is_hidden, is_of_every_node, nearest
+from course_kit.ros.names import is_hidden, is_of_every_node, nearest_name
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -33,7 +33,7 @@ def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozen
 
 def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str]) -> str:
     role, name, wanted_type = wanted
-    offered = graph.offered(node, role, except_by)
+    offered = graph.offered_types(node, role, except_by)
     there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
     types = there.get(name)
     if types and wanted_type not in types:
@@ -43,7 +43,7 @@ def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: fro
             "Client and server must use the same type."
         )
     message = f"No node {role.verb} {name} (waited {waited:g} s). "
-    if near := nearest(name, there):
+    if near := nearest_name(name, there):
         return f"{message}The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}]."
     if there:
         return f"{message}On the graph: {', '.join(sorted(there)[:5])}."
@@ -55,7 +55,7 @@ def wait_for_nodes(node: Node, names: list[str], own: set[str], *, there: bool) 
     deadline = time.monotonic() + _SETTLING
     pause = threading.Event()  # rclpy has no event for changes of the graph
     while time.monotonic() < deadline:
-        seen = graph.nodes(node)
+        seen = graph.node_names(node)
         counts = [seen.count(name) - (name in own) for name in names]
         if all(count > 0 for count in counts) if there else not any(count > 0 for count in counts):
             return

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import FieldError
-from course_kit.ros.filling import make
+from course_kit.ros.filling import make_message
 from course_kit.ros.messages import BadFieldError, is_message_type
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def message_of(message_type: type[Message], ready: Message, fields: Fields, owne
     """The message to be sent."""
     if ready is None:
         try:
-            return make(message_type, fields, owner)
+            return make_message(message_type, fields, owner)
         except BadFieldError as error:
             raise FieldError(str(error)) from error
     if fields or not isinstance(ready, message_type):

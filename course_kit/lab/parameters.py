@@ -138,10 +138,10 @@ def full_name(node: str | Node) -> str:
 
 
 def _getting(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
-    asked = list(wanted) or parameters.own_first((yield from parameters.names()))
-    found = yield from parameters.values(asked)
+    asked = list(wanted) or parameters.own_first((yield from parameters.ask_names()))
+    found = yield from parameters.ask_values(asked)
     if any(value.type == 0 for value in found):
-        known = yield from parameters.names()
+        known = yield from parameters.ask_names()
         for name in asked:
             if name not in known:
                 raise ParameterNotFoundError(f"There is no parameter {name!r}: {_declared(node, name, known)}")
@@ -170,18 +170,18 @@ def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps
 
 def _undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:
     """Those of the names that the node has not declared, and what it has instead; rclpy's own text names neither."""
-    known = yield from parameters.names()
+    known = yield from parameters.ask_names()
     unknown = [name for name in wanted if name not in known]
     return {name: f"there is no parameter {name!r}: {_declared(node, name, known)}" for name in unknown}
 
 
 def _describing() -> Steps[Descriptors]:
-    known = parameters.own_first((yield from parameters.names()))
-    return Descriptors(map(parameters.described, (yield from parameters.descriptors(known))))
+    known = parameters.own_first((yield from parameters.ask_names()))
+    return Descriptors(map(parameters.read_descriptor, (yield from parameters.ask_descriptors(known))))
 
 
 def _declared(node: str, name: str, known: list[str]) -> str:
-    near = names.nearest(name, known)
+    near = names.nearest_name(name, known)
     meant = f" Did you mean {near!r}?" if near else ""
     own = [one for one in known if not parameters.is_of_every_node(one)]
     return f"{node} has {', '.join(own or known) or 'none'}.{meant}"
@@ -194,7 +194,7 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
         return call(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
-        return await parameters.awaited(steps, ask)
+        return await parameters.await_steps(steps, ask)
     except ServiceNotFoundError:
         raise _no_node(node) from None
 
@@ -206,7 +206,7 @@ def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
         return call_blocking(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
 
     try:
-        return parameters.driven(steps, ask)
+        return parameters.run_steps(steps, ask)
     except ServiceNotFoundError:
         raise _no_node(node) from None
 
@@ -217,12 +217,12 @@ def _no_node(node: str) -> NodeNotFoundError:
 
     engine = current().engine
     looking = engine.node
-    nodes = set(graph.nodes(looking)) - engine.own_names
+    nodes = set(graph.node_names(looking)) - engine.own_names
     if node in nodes:
         return NodeNotFoundError(f"{node} is on the graph but offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
     having = sorted(one for one in nodes if one + parameters.LIST_SERVICE in services and not names.is_hidden(one))
-    near = names.nearest(node, having)
+    near = names.nearest_name(node, having)
     if near:
         return NodeNotFoundError(f"There is no node {node}. The nearest name on the graph is {near}.")
     if having:

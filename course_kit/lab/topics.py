@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from course_kit.lab.errors import NoAnswerError
 from course_kit.lab.messages import message_of, require_message_type
 from course_kit.ros.messages import type_name
-from course_kit.ros.topic import as_offered, hears, is_heard, publishers
+from course_kit.ros.topic import as_offered, is_heard, is_hearing, publishers_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,7 +56,7 @@ class Subscription:
         self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
-            _wait_until(lambda: hears(lab.node, self._subscription))
+            _wait_until(lambda: is_hearing(lab.node, self._subscription))
 
     @property
     def is_open(self) -> bool:
@@ -137,7 +137,7 @@ async def next_messages(
 
 
 def _why_none(node: Node, subscription: RclpySubscription) -> str:
-    found = publishers(node, subscription.topic_name)
+    found = publishers_of(node, subscription.topic_name)
     if not found:
         return "No node publishes it."
     types = sorted({one.type for one in found})

@@ -11,12 +11,12 @@ from course_kit.launch.description import (
     PythonLaunchDescriptionSource,
     as_entities,
     execute_all,
-    load,
+    load_description,
 )
 from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.node import join_namespace, value_of
-from course_kit.launch.substitutions import Text, as_text, described
+from course_kit.launch.substitutions import Text, as_text, describe_text
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class IncludeLaunchDescription(Action):
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
         path = context.file.parent / as_text(self.path, context)
-        execute_all(load(path), context.inside(path))
+        execute_all(load_description(path), context.inside(path))
 
 
 class TimerAction(Action):
@@ -178,13 +178,13 @@ def show_arguments(file: Path) -> str:
     package_index.make_known([file.parent])
     declared: dict[str, DeclareLaunchArgument] = {}
     context = LaunchContext({}, file)
-    for argument in _declared(load(file).entities, context):
+    for argument in _declared(load_description(file).entities, context):
         declared.setdefault(argument.name, argument)
     shown = "\n\n".join(_shown(one, context) for one in declared.values()) or "  No arguments."
     return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{shown}"
 
 
-def doubts(given: Iterable[str], declared: Collection[str]) -> list[str]:
+def doubt_arguments(given: Iterable[str], declared: Collection[str]) -> list[str]:
     """Sentences about arguments that no launch file has declared, but one with nearly that name."""
     names = [name for name in given if name not in declared]
     hints = ((name, did_you_mean(name, sorted(declared))) for name in names)
@@ -201,7 +201,7 @@ def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
     choices = f" Valid choices are: {argument.choices}" if argument.choices else ""
     lines = [f"    '{argument.name}':", f"        {as_text(argument.description, context)}{choices}"]
     if argument.default_value is not None:
-        lines.append(f"        (default: {described(argument.default_value)})")
+        lines.append(f"        (default: {describe_text(argument.default_value)})")
     return "\n".join(lines)
 
 
@@ -223,7 +223,7 @@ def _included(entity: IncludeLaunchDescription, context: LaunchContext) -> Itera
     """The arguments of an included file; none where it depends on what only a running launch knows."""
     try:
         path = context.file.parent / as_text(entity.path, context)
-        inner = load(path).entities
+        inner = load_description(path).entities
     except LaunchError:
         return
     if path != context.file:

@@ -153,7 +153,7 @@ def _done(action: Action, context: LaunchContext) -> object:
         raise in_a_sentence(error, context.file) from error
 
 
-def load(path: Path) -> LaunchDescription:
+def load_description(path: Path) -> LaunchDescription:
     """What a launch file describes."""
     if path.suffix in _OTHER_KINDS:
         raise LaunchError(

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch.errors import ProgramError
-from course_kit.launch.package_index import PACKAGE_PATH, is_one, programs, sources_near
+from course_kit.launch.package_index import PACKAGE_PATH, is_one, read_programs, sources_near
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _NO_SOURCES = ("launch", "test", "tests")
 _NO_PROGRAMS = (".launch.py", "setup.py", "conftest.py")
 
 
-def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> list[str]:
+def find_command(package: str | None, executable: str, near: Sequence[Path] = ()) -> list[str]:
     """The command that runs an executable; Python scripts run in this Python."""
     if package is None:
         return _program(executable, near)
@@ -48,7 +48,7 @@ def find(package: str | None, executable: str, near: Sequence[Path] = ()) -> lis
     raise _not_found(package, executable, folders)
 
 
-def packages(near: Sequence[Path] = ()) -> list[str]:
+def find_packages(near: Sequence[Path] = ()) -> list[str]:
     """The packages that have programs, by their folders."""
     found = {entry.name for lib in _installed() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
     for folder in _folders(near):
@@ -60,14 +60,14 @@ def packages(near: Sequence[Path] = ()) -> list[str]:
     return sorted(found)
 
 
-def executables(package: str, near: Sequence[Path] = ()) -> list[str]:
+def list_executables(package: str, near: Sequence[Path] = ()) -> list[str]:
     """The programs of a package."""
     places = list(_package_places(package, list(_folders(near))))
-    named = {*_entry_points(package), *(name for place in places for name in programs(place))}
+    named = {*_entry_points(package), *(name for place in places for name in read_programs(place))}
     return sorted(named or {name for place in places for name in _programs(place)})
 
 
-def prefix(package: str) -> Path | None:
+def package_prefix(package: str) -> Path | None:
     """Where a package is installed, or lies as source; None when nothing is known of it."""
     for lib in _installed():
         if (lib / package).is_dir() or (lib.parent / "share" / package).is_dir():
@@ -86,7 +86,7 @@ def _folders(near: Sequence[Path]) -> Iterator[Path]:
     yield Path.cwd()
     yield from (Path(folder) for folder in os.environ.get(PACKAGE_PATH, "").split(os.pathsep) if folder)
     yield environment.run_dir() / "scripts"
-    if checkout := environment.checkout():
+    if checkout := environment.checkout_folder():
         yield checkout
     yield from (course / "exercises" for course in _courses())
 
@@ -128,7 +128,7 @@ def _in(folder: Path, executable: str) -> list[str] | None:
 
 def _of_source(folder: Path, executable: str) -> list[str] | None:
     """The command for a program that the package in a folder names in its setup.py."""
-    target = programs(folder).get(executable) if is_one(folder) else None
+    target = read_programs(folder).get(executable) if is_one(folder) else None
     return None if target is None else _call(*target, executable, folder)
 
 
@@ -159,7 +159,7 @@ def _programs(folder: Path) -> list[str]:
     if not folder.is_dir():
         return []
     files = [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(("_", "."))]
-    named = programs(folder)
+    named = read_programs(folder)
     scripts = [path.stem for path in files if path.suffix == ".py" and not path.name.endswith(_NO_PROGRAMS)]
     return list(named) + scripts + [path.name for path in files if not path.suffix and os.access(path, os.X_OK)]
 
@@ -183,29 +183,29 @@ def _entry_point(package: str, executable: str) -> list[str] | None:
 
 
 def _not_found(package: str, executable: str, folders: list[Path]) -> ProgramError:
-    known = executables(package, folders)
+    known = list_executables(package, folders)
     if known:
         hint = did_you_mean(executable, known) or f" It has {', '.join(known)}."
         return ProgramError(f"No executable found: package '{package}' has no '{executable}'.{hint}")
     if _OF_AN_INSTALLATION.match(package):
-        return ProgramError(missing(package))
+        return ProgramError(explain_missing(package))
     if source := sources_near(folders[:1]).get(package):
         return ProgramError(
             f"Package '{package}' has no Python program '{executable}' in {source}. A compiled one needs a full ROS 2 "
             "installation."
         )
-    hint = did_you_mean(package, packages(folders))
+    hint = did_you_mean(package, find_packages(folders))
     places = ", ".join(dict.fromkeys(str(folder) for folder in folders[:3]))
     return ProgramError(
         f"Package '{package}' not found, nor a script {executable}.py in {places}. {hint.strip()}".rstrip()
     )
 
 
-def missing(package: str) -> str:
+def explain_missing(package: str) -> str:
     """What to say of a package of which nothing is there."""
     if _OF_AN_INSTALLATION.match(package):
         return f"Package '{package}' not found: it comes with a full ROS 2 installation, not the course."
-    return f"Package '{package}' not found.{did_you_mean(package, sorted({*packages(), *sources_near([])}))}"
+    return f"Package '{package}' not found.{did_you_mean(package, sorted({*find_packages(), *sources_near([])}))}"
 
 
 def package_folders(package: str) -> list[Path]:

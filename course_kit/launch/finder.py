@@ -31,7 +31,7 @@ class LaunchFinder:
         if modules.contents_of(fullname) is not None:
             return ModuleSpec(fullname, self, origin="course kit", is_package=True)  # type: ignore[arg-type]
         if fullname != root and is_ours(sys.modules.get(root)):
-            raise ModuleNotFoundError(modules.outside(fullname), name=fullname)
+            raise ModuleNotFoundError(modules.explain_absence(fullname), name=fullname)
         return None
 
     def create_module(self, spec: ModuleSpec) -> None:
@@ -40,7 +40,7 @@ class LaunchFinder:
     def exec_module(self, module: ModuleType) -> None:
         from course_kit.launch import modules
 
-        modules.fill(module)
+        modules.fill_module(module)
 
 
 def is_ours(module: ModuleType | None) -> bool:
@@ -48,7 +48,7 @@ def is_ours(module: ModuleType | None) -> bool:
     return module is not None and isinstance(getattr(module.__spec__, "loader", None), LaunchFinder)
 
 
-def install() -> None:
+def install_finder() -> None:
     """Put the finder in place, once."""
     if not any(isinstance(finder, LaunchFinder) for finder in sys.meta_path):
         sys.meta_path.append(LaunchFinder())
@@ -58,7 +58,7 @@ def come_before_folders() -> None:
     """Have the finder asked first, unless a real package is there."""
     from importlib.machinery import PathFinder
 
-    install()
+    install_finder()
     for root in _ROOTS:
         spec = PathFinder.find_spec(root)
         if spec is not None and spec.origin is not None:  # a namespace package has no origin

@@ -47,7 +47,7 @@ _SNAKE = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 _FOR_CPP = re.compile("Composable|Lifecycle|StateTransition|ChangeState|lifecycle")
 
 
-def outside(name: str) -> str:
+def explain_absence(name: str) -> str:
     """The sentence about something that is not here."""
     if _FOR_CPP.search(name):
         return (
@@ -70,7 +70,7 @@ def contents_of(module: str) -> dict[str, str] | None:
     return {name: home for name, home in inside.items() if _SNAKE.sub("_", name).lower() == last} or None
 
 
-def fill(module: ModuleType) -> None:
+def fill_module(module: ModuleType) -> None:
     """Put the names into a module that is being imported."""
     contents = contents_of(module.__name__) or {}
     for name, home in contents.items():
@@ -85,7 +85,7 @@ def fill(module: ModuleType) -> None:
         if full in CONTENTS:  # `import launch; launch.actions.Node`
             return import_module(full)
         # An ImportError, so that `from launch.actions import ...` passes the sentence on.
-        raise ImportError(outside(full), name=module.__name__)
+        raise ImportError(explain_absence(full), name=module.__name__)
 
     namespace: dict[str, object] = vars(module)
     namespace["__getattr__"] = missing

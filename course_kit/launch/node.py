@@ -16,7 +16,7 @@ from course_kit.environment.paths import with_scripts_first
 from course_kit.launch.description import Action, OnProcessExit, Reaction, as_entities
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError, ProgramError
-from course_kit.launch.executables import find
+from course_kit.launch.executables import find_command
 from course_kit.launch.substitutions import ExecutableInPackage, Substitution, Text, as_text, has_substitution
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ class Node(ExecuteProcess):
     def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
         """The program, its arguments, and what ROS is told."""
         package = None if self._package is None else as_text(self._package, context)
-        command = find(package, as_text(self._executable, context), [context.file.parent])
+        command = find_command(package, as_text(self._executable, context), [context.file.parent])
         command += [as_text(argument, context) for argument in self._arguments]
         return [*command, "--ros-args", *self._ros_arguments(context, temporary)]
 

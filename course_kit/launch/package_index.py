@@ -130,7 +130,7 @@ def _link(source: Path, share: Path, target: PurePosixPath) -> None:
     """Fill a share folder with what lies in a package's source, and with what its setup.py puts there."""
     share.mkdir(exist_ok=True)
     pairs = [(entry, share / entry.name) for entry in source.iterdir()]
-    for where, file in installed(source):
+    for where, file in installed_files(source):
         if where.is_relative_to(target) and not (share / where.relative_to(target)).is_symlink():
             pairs.append((file, share / where.relative_to(target) / file.name))
     for entry, link in pairs:
@@ -146,7 +146,7 @@ def is_one(folder: Path) -> bool:
     return (folder / "setup.py").is_file()
 
 
-def programs(folder: Path) -> dict[str, tuple[str, str]]:
+def read_programs(folder: Path) -> dict[str, tuple[str, str]]:
     """Module and function of each program that a package's setup.py names; none of what cannot be read."""
     reader = SetupReader(folder)
     return {
@@ -160,7 +160,7 @@ def programs(folder: Path) -> dict[str, tuple[str, str]]:
     }
 
 
-def installed(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
+def installed_files(folder: Path) -> Iterator[tuple[PurePosixPath, Path]]:
     """The files that are installed: where to, such as share/my_robot/launch, and where they lie."""
     reader = SetupReader(folder)
     for node in reader.nodes:

@@ -16,8 +16,8 @@ from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.launch import package_index
-from course_kit.launch.actions import doubts
-from course_kit.launch.description import OnProcessExit, ProcessExited, Shutdown, execute_all, load
+from course_kit.launch.actions import doubt_arguments
+from course_kit.launch.description import OnProcessExit, ProcessExited, Shutdown, execute_all, load_description
 from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import ProgramError
 from course_kit.process.child import NOWHERE, PIPE, Child, Ladder
@@ -87,8 +87,8 @@ class LaunchService:
         with signals_as_bytes() as woken:
             self._selector.register(woken, selectors.EVENT_READ)
             try:
-                execute_all(load(file), context)
-                for doubt in doubts(arguments, context.declared):
+                execute_all(load_description(file), context)
+                for doubt in doubt_arguments(arguments, context.declared):
                     self.say(f"[WARNING] [launch]: {doubt}")
                 self._handle_events()
                 while self._children or (self._timers and not self.stopping):
@@ -256,7 +256,7 @@ class LaunchService:
 @contextlib.contextmanager
 def log_file() -> Iterator[IO[str]]:
     """The log of one launch among the logs of ROS; the first lines on the screen say where."""
-    environment.apply()
+    environment.apply_settings()
     folder = Path(os.environ.get("ROS_LOG_DIR") or f"{os.environ['ROS_HOME']}/log")  # one of them is set by now
     folder.mkdir(parents=True, exist_ok=True)
     stamp = time.strftime("%Y-%m-%d-%H-%M-%S")

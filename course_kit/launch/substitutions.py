@@ -13,7 +13,7 @@ from typing import Union
 from course_kit.environment.paths import with_scripts_first
 from course_kit.launch.entity import LaunchContext, LaunchEntity
 from course_kit.launch.errors import LaunchError
-from course_kit.launch.executables import find
+from course_kit.launch.executables import find_command
 from course_kit.launch.package_index import prefix_of
 from course_kit.ros.names import did_you_mean
 
@@ -29,7 +29,7 @@ class Substitution(LaunchEntity):
         raise NotImplementedError(type(self).__name__)
 
     def describe(self) -> str:
-        return f"{type(self).__name__}({', '.join(map(described, self.given))})"
+        return f"{type(self).__name__}({', '.join(map(describe_text, self.given))})"
 
 
 Text = Union[str, PurePath, Substitution, Iterable[object]]  # noqa: UP007 - evaluated at run time on Python 3.10, too
@@ -178,7 +178,7 @@ class ExecutableInPackage(Substitution):
 
     def words(self, context: LaunchContext) -> list[str]:
         near = [context.file.parent]
-        return find(as_text(self._package, context), as_text(self._executable, context), near)
+        return find_command(as_text(self._package, context), as_text(self._executable, context), near)
 
     def perform(self, context: LaunchContext) -> str:
         """The path, or the command where a program has none of its own."""
@@ -206,12 +206,12 @@ def has_substitution(value: object) -> bool:
     )
 
 
-def described(value: object) -> str:
+def describe_text(value: object) -> str:
     """How a text is written, for `--show-args`."""
     if isinstance(value, Substitution):
         return value.describe()
     if isinstance(value, (list, tuple)):
-        return " + ".join(described(part) for part in value)
+        return " + ".join(describe_text(part) for part in value)
     return repr(str(value))
 
 

@@ -17,7 +17,7 @@ from course_kit.grading.model.exercise import Exercise, find_exercises, list_exe
 from course_kit.learner import handouts, progress, workspace
 from course_kit.quiz import guesses
 from course_kit.ros.names import did_you_mean
-from course_kit.text.console import wrapped
+from course_kit.text.console import wrap_text
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -75,7 +75,7 @@ def _load(name: str, folder: Path | None) -> Exercise | str:
 
 def to_json(found: list[Row]) -> str:
     """One JSON document."""
-    questions = [asdict(score) for score in guesses.scores()]
+    questions = [asdict(score) for score in guesses.lesson_scores()]
     exercises = [row.to_mapping() for row in found]
     content = {"format_version": FORMAT_VERSION, "exercises": exercises, "questions": questions}
     return json.dumps(content, indent=2, ensure_ascii=False)
@@ -100,7 +100,7 @@ def to_text(found: list[Row], encoding: str | None) -> str:
 def _guessed() -> list[str]:
     """A line for each lesson of which any question was answered: what was right at the first try."""
     by_lesson: dict[str, list[str]] = {}
-    for score in guesses.scores():
+    for score in guesses.lesson_scores():
         if "/" not in score.lesson:  # a demo is a lecturer's
             open_ones = f" ({score.answered} answered)" if score.answered < score.count else ""
             said = f"{_KINDS[score.kind]} right: {score.right} of {score.count}{open_ones}"
@@ -116,7 +116,7 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"  # for who sees no tick
     numbers = f"{exercise.points:>6g}  {exercise.pass_mark:>7g}  {best:>4}  {known.tries:>5}"
     lines = [f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  {state}"]
-    lines += wrapped(exercise.title, " " * 7, " " * 7)
+    lines += wrap_text(exercise.title, " " * 7, " " * 7)
     if exercise_folders.is_added(exercise.folder):
         lines.append(f"       {workspace.shown(exercise.folder / exercise.notebook)}")
     return lines
@@ -165,7 +165,7 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     for row in found:
         mark, done = (tick(encoding), ": done") if row.known.passed else (" ", "")
         lines.append(f"[{mark}] {row.exercise.order} {row.exercise.id}{done}")
-        lines += wrapped(row.exercise.symptom, _INDENT, _INDENT)
+        lines += wrap_text(row.exercise.symptom, _INDENT, _INDENT)
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
     following = next((row.exercise.id for row in found if not row.known.passed), None)
     if following is not None:
@@ -189,7 +189,7 @@ def begin_drill(drill_id: str) -> str:
         if not missing.file.exists():
             missing.carry_out()
     command, program = environment.command(), workspace.shown(place / exercise.starter)
-    lines = [*wrapped(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrapped(exercise.symptom), ""]
+    lines = [*wrap_text(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrap_text(exercise.symptom), ""]
     lines += [
         f"The program:     {program}",
         f"In a notebook:   {workspace.shown(place / exercise.notebook)}",

@@ -19,12 +19,12 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import shown
-from course_kit.text.console import cannot, tell, wrapped
+from course_kit.text.console import note, refuse, wrap_text
 
 if TYPE_CHECKING:
     from course_kit.learner.progress import ProgressRecord
 
-_wrap = partial(wrapped, following="  ", whole_words=True)
+_wrap = partial(wrap_text, following="  ", whole_words=True)
 _BEGINNING = "the beginning"  # the ladder of who has not been graded yet
 
 
@@ -70,7 +70,7 @@ def ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     cause = exercise.diagnosis(failed.diagnosis)
     of_cause = (exercise.ladder(cause.code) or (cause.hint,)) if cause else ()
     rungs = tuple(dict.fromkeys((*of_cause, *exercise.ladder(failed.check))))
-    read_on = cause.link if cause and environment.paths.lesson(cause.notebook) else ""
+    read_on = cause.link if cause and environment.paths.lesson_path(cause.notebook) else ""
     key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
     return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
 
@@ -170,7 +170,7 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
         print("If it is open in JupyterLab: File > Reload from Disk.")
     if forget:
         if trouble := progress.update(exercise.id, lambda _: None):
-            return cannot(trouble)
+            return refuse(trouble)
         print(f"The progress of {exercise.id} is deleted.")
     return 0
 
@@ -201,10 +201,10 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
     if not source.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     records, trouble = progress.read()
-    tell(trouble)
+    note(trouble)
     known = records.get(exercise.id, progress.ProgressRecord())
     if not known.passed and not show:
-        tell(_not_yet(exercise, known))
+        note(_not_yet(exercise, known))
         return 1
     if copy is None:
         print(source.read_text(encoding="utf-8"), end="")

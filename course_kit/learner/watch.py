@@ -14,7 +14,7 @@ from course_kit.grading import Worker, advice_for_root, grade
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import progress, workspace
-from course_kit.text.console import tell, wrapped
+from course_kit.text.console import note, wrap_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,7 +40,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
     worker = Worker()
     try:
         if advice := advice_for_root():
-            print("\n".join(wrapped(f"{advice[:1].upper()}{advice[1:]}")))
+            print("\n".join(wrap_text(f"{advice[:1].upper()}{advice[1:]}")))
         print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
         for _ in saves(path, threading.Event()):
             try:
@@ -49,7 +49,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
                 worker.close()
                 worker = Worker()
                 report = grade(exercise.id, path, worker=worker)
-            tell(progress.record(report))
+            note(progress.record(report))
             print(card(report, before), flush=True)
             before = report
             best = report if best is None or report.score > best.score else best
@@ -90,11 +90,11 @@ def card(report: Report, before: Report | None) -> str:
     lines = ["", f"{time.strftime('%H:%M:%S')}  {verdict}{_difference(report, before)}"]
     failed = [check for check in report.checks if check.status in ("failed", "error")]
     for number, check in enumerate(failed):
-        lines += wrapped(f"FAIL  {check.title}", "  ", " " * 8)
+        lines += wrap_text(f"FAIL  {check.title}", "  ", " " * 8)
         if number == 0:
             lines += _first(check)
     if report.problem:
-        lines += wrapped(report.problem, "  ", "  ")
+        lines += wrap_text(report.problem, "  ", "  ")
     skipped, passed = (sum(one.status == status for one in report.checks) for status in ("skipped", "passed"))
     if skipped:
         lines.append(f"  skip  {skipped} that need these to pass first")
@@ -113,4 +113,4 @@ def _difference(report: Report, before: Report | None) -> str:
 def _first(check: CheckReport) -> list[str]:
     names = ("sent", "expected", "got", "why", "hint")
     parts = zip(names, (check.sent, check.expected, check.got, check.message, check.hint), strict=True)
-    return [line for name, text in parts if text for line in wrapped(f"{name:<9} {text}", " " * 8, " " * 18)]
+    return [line for name, text in parts if text for line in wrap_text(f"{name:<9} {text}", " " * 8, " " * 18)]

@@ -26,7 +26,7 @@ from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Glance
 from course_kit.grading.reading.readings import Readings, starter_identities
-from course_kit.text.console import cannot, tell
+from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -47,15 +47,15 @@ def copy(target: Path | None) -> int:
     """Make a learner's folder, or bring one up to date, and say where it is; 2 where that cannot be done."""
     root = environment.course_files()
     if root is None:
-        return cannot("the lessons and exercises are missing in this installation. Install the course again.")
+        return refuse("the lessons and exercises are missing in this installation. Install the course again.")
     target = target or _my_folder()
     try:
         target = target.absolute() if target == root / environment.LEARNER_FOLDER else target.resolve()
         if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
-            return cannot(f"{target} is inside the course's folder. Name another folder.")
+            return refuse(f"{target} is inside the course's folder. Name another folder.")
         make_copy(root, target, restore=True)
     except OSError as problem:
-        return cannot(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
+        return refuse(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
     print(f"The lessons and exercises are in {target}. What you have changed there stays as it is.")
     return 0
 
@@ -67,7 +67,7 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
         source.relative_to(root).as_posix(): as_handed_out(source.name, source.read_bytes()) for source in _files(root)
     }
     for sentence in bring_up_to_date(target, course, restore=restore):
-        tell(sentence)
+        note(sentence)
     with suppress(OSError):  # a convenience: `course-kit` does the same
         _put_command(target / _COMMAND, root)
     ignored = target / ".gitignore"

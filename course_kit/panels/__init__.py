@@ -146,7 +146,7 @@ def guess(name: str) -> GuessPanel:
     from course_kit.panels.guess_panel import GuessPanel
     from course_kit.quiz import guesses
 
-    return GuessPanel([guesses.question(name)])
+    return GuessPanel([guesses.find_question(name)])
 
 
 def check_yourself(lesson: str) -> GuessPanel:
@@ -161,7 +161,7 @@ def check_yourself(lesson: str) -> GuessPanel:
     from course_kit.panels.guess_panel import GuessPanel
     from course_kit.quiz import guesses
 
-    return GuessPanel(guesses.checks(lesson))
+    return GuessPanel(guesses.check_questions(lesson))
 
 
 def quiz(seed: int = 1) -> QuizPanel:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from course_kit import lab
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 def still(words: str, picture: str = "", *style_sheets: str) -> str:
     """The HTML of a still picture."""
     sheets = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("still.css", *style_sheets))
-    return str(render(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
+    return str(render_template(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
 
 
 def drawn(template: str, **values: object) -> str:
     """A picture out of a template of this folder."""
-    return render(_HERE / template, **values)
+    return render_template(_HERE / template, **values)
 
 
 def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values: dict[str, Any], *buttons: str) -> str:

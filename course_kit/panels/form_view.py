@@ -15,8 +15,8 @@ from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_service_type, type_name
-from course_kit.ros.showing import rows as rows_of
-from course_kit.ros.showing import snapshot
+from course_kit.ros.showing import copy_message
+from course_kit.ros.showing import field_rows as rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -100,7 +100,7 @@ class ServiceForm(Panel):
         except BaseException:
             self._show("failed", "The call was interrupted.")
             raise
-        rows = rows_of(snapshot(response))
+        rows = rows_of(copy_message(response))
         text = "" if rows else "The response has no fields; it only says that the server is done."
         return {"state": "answered", "text": text, "rows": rows, "comments": comments_of(type(response))}, response
 

@@ -17,7 +17,7 @@ from course_kit.lab.errors import FieldError
 from course_kit.panels.base import Latest, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_action_type, type_name
-from course_kit.ros.showing import in_words, snapshot
+from course_kit.ros.showing import copy_message, describe_message
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,7 +72,7 @@ def progress(goal: Message, feedback: Message, count: int) -> Progress:
 
 def message(value: Message) -> str:
     """A message's fields in one line: "sequence=[0, 1, 1, 2]"; of a long list the last values, which are the news."""
-    return in_words(snapshot(value, _SHOWN_VALUES, last=True), _DIGITS)
+    return describe_message(copy_message(value, _SHOWN_VALUES, last=True), _DIGITS)
 
 
 RUNNING = frozenset({"ACCEPTED", "EXECUTING", "CANCELING"})

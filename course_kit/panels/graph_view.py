@@ -235,7 +235,7 @@ class GraphView(Panel):
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
-        return in_lines(graph.read(self._node))
+        return in_lines(graph.read_graph(self._node))
 
     def displayed(self) -> Widget:
         """The picture, and below it what other notebooks run."""
@@ -243,7 +243,7 @@ class GraphView(Panel):
 
     def still(self) -> str:
         """The drawing of this moment."""
-        return still(self.describe(), graph_svg(graph.read(self._node), lab.others()), "graph_flow.css")
+        return still(self.describe(), graph_svg(graph.read_graph(self._node), lab.others()), "graph_flow.css")
 
     def _watch(self) -> None:
         with suppress(lab.LabError):  # the lab has been closed meanwhile
@@ -253,7 +253,7 @@ class GraphView(Panel):
 
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
-            seen = graph.read(self._node, plumbing=self.widget.plumbing)
+            seen = graph.read_graph(self._node, plumbing=self.widget.plumbing)
             if seen != self._shown:
                 self._forget_lab()
             picture = (seen, self.widget.wanted, self._uses_of_lab(seen), lab.others())

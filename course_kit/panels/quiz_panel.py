@@ -76,7 +76,7 @@ def _is_ours(questions: Questions, path: Path) -> bool:
 def _how_to_grade(path: Path, questions: Questions) -> str:
     seed = "" if questions.seed == quiz.DEFAULT_SEED else f" --seed {questions.seed}"
     command, path = "course-kit", path.resolve()
-    for folder in filter(None, (environment.learner_folder(), environment.checkout())):  # each has `./course`
+    for folder in filter(None, (environment.learner_folder(), environment.checkout_folder())):  # each has `./course`
         if path.is_relative_to(folder):
             command, path = "./course", path.relative_to(folder)
             break

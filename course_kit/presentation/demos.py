@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.interfaces.hints import nearest
+from course_kit.interfaces.hints import nearest_name
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +45,7 @@ def find(root: Path, name: str) -> Path:
     if several:
         raise PresentationError(f"'{name}' fits {_listed(several)}. Type one of them.")
     by_name = {title: path.stem for path in everything for title in _names(path)[:2]}
-    near = nearest(wanted, by_name)
+    near = nearest_name(wanted, by_name)
     hint = f" Did you mean {by_name[near]}?" if near else ""
     raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_listed(shown)}.")
 

@@ -55,7 +55,7 @@ def prepare(root: Path, folder: Path, opened: Path) -> None:
         path = folder / SETTINGS / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(values), encoding="utf-8")
-    page = templates.render(_TEMPLATE, notebooks=spoken)
+    page = templates.render_template(_TEMPLATE, notebooks=spoken)
     (folder / SPEAKER_PAGE).write_text(page, encoding="utf-8")
 
 

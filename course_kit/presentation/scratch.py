@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.text.console import tell
+from course_kit.text.console import note
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,7 +31,7 @@ def scratch_folder(parent: Path) -> Iterator[Path]:
     finally:
         _remove(made)
         if made.exists():
-            tell(f"{made} could not be removed. Delete it by hand.")
+            note(f"{made} could not be removed. Delete it by hand.")
 
 
 def make_writable(folder: Path) -> None:

@@ -11,7 +11,7 @@ from jupyter_server.utils import url_path_join
 from tornado import web
 
 from course_kit.presentation.preparing import SPEAKER_PAGE
-from course_kit.text.console import tell
+from course_kit.text.console import note
 
 if TYPE_CHECKING:
     from jupyter_server.serverapp import ServerApp
@@ -47,6 +47,6 @@ def _load_jupyter_server_extension(server: ServerApp) -> None:
 def _say_where(server: ServerApp) -> None:
     token = server.identity_provider.token
     key = f"?token={token}" if token and not server.password else ""
-    tell(f"the class sees   {server.connection_url}{os.environ[OPENS_VARIABLE].lstrip('/')}{key}")
-    tell(f"your notes are   {server.connection_url}{SPEAKER_ADDRESS}{key}   (Alt+S on the projected page, too)")
-    tell("Ctrl-C ends the presentation and removes its copies.")
+    note(f"the class sees   {server.connection_url}{os.environ[OPENS_VARIABLE].lstrip('/')}{key}")
+    note(f"your notes are   {server.connection_url}{SPEAKER_ADDRESS}{key}   (Alt+S on the projected page, too)")
+    note("Ctrl-C ends the presentation and removes its copies.")

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Closing(ABC):
+class Closable(ABC):
     """Something with a `close`, which the end of a `with` calls."""
 
     @abstractmethod

@@ -19,7 +19,7 @@ _BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8)
 BOUND_AT_ONCE = {_BINDS_AT_ONCE: "1"}  # variables to start such a process with: no fork has to bind functions again
 
 
-def fork(run: Callable[[], object], *, failed: int = 1) -> int:
+def fork_child(run: Callable[[], object], *, failed: int = 1) -> int:
     """Fork, and have the child run a function and end."""
     if child := os.fork():
         return child
@@ -33,7 +33,7 @@ def fork(run: Callable[[], object], *, failed: int = 1) -> int:
         os._exit(status)
 
 
-def freeze() -> None:
+def freeze_memory() -> None:
     """Give back what importing left unused, a fifth of the memory, and keep forks from copying what they look at."""
     if trim := getattr(ctypes.CDLL(None), "malloc_trim", None):  # of glibc
         trim(ctypes.c_size_t(0))

@@ -11,7 +11,7 @@ _PR_SET_PDEATHSIG, _PR_GET_PDEATHSIG, _PR_SET_NAME, _PR_SET_CHILD_SUBREAPER = 1,
 _libc = ctypes.CDLL(None, use_errno=True)
 
 
-def call(function: str, *arguments: object, what: str = "") -> int:
+def call_libc(function: str, *arguments: object, what: str = "") -> int:
     """Call a function that answers with a negative number where it fails."""
     try:
         found = getattr(_libc, function)
@@ -26,30 +26,30 @@ def call(function: str, *arguments: object, what: str = "") -> int:
 
 def system_call(number: int, *arguments: object, what: str) -> int:
     """Make a system call that the C library has no function for (syscall(2)); otherwise as `call`."""
-    return call("syscall", ctypes.c_long(number), *arguments, what=what)
+    return call_libc("syscall", ctypes.c_long(number), *arguments, what=what)
 
 
-def prctl(option: int, *arguments: object, what: str) -> int:
+def call_prctl(option: int, *arguments: object, what: str) -> int:
     """Change how the kernel treats this process (prctl(2)); arguments that are not given are 0, otherwise as `call`."""
-    return call("prctl", option, *arguments, *(0,) * (4 - len(arguments)), what=f"prctl {what}")
+    return call_libc("prctl", option, *arguments, *(0,) * (4 - len(arguments)), what=f"prctl {what}")
 
 
 def die_with_parent(parent: int = 0, number: signal.Signals = signal.SIGKILL) -> None:
     """Have the kernel end this process when its parent ends; lost with a new user, or namespace of users."""
-    prctl(_PR_SET_PDEATHSIG, number, what="PDEATHSIG")
+    call_prctl(_PR_SET_PDEATHSIG, number, what="PDEATHSIG")
     if parent and os.getppid() != parent:
         os.kill(os.getpid(), number)
 
 
 def adopt_orphans() -> None:
     """Become the parent of every descendant whose own parent ends (PR_SET_CHILD_SUBREAPER)."""
-    prctl(_PR_SET_CHILD_SUBREAPER, 1, what="CHILD_SUBREAPER")
+    call_prctl(_PR_SET_CHILD_SUBREAPER, 1, what="CHILD_SUBREAPER")
 
 
-def lacking() -> str:
+def explain_lock_failure() -> str:
     """Why this process cannot settle anything with others, as the system says it; empty where it can."""
     try:
-        prctl(_PR_GET_PDEATHSIG, ctypes.byref(ctypes.c_int()), what="PDEATHSIG")
+        call_prctl(_PR_GET_PDEATHSIG, ctypes.byref(ctypes.c_int()), what="PDEATHSIG")
     except OSError as problem:
         return problem.strerror or str(problem)
     return ""
@@ -57,9 +57,9 @@ def lacking() -> str:
 
 def set_name(name: str) -> None:
     """Have `ps` and `top` show this process under a name of at most 15 characters."""
-    prctl(_PR_SET_NAME, name.encode(), what="NAME")
+    call_prctl(_PR_SET_NAME, name.encode(), what="NAME")
 
 
 def make_memory_file(name: str) -> int:
     """A descriptor of a file in memory (memfd_create(2)), also for a Python that was built for an older C library."""
-    return call("memfd_create", name.encode(), 1)  # MFD_CLOEXEC
+    return call_libc("memfd_create", name.encode(), 1)  # MFD_CLOEXEC

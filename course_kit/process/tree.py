@@ -31,7 +31,7 @@ class Usage:
     tables: int = 0
 
 
-def descendants(root: int) -> list[int]:
+def descendants_of(root: int) -> list[int]:
     """All living or unreaped processes below `root`, parents before children."""
     return _below(root, _children().get)
 
@@ -46,14 +46,14 @@ def this_process() -> int:
     return int(Path("/proc/self").readlink().name)
 
 
-def usage(process_ids: Iterable[int]) -> Usage:
+def measure_usage(process_ids: Iterable[int]) -> Usage:
     """What these processes use together; of those that have ended only what their parents were told counts."""
     cpu_s, tasks, memory, tables = 0.0, 0, 0, 0
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):
             fields = _stat(process_id)
             if fields[0] == _ENDED and int(fields[17]) > 1:
-                fields = _stat(speaker(process_id))
+                fields = _stat(speaking_task(process_id))
             cpu_s += sum(map(int, fields[11:15])) / _TICKS
             tasks += int(fields[17])
             memory += int(fields[21]) * _PAGE
@@ -61,7 +61,7 @@ def usage(process_ids: Iterable[int]) -> Usage:
     return Usage(cpu_s, tasks, memory, tables)
 
 
-def speaker(process_id: int) -> int:
+def speaking_task(process_id: int) -> int:
     """A number by which /proc tells a process's memory and files: its own, or a thread's if the first has ended."""
     if _stat(process_id)[0] != _ENDED:
         return process_id

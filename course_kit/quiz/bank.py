@@ -61,14 +61,14 @@ class Scenario:
 @lru_cache(maxsize=1)
 def practice() -> Mapping[str, Scenario]:
     """The scenarios to practise with, by id, in the file's order; each with its answer."""
-    return parse(PRACTICE.read_text(encoding="utf-8"))
+    return parse_scenarios(PRACTICE.read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=1)
 def graded() -> Mapping[str, Scenario]:
     """The scenarios that count for a grade, by id; each without an answer in a student edition."""
     answers = ANSWERS.read_text(encoding="utf-8") if ANSWERS.exists() else None
-    return parse(QUESTIONS.read_text(encoding="utf-8"), answers)
+    return parse_scenarios(QUESTIONS.read_text(encoding="utf-8"), answers)
 
 
 def bank() -> Mapping[str, Scenario]:
@@ -76,7 +76,7 @@ def bank() -> Mapping[str, Scenario]:
     return {**practice(), **graded()}
 
 
-def parse(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
+def parse_scenarios(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
     """The scenarios in a TOML text; those to practise with have their answers beside the questions."""
     right = tomllib.loads(answers)["answer"] if answers else {}
     tables = tomllib.loads(questions)["scenario"]

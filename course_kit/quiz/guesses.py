@@ -58,7 +58,7 @@ class LessonQuestion:
         return next(place for place, choice in enumerate(self.choices) if choice.is_right)
 
 
-def lessons() -> list[str]:
+def lesson_names() -> list[str]:
     """The names of the lessons with questions, in their order, demos last: "00_welcome", ..., "demos/01_deadlock"."""
     found = [path.relative_to(FOLDER).with_suffix("").as_posix() for path in FOLDER.rglob("*.toml")]
     return sorted(found, key=lambda name: ("/" in name, name))
@@ -67,14 +67,14 @@ def lessons() -> list[str]:
 @cache
 def of_lesson(lesson: str) -> Mapping[str, LessonQuestion]:
     """The questions of a lesson by their whole names, in the file's order."""
-    if lesson not in lessons():
-        raise NoSuchQuestionError(f"There are no questions for '{lesson}'. There are some for {', '.join(lessons())}.")
+    if lesson not in (names := lesson_names()):
+        raise NoSuchQuestionError(f"There are no questions for '{lesson}'. There are some for {', '.join(names)}.")
     content = tomllib.loads((FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
     found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]
     return {one.name: one for one in found}
 
 
-def question(name: str) -> LessonQuestion:
+def find_question(name: str) -> LessonQuestion:
     """The question of a name such as "01_services/late_display"."""
     lesson, _, _ = name.rpartition("/")
     found = of_lesson(lesson)
@@ -83,7 +83,7 @@ def question(name: str) -> LessonQuestion:
     return found[name]
 
 
-def checks(lesson: str) -> list[LessonQuestion]:
+def check_questions(lesson: str) -> list[LessonQuestion]:
     """The questions at a lesson's end."""
     return [one for one in of_lesson(lesson).values() if one.kind == CHECK]
 
@@ -98,7 +98,7 @@ def _question(lesson: str, kind: str, entry: Mapping[str, Any]) -> LessonQuestio
 
 
 @dataclass(frozen=True)
-class Guessed:
+class Guess:
     """What was chosen for a question."""
 
     first: str
@@ -122,18 +122,18 @@ class GuessRecord:
 
     def __init__(self) -> None:
         self._folder = environment.paths.guess_folder()
-        self._known: dict[str, Guessed] = {}
+        self._known: dict[str, Guess] = {}
 
-    def of(self, question: LessonQuestion) -> Guessed | None:
+    def of(self, question: LessonQuestion) -> Guess | None:
         """What was chosen for a question; None before that."""
         if question.name not in self._known and (found := _read(self._folder, question.name)) is not None:
             self._known[question.name] = found
         return self._known.get(question.name)
 
-    def choose(self, question: LessonQuestion, place: int) -> Guessed:
+    def choose(self, question: LessonQuestion, place: int) -> Guess:
         """Keep a choice; the first one stays what it was."""
         chosen = question.choices[place]
-        before = self.of(question) or Guessed(chosen.text, chosen.is_right, "")
+        before = self.of(question) or Guess(chosen.text, chosen.is_right, "")
         now = replace(before, last=chosen.text)
         self._known[question.name] = now
         if self._folder is not None:
@@ -142,10 +142,10 @@ class GuessRecord:
         return now
 
 
-def scores() -> list[Score]:
+def lesson_scores() -> list[Score]:
     """How each lesson went of which any question was answered, in the lessons' order."""
     record, found = GuessRecord(), []
-    for lesson in lessons():
+    for lesson in lesson_names():
         for kind in (GUESS, CHECK):
             asked = [one for one in of_lesson(lesson).values() if one.kind == kind]
             answers = [answer for one in asked if (answer := record.of(one)) is not None]
@@ -155,15 +155,15 @@ def scores() -> list[Score]:
     return found
 
 
-def chosen() -> dict[str, str]:
+def chosen_answers() -> dict[str, str]:
     """What was chosen last, by the question's text; both without the marks around code."""
     record = GuessRecord()
-    asked = [one for lesson in lessons() for one in of_lesson(lesson).values()]
+    asked = [one for lesson in lesson_names() for one in of_lesson(lesson).values()]
     found = {one.text: record.of(one) for one in asked}
     return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
 
 
-def _read(folder: Path | None, name: str) -> Guessed | None:
+def _read(folder: Path | None, name: str) -> Guess | None:
     """What a file says; None where there is none, or something else in it."""
     try:
         entry = json.loads((folder / f"{name}.json").read_bytes()) if folder is not None else None
@@ -171,5 +171,5 @@ def _read(folder: Path | None, name: str) -> Guessed | None:
         return None
     match entry:
         case {"first": str(first), "first_right": bool(right), "last": str(last)}:
-            return Guessed(first, right, last)
+            return Guess(first, right, last)
     return None

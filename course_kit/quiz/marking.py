@@ -115,7 +115,7 @@ def mark_one(scenario: Scenario, answer: object) -> Marks:
 
 def nearest(name: str, names: Collection[str]) -> str | None:
     """The one of `names` that `name` was probably meant to be."""
-    return ros_names.nearest(name, sorted(names)[:_MOST], _NEAR)
+    return ros_names.nearest_name(name, sorted(names)[:_MOST], _NEAR)
 
 
 def _pattern(scenario: Scenario, given: str) -> Half:

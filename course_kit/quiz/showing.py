@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.quiz.bank import DEFAULT_SEED, draw, reasons_as_shown
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -69,7 +69,7 @@ class Questions:
         return "\n\n".join(parts)
 
     def _repr_html_(self) -> str:
-        return str(render(_TEMPLATE, questions=self, asked=_ASKED, reasons=reasons_as_shown))
+        return str(render_template(_TEMPLATE, questions=self, asked=_ASKED, reasons=reasons_as_shown))
 
 
 def show(seed: int = DEFAULT_SEED) -> Questions:

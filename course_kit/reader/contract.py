@@ -37,12 +37,12 @@ def apply_limits() -> None:
         resource.setrlimit(what, (min(soft, most), most))
 
 
-def send(line: socket.socket, message: Mapping[str, object], files: Sequence[int] = ()) -> None:
+def send_packet(line: socket.socket, message: Mapping[str, object], files: Sequence[int] = ()) -> None:
     """Send a packet."""
     socket.send_fds(line, [json.dumps(message).encode()], files)
 
 
-def receive(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[int]]:
+def receive_packet(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[int]]:
     """Wait for a packet."""
     data, descriptors, _, _ = socket.recv_fds(line, _LARGEST, files)
     if not data:

@@ -38,19 +38,19 @@ _TOKEN = re.compile(
 )
 
 
-def fingerprints(source: str) -> frozenset[int]:
+def take_fingerprints(source: str) -> frozenset[int]:
     """The fingerprints of a Python text, which need not be correct."""
     runs = list(_runs([_number_of(token) for token in _tokens(source)]))
     windows = range(max(len(runs) - WINDOW + 1, min(len(runs), 1)))
     return frozenset(min(runs[place : place + WINDOW]) for place in windows)
 
 
-def shape(line: str) -> tuple[str, ...]:
+def line_shape(line: str) -> tuple[str, ...]:
     """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
     return tuple(_tokens(line))
 
 
-def identity(source: str) -> str:
+def program_identity(source: str) -> str:
     """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
     tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")
     return hashlib.sha256("\n".join(tokens).encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]

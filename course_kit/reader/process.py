@@ -37,13 +37,13 @@ def main() -> None:
     gc.disable()  # a child makes a million objects, keeps them, and ends
     try:
         while True:
-            request, files = contract.receive(line, 2)
+            request, files = contract.receive_packet(line, 2)
             try:
                 ended = _in_a_child(line, request, *files)
             finally:
                 for descriptor in files:
                     os.close(descriptor)
-            contract.send(line, ended)
+            contract.send_packet(line, ended)
     except (OSError, EOFError):  # the process that asked has ended
         return
 
@@ -118,32 +118,32 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
     problem, source = "", ""
     places: list[tuple[int, int]] = []
     try:
-        source, places = text.program(name, file, wish["exercise"])
+        source, places = text.read_program(name, file, wish["exercise"])
     except text.UnreadableTextError as error:
         problem = str(error)
     seen = {
         "found": _asked_for(name, file, source, wish),
-        "identity": fingerprints.identity(source) if source else "",
+        "identity": fingerprints.program_identity(source) if source else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }
     if problem or not (seen["found"] or wish["whatever"]):
         return seen
-    fault, tree = python.parse(source)
+    fault, tree = python.parse_program(source)
     return {
         **seen,
-        "prints": sorted(fingerprints.fingerprints(source)),
+        "prints": sorted(fingerprints.take_fingerprints(source)),
         "source": source,
         "places": places,
         "fault": fault,
-        "facts": python.facts(tree) if tree else None,
+        "facts": python.read_facts(tree) if tree else None,
         "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
-        "literal": python.written_out(tree, wish["variable"]) if tree and wish["variable"] else None,
+        "literal": python.read_literal(tree, wish["variable"]) if tree and wish["variable"] else None,
     }
 
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:
-    if text.kind(name) == text.NOTEBOOK:
+    if text.kind_of_file(name) == text.NOTEBOOK:
         if program:
             return True
         mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"

@@ -26,7 +26,7 @@ _CALLS, _LOOKS = frozenset({"call_async", "send_goal_async"}), frozenset({"done"
 _WAITING = frozenset({"Future", "acquire", "call", "input", "sleep", "spin_until_future_complete", "wait"})
 
 
-def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
+def parse_program(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
     """Parse a program."""
     try:
         return None, ast.parse(source)
@@ -40,7 +40,7 @@ def parse(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
         return (0, "", f"Python cannot read it ({_cut(str(problem))})"), None
 
 
-def facts(tree: ast.Module) -> dict[str, object]:
+def read_facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
     nodes = list(ast.walk(tree))
     called = [(_called(one), one.lineno) for one in nodes if isinstance(one, ast.Call)]
@@ -60,9 +60,9 @@ def facts(tree: ast.Module) -> dict[str, object]:
     }
 
 
-def starts(source: str) -> list[tuple[int, int]]:
+def find_starts(source: str) -> list[tuple[int, int]]:
     """Where a program starts itself: the slices of lines of `if __name__ == "__main__":` and of a bare `main()`."""
-    _, tree = parse(source)
+    _, tree = parse_program(source)
     return [(one.lineno - 1, one.end_lineno or one.lineno) for one in (tree.body if tree else ()) if _is_start(one)]
 
 
@@ -110,7 +110,7 @@ def _cut(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
-def written_out(tree: ast.Module, variable: str) -> dict[str, object] | None:
+def read_literal(tree: ast.Module, variable: str) -> dict[str, object] | None:
     """What a program sets a variable to, told as texts in the words of `repr`; None when only running it can tell."""
     used = sum(isinstance(node, ast.Name) and node.id == variable for node in ast.walk(tree))
     values = [value for node in tree.body if (value := _assigned(node, variable)) is not None]

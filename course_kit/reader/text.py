@@ -29,7 +29,7 @@ _CODING_LINES, _BEGIN = 2, 4096  # bytes, in which these end
 _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
 
 
-def kind(name: str) -> str:
+def kind_of_file(name: str) -> str:
     """What a file is by its name, PROGRAM or NOTEBOOK, and nothing when it is neither.
 
     `.PY`, `.py.txt` and `.ipynb.json` count, too: that is what Windows and browsers make of a name.
@@ -44,11 +44,11 @@ class UnreadableTextError(ValueError):
     """There is no program in it; the text says why and what to do."""
 
 
-def program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
+def read_program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave."""
     text = _decoded(name, file)
     places: list[tuple[int, int]] = []
-    if kind(name) == NOTEBOOK:
+    if kind_of_file(name) == NOTEBOOK:
         source, places = _joined(name, _code_cells(name, text), exercise)
     else:
         source = as_utf8(_plain_lines(text))
@@ -66,7 +66,7 @@ def _decoded(name: str, file: BinaryIO) -> str:
     data = file.read()
     text = data.removeprefix(codecs.BOM_UTF8)
     lines = _plain_lines(text[:_BEGIN].decode("latin-1")).split("\n")
-    place = _place_of_coding(lines) if kind(name) == PROGRAM else None
+    place = _place_of_coding(lines) if kind_of_file(name) == PROGRAM else None
     named = _CODING.match(lines[place]) if place is not None else None
     coding = named[2] if named else "utf-8"
     try:
@@ -155,7 +155,7 @@ def _started_once(parts: list[list[str]]) -> list[list[str]]:
         return parts
     last: list[str] = []
     for part in parts:
-        starts = python.starts("\n".join(part))
+        starts = python.find_starts("\n".join(part))
         if starts:
             last = [line for begin, end in starts for line in part[begin:end]]
         for begin, end in starts:
@@ -184,7 +184,7 @@ def _exported_cells(source: str) -> list[tuple[int, str]]:
     for line in source.split("\n"):
         match = _NUMBER.match(line)
         numbers.append(int(match[1]) if match else numbers[-1])
-    _, tree = python.parse(source)
+    _, tree = python.parse_program(source)
     found = []
     for node in tree.body if tree else ():
         match node:

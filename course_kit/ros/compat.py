@@ -141,7 +141,7 @@ class Compatibility:
         return [f"{feature.lost}: {_absent(names)}{_ENDING}" for feature, names in self._missing.items()]
 
 
-def check(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:
+def check_features(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:
     """Look for the names of these features, as far as their packages are loaded; those of others count as there."""
     missing = {feature: tuple(name for name in feature.names if not is_there(name)) for feature in features}
     return Compatibility({feature: names for feature, names in missing.items() if names})
@@ -152,7 +152,7 @@ def check_all() -> Compatibility:
     for package in sorted({name.partition(":")[0].partition(".")[0] for feature in ALL for name in feature.names}):
         with suppress(ModuleNotFoundError):
             importlib.import_module(package)
-    return check(ALL)
+    return check_features(ALL)
 
 
 def is_there(name: str) -> bool:

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from course_kit.ros.messages import BadFieldError, Message, is_message_type, ros_word, with_article
-from course_kit.ros.names import nearest
+from course_kit.ros.names import nearest_name
 
 Fields = Mapping[str, object]
 
@@ -34,7 +34,7 @@ _HINTS = {
 _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
 
 
-def make(message_type: type[Message], fields: Fields, owner: str) -> Message:
+def make_message(message_type: type[Message], fields: Fields, owner: str) -> Message:
     """Make a message with these fields; a dict stands for a message inside it."""
     message = message_type(check_fields=True)  # whatever ROS_PYTHON_CHECK_FIELDS was when the type was imported
     _put(message, fields, owner, "", from_yaml=False)
@@ -53,7 +53,7 @@ def unknown_field(field: object, known: Fields, owner: str) -> str:
         return f"YAML wants a blank behind the colon: write {name}: {rest}, not {field}."
     if not known:
         return f"There is no field {field!r} in {owner}; it has none."
-    near = nearest(str(field), known)
+    near = nearest_name(str(field), known)
     meant = f" Did you mean {near!r}?" if near else ""
     return f"There is no field {field!r} in {owner}; it has {', '.join(known)}.{meant}"
 

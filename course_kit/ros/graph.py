@@ -87,9 +87,9 @@ class Overview(NamedTuple):
         return found
 
 
-def read(node: Node, *, plumbing: bool = False) -> Overview:
+def read_graph(node: Node, *, plumbing: bool = False) -> Overview:
     """The graph as a node sees it."""
-    shown = [name for name in nodes(node) if plumbing or not names.is_hidden(name)]
+    shown = [name for name in node_names(node) if plumbing or not names.is_hidden(name)]
     uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not _is_plumbing(use)}
     return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
 
@@ -114,15 +114,15 @@ def process_of(end: TopicEndpointInfo) -> bytes:
     return bytes(end.endpoint_gid[:_PROCESS])
 
 
-def nodes(node: Node) -> list[str]:
+def node_names(node: Node) -> list[str]:
     """Full names of all nodes in alphabetical order; a name stands as often as nodes carry it."""
     return sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
 
 
-def offered(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
+def offered_types(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
     """What has a server or a publisher on the graph, with its types."""
     found: dict[str, list[str]] = {}
-    for name in set(nodes(node)) - except_by:
+    for name in set(node_names(node)) - except_by:
         for use in uses_of(node, name, role):
             known = found.setdefault(use.channel, [])
             known += [kind for kind in use.types if kind not in known]

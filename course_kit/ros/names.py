@@ -65,9 +65,9 @@ def is_of_ros(topic: str) -> bool:
     return topic in _TOPICS_OF_ROS
 
 
-def nearest(wanted: str, names: Iterable[str], alike: float = _ALIKE) -> str | None:
+def nearest_name(wanted: str, names: Iterable[str], alike: float = _ALIKE) -> str | None:
     """The name that was probably meant: the same last part in another namespace, or a spelling near it."""
-    from course_kit.interfaces.hints import nearest as nearest_spelling  # only when something is wrong
+    from course_kit.interfaces.hints import nearest_name as nearest_spelling  # only when something is wrong
 
     if len(wanted) > _LONGEST:
         return None
@@ -85,5 +85,5 @@ def nearest(wanted: str, names: Iterable[str], alike: float = _ALIKE) -> str | N
 
 def did_you_mean(wanted: str, names: Iterable[str]) -> str:
     """' Did you mean ...?' with the nearest of `names`, or '' when none is near; ready to be appended."""
-    near = nearest(wanted, names)
+    near = nearest_name(wanted, names)
     return f" Did you mean {near}?" if near else ""

@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     Steps = Generator[Question, Message, T]
 
 
-def driven(steps: Steps[T], ask: Callable[[Question], Message]) -> T:
+def run_steps(steps: Steps[T], ask: Callable[[Question], Message]) -> T:
     """What a verb returns, each of its questions answered by `ask`."""
     response = None
     while True:
@@ -75,7 +75,7 @@ def driven(steps: Steps[T], ask: Callable[[Question], Message]) -> T:
         response = ask(question)
 
 
-async def awaited(steps: Steps[T], ask: Callable[[Question], Awaitable[Message]]) -> T:
+async def await_steps(steps: Steps[T], ask: Callable[[Question], Awaitable[Message]]) -> T:
     """The same for an `ask` that is awaited."""
     response = None
     while True:
@@ -87,12 +87,12 @@ async def awaited(steps: Steps[T], ask: Callable[[Question], Awaitable[Message]]
         response = await ask(question)
 
 
-def names(prefixes: Iterable[str] = ()) -> Steps[list[str]]:
+def ask_names(prefixes: Iterable[str] = ()) -> Steps[list[str]]:
     """The names of all parameters as the node lists them; with `prefixes` only those below them."""
     return list((yield Question("list_parameters", {"prefixes": list(prefixes)})).result.names)
 
 
-def values(wanted: Sequence[str]) -> Steps[list[ParameterValue]]:
+def ask_values(wanted: Sequence[str]) -> Steps[list[ParameterValue]]:
     """The rcl_interfaces/msg/ParameterValue of each name; of type 0 where a parameter is not declared or not set."""
     from rcl_interfaces.msg import ParameterValue
 
@@ -103,11 +103,11 @@ def values(wanted: Sequence[str]) -> Steps[list[ParameterValue]]:
         return [ParameterValue()]
     one_by_one = []
     for name in wanted:  # rclpy answers for all or for none
-        one_by_one += yield from values([name])
+        one_by_one += yield from ask_values([name])
     return one_by_one
 
 
-def descriptors(wanted: Sequence[str]) -> Steps[list[ParameterDescriptor]]:
+def ask_descriptors(wanted: Sequence[str]) -> Steps[list[ParameterDescriptor]]:
     """The rcl_interfaces/msg/ParameterDescriptor of each name."""
     found = list((yield Question("describe_parameters", {"names": list(wanted)})).descriptors)
     for name, descriptor in zip(wanted, found, strict=True):
@@ -148,11 +148,11 @@ def to_message(name: str, value: object, empty_list: int | None = None) -> Param
 
 def from_message(value: ParameterValue) -> Any:
     """What an rcl_interfaces/msg/ParameterValue holds, arrays as lists; None when it is not set."""
-    found = held(value)
+    found = raw_value(value)
     return list(found) if _ARRAYS <= value.type < len(TYPES) else found
 
 
-def held(value: ParameterValue) -> Any:
+def raw_value(value: ParameterValue) -> Any:
     """The same, arrays as they are."""
     return getattr(value, f"{TYPES[value.type]}_value") if 0 < value.type < len(TYPES) else None
 
@@ -192,7 +192,7 @@ class Descriptor:
         return "\n".join(words)
 
 
-def described(message: ParameterDescriptor) -> Descriptor:
+def read_descriptor(message: ParameterDescriptor) -> Descriptor:
     """An rcl_interfaces/msg/ParameterDescriptor in plain values."""
     limits = [*message.floating_point_range, *message.integer_range]
     found = Range(limits[0].from_value, limits[0].to_value, limits[0].step) if limits else None

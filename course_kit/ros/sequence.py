@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -76,7 +76,7 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
         row = _row(step, text, places, y, width)
         rows.append(row)
         y = row.top + len(row.lines) * _LINE + (_BELOW_NOTE if step.kind == "note" else _ARROW)
-    return render(
+    return render_template(
         _TEMPLATES / "sequence.svg",
         rows=rows,
         heads=heads,
@@ -91,7 +91,7 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
 
 def sequence_css() -> str:
     """The style sheet of these drawings, for the page that shows one."""
-    return render(_TEMPLATES / "sequence.css")
+    return render_template(_TEMPLATES / "sequence.css")
 
 
 def _lifelines(names: list[str], longest: int) -> tuple[int, dict[str, int], int]:

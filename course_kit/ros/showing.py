@@ -20,22 +20,22 @@ _PLAIN = frozenset({int, float, bool, type(None)})
 _PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 
-def snapshot(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
+def copy_message(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
     """Copy a message into numbers, strings, lists and dicts."""
     return _Copy(elements, last=last).of(value, DEPTH)
 
 
-def in_words(value: Plain, digits: int | None = None) -> str:
+def describe_message(value: Plain, digits: int | None = None) -> str:
     """The fields of a copied message in one line: "a=1, b=2", floats with so many digits; "(empty)" without fields."""
     text = _fields(value, digits) if isinstance(value, dict) else _value(value, digits)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def rows(value: Plain, path: str = "") -> list[list[str]]:
+def field_rows(value: Plain, path: str = "") -> list[list[str]]:
     """Path and value of each field of a copied message, messages inside it taken apart."""
     if not isinstance(value, dict):
         return [[path, _element(value, None)]]
-    return [row for name, part in value.items() for row in rows(part, f"{path}.{name}" if path else name)]
+    return [row for name, part in value.items() for row in field_rows(part, f"{path}.{name}" if path else name)]
 
 
 class _Copy:

@@ -87,12 +87,12 @@ class Endpoint:
     qos: QoSProfile
 
 
-def publishers(node: Node, topic: str) -> list[Endpoint]:
+def publishers_of(node: Node, topic: str) -> list[Endpoint]:
     """Who publishes on a topic, as a node sees it."""
     return _endpoints(node.get_publishers_info_by_topic(topic))
 
 
-def subscriptions(node: Node, topic: str) -> list[Endpoint]:
+def subscriptions_of(node: Node, topic: str) -> list[Endpoint]:
     """Who subscribes to a topic, as a node sees it."""
     return _endpoints(node.get_subscriptions_info_by_topic(topic))
 
@@ -107,7 +107,7 @@ def is_heard(node: Node, publisher: Publisher) -> bool:
     return publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
 
 
-def hears(node: Node, subscription: Subscription) -> bool:
+def is_hearing(node: Node, subscription: Subscription) -> bool:
     """Whether a subscription is connected with all publishers that are on the graph; see `is_heard`."""
     return subscription.get_publisher_count() >= node.count_publishers(subscription.topic_name)
 

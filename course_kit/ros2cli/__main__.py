@@ -1,5 +1,5 @@
 """`python -m course_kit.ros2cli`: always the course kit's own command, never a real one."""
 
-from course_kit.ros2cli.cli import leave, run_program
+from course_kit.ros2cli.cli import leave_process, run_program
 
-leave(run_program())
+leave_process(run_program())

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.environment import packages
-from course_kit.interfaces.known_types import prefixes
+from course_kit.interfaces.known_types import package_prefixes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,13 +47,13 @@ class CheckupSection(NamedTuple):
     items: Items
 
 
-def checks(graph: Graph, *, with_packages: bool = True) -> list[CheckupResult]:
+def run_checks(graph: Graph, *, with_packages: bool = True) -> list[CheckupResult]:
     """Look at everything."""
     found = [_platform_check(), _network_check(), _topic_check(graph), _qos_check(graph)]
     return [_package_check(), *found] if with_packages else found
 
 
-def reports(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]:
+def report_versions(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]:
     """Say what there is."""
     found = [
         CheckupSection("network", "NETWORK CONFIGURATION", _network_items()),
@@ -67,15 +67,15 @@ def reports(graph: Graph, *, with_packages: bool = True) -> list[CheckupSection]
 
 
 def _package_check() -> CheckupResult:
-    broken = packages.damaged()
-    said = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.remedy(broken)}"
+    broken = packages.find_damaged_package()
+    said = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.reinstall_command(broken)}"
     return CheckupResult("package", [said] if broken else [], [])
 
 
 def _package_items() -> Items:
     """The versions in the package.xml of each package of the index; the newest ones nobody knows without a network."""
     found: dict[str, str] = {}
-    for prefix in map(Path, prefixes()):
+    for prefix in map(Path, package_prefixes()):
         with suppress(OSError):
             for entry in (prefix / _INDEX).iterdir():
                 found.setdefault(entry.name, f"local={_version_in(prefix, entry.name) or 'unknown'}")
@@ -84,7 +84,7 @@ def _package_items() -> Items:
 
 def version_of_package(name: str) -> str:
     """The version of a package of a sourced ROS 2, as its package.xml has it; "" where there is none."""
-    return next(filter(None, (_version_in(Path(prefix), name) for prefix in prefixes())), "")
+    return next(filter(None, (_version_in(Path(prefix), name) for prefix in package_prefixes())), "")
 
 
 def _version_in(prefix: Path, name: str) -> str:

@@ -9,7 +9,7 @@ import os
 import sys
 from typing import TYPE_CHECKING, NoReturn
 
-from course_kit.ros2cli.parser import COMMANDS, build, command_parser
+from course_kit.ros2cli.parser import COMMANDS, build_parser, command_parser
 from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _OURS = b"course_kit.ros2cli"  # stands in the script that an installer makes of
 _BOOTSTRAP = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 
 
-def find() -> str | None:
+def find_real_command() -> str | None:
     """The first `ros2` on PATH that is not the course kit's, or None."""
     for folder in os.get_exec_path():
         candidate = os.path.join(folder, "ros2")  # noqa: PTH118 - pathlib is an import a fast command does without
@@ -46,13 +46,13 @@ def clean_environment(environ: dict[str, str]) -> dict[str, str]:
 
 def step_aside() -> None:
     """Become the real command, on the course's graph; returns when there is none."""
-    command = find()
+    command = find_real_command()
     if command is None:
         return
     from course_kit import environment
 
     try:
-        environment.apply()
+        environment.apply_settings()
     except environment.DomainError as problem:
         sys.stderr.write(f"{problem}\n")
         sys.exit(1)
@@ -75,10 +75,10 @@ def main() -> None:
     """The `ros2` script: the real command where one is installed, else the course kit's."""
     if "_ARGCOMPLETE" not in os.environ:
         step_aside()
-    leave(run_program())
+    leave_process(run_program())
 
 
-def leave(code: int) -> NoReturn:
+def leave_process(code: int) -> NoReturn:
     """End this process at once: its node has left the graph by now, and Python would take longer to put itself away."""
     try:
         sys.stdout.flush()
@@ -94,17 +94,17 @@ def run_program() -> int:
         from course_kit import environment
 
         environment.heed_interrupts()  # as programs with rclpy do
-    return run(sys.argv[1:], visits=True)
+    return run_command(sys.argv[1:], visits=True)
 
 
-def run(
+def run_command(
     arguments: Sequence[str], context: Context | None = None, guests: set[Node] | None = None, *, visits: bool = False
 ) -> int:
     """Run one command of the course kit's own."""
     if "_ARGCOMPLETE" in os.environ:
         from course_kit.ros2cli import completion
 
-        completion.complete(build(list(COMMANDS)))
+        completion.complete_line(build_parser(list(COMMANDS)))
     try:
         parser = command_parser(arguments)
         options = parser.parse_args(list(arguments))
@@ -137,7 +137,7 @@ def ros2_line(line: str) -> None:
         sys.stderr.write(f"%ros2 {line}: {error}.\n")
         return
     engine = lab.current().engine
-    run(words, engine.node.context, engine.guests)
+    run_command(words, engine.node.context, engine.guests)
 
 
 def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None, *, visits: bool) -> int:
@@ -146,7 +146,7 @@ def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | N
     session = Session(context, guests, visits=visits)
     try:
         if options.on_graph:
-            environment.apply()  # first: the import of rclpy would print a problem with the domain once more
+            environment.apply_settings()  # first: the import of rclpy would print a problem with the domain once more
         code: int | None = options.run(options, session)
         sys.stdout.flush()
     except environment.DomainError as problem:

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 _PATIENCE = 2.0  # seconds; somebody is waiting with a finger on the Tab key
 
 
-def complete(parser: argparse.ArgumentParser) -> None:
+def complete_line(parser: argparse.ArgumentParser) -> None:
     """Answer the shell what may stand next in the parser's command line; does not return."""
     import argcomplete
 
     argcomplete.autocomplete(parser, always_complete_options=False)
 
 
-def candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
+def list_candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
     """What may stand where `wanted` is named, behind the words given so far; `begun` is the word being typed."""
     from course_kit import interfaces
     from course_kit.launch import executables
@@ -44,8 +44,8 @@ def candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
         "message_types": lambda: types("msg", lambda graph: graph.topics, "topic_name"),
         "all_types": interfaces.types,
         "interface_packages": interfaces.packages,
-        "run_packages": executables.packages,
-        "run_executables": lambda: executables.executables(given.package_name),
+        "run_packages": executables.find_packages,
+        "run_executables": lambda: executables.list_executables(given.package_name),
         "launch_files": lambda: _launch_files(begun),
     }
     return found[wanted]()
@@ -60,7 +60,7 @@ def _parameters(node_name: str) -> list[str]:
     session = Session(visits=True)
     try:
         client = ParameterClient(session, from_root(node_name), _PATIENCE)
-        return sorted(client.ask(parameters.names()))
+        return sorted(client.ask(parameters.ask_names()))
     finally:
         session.close()
 

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.ros2cli.graph import Graph, is_local_only, participants
+from course_kit.ros2cli.graph import Graph, is_local_only, participant_sockets
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -128,7 +128,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
     """The settled graph without the nodes of this command."""
     if session.in_kernel or session.has_node or not daemon:
         return session.observe(timeout)
-    environment.apply()
+    environment.apply_settings()
     if nobody_there():
         return Graph.empty()
     reply = ask_daemon(timeout)
@@ -137,7 +137,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
 
 def nobody_there() -> bool:
     """Whether no participant at all is in the domain, the daemon included."""
-    return is_local_only() and not participants(int(os.environ["ROS_DOMAIN_ID"]))
+    return is_local_only() and not participant_sockets(int(os.environ["ROS_DOMAIN_ID"]))
 
 
 def ask_daemon(timeout: float) -> dict[str, Any] | None:
@@ -158,7 +158,7 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
 
 def stop_daemon() -> bool:
     """Stop the daemon of these settings; whether there was one."""
-    environment.apply()
+    environment.apply_settings()
     return DaemonSocket.here().ask({"do": "stop"}, 5.0) is not None
 
 
@@ -190,14 +190,14 @@ _CLIENT_PATIENCE = 5.0
 
 def main() -> None:
     """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
-    environment.apply()  # while the command that has started us still holds the domain
+    environment.apply_settings()  # while the command that has started us still holds the domain
     daemon_socket = DaemonSocket.here()
     with daemon_socket.listen() as listening:
         told = os.dup(sys.stdout.fileno())
         _let_go_of_terminal()
-        from course_kit.ros2cli.observe import observer
+        from course_kit.ros2cli.observe import open_observer
 
-        with observer(name=f"_ros2cli_daemon_{os.environ['ROS_DOMAIN_ID']}") as looking:
+        with open_observer(name=f"_ros2cli_daemon_{os.environ['ROS_DOMAIN_ID']}") as looking:
             looking.graph(0.0)  # loads the rest of rclpy: who asks first waits no longer than others
             os.write(told, b"ready\n")
             os.close(told)
@@ -218,7 +218,7 @@ def _serve(listening: socket.socket, looking: Observer, daemon_socket: DaemonSoc
     asked = company = time.monotonic()
     while True:
         now = time.monotonic()
-        if not is_local_only() or len(participants(domain_id)) > 1:
+        if not is_local_only() or len(participant_sockets(domain_id)) > 1:
             company = now
         if now - company > ALONE_FOR or now - asked > UNUSED_FOR or not daemon_socket.is_ours(listening):
             return

@@ -27,7 +27,7 @@ class EndpointFacts(TypedDict):
     qos_profile: dict[str, int]
 
 
-class Ends(NamedTuple):
+class TopicEndpoints(NamedTuple):
     """Who is on a topic."""
 
     publishers: list[EndpointFacts]
@@ -40,7 +40,7 @@ class Graph(NamedTuple):
     overview: Overview
     topics: Names
     services: Names
-    endpoints: dict[str, Ends]
+    endpoints: dict[str, TopicEndpoints]
     counts: dict[str, tuple[int, int]]
 
     @classmethod
@@ -55,7 +55,9 @@ class Graph(NamedTuple):
         overview = Overview(
             tuple(nodes), tuple(Use(node, ROLES[role], name, tuple(types)) for node, role, name, types in uses)
         )
-        return cls(overview, topics, services, {name: Ends(*ends) for name, ends in endpoints.items()}, counts)
+        return cls(
+            overview, topics, services, {name: TopicEndpoints(*ends) for name, ends in endpoints.items()}, counts
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for `json`."""
@@ -86,7 +88,7 @@ class Graph(NamedTuple):
         return {use.node: list(use.types) for use in self.overview.uses if (use.role, use.channel) == (role, action)}
 
 
-def visible(names: Names, *, hidden_too: bool = False) -> Names:
+def visible_names(names: Names, *, hidden_too: bool = False) -> Names:
     """`names` in order, without hidden ones unless wanted."""
     return {name: names[name] for name in sorted(names) if hidden_too or not is_hidden(name)}
 
@@ -94,15 +96,15 @@ def visible(names: Names, *, hidden_too: bool = False) -> Names:
 def is_local_only() -> bool:
     """Whether everybody this process can meet has a socket in the tables of this machine."""
     return (
-        environment.apply().only_this_machine
+        environment.apply_settings().only_this_machine
         and not os.environ.get("ROS_STATIC_PEERS")
         and os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
         and not os.environ.get("ROS_DISCOVERY_SERVER")
-        and domains.are_told()
+        and domains.can_read_ports()
     )
 
 
-def participants(domain_id: int) -> frozenset[int]:
+def participant_sockets(domain_id: int) -> frozenset[int]:
     """The inodes of the discovery sockets bound in `domain_id`, one for each participant, this process's included."""
     wanted = domains.discovery_ports(domain_id)
-    return frozenset(inode for number, inode in domains.bound() if number in wanted)
+    return frozenset(inode for number, inode in domains.bound_ports() if number in wanted)

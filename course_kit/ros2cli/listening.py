@@ -34,7 +34,7 @@ _SPIN_S = 0.5
 _NS = 1e9
 
 
-class _Informed(Inbox):
+class _InfoInbox(Inbox):
     """An inbox that keeps what rclpy tells of each message beside it."""
 
     def __init__(self) -> None:
@@ -47,7 +47,7 @@ class _Informed(Inbox):
         super().take(message, info)
 
 
-class Received(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message, bytes where it is not to be read, and when it came, in seconds of the system's clock."""
 
     at: float
@@ -60,7 +60,7 @@ class Listener:
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._inbox = _Informed()
+        self._inbox = _InfoInbox()
         self._matches = _filter_of(getattr(options, "filter_expr", None))
 
     def echo(self, layout: Layout) -> None:
@@ -98,7 +98,7 @@ class Listener:
         qos = QoSPresetProfiles.get_from_short_key(profile)
         return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
 
-    def next(self) -> Received:
+    def next(self) -> ReceivedMessage:
         """The next message."""
         began = time.monotonic()
         timeout = math.inf if self._options.timeout is None else self._options.timeout
@@ -111,9 +111,9 @@ class Listener:
                 told = True
                 sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
         inbox = self._inbox
-        return Received(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())
+        return ReceivedMessage(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())
 
-    def next_matching(self) -> Received:
+    def next_matching(self) -> ReceivedMessage:
         """The next message for which the filter holds."""
         while not self._matches((received := self.next()).message):
             pass
@@ -183,7 +183,7 @@ def _profile(options: Namespace, otherwise: QoSProfile) -> QoSProfile:
     return profile
 
 
-def rate(listener: Listener, window: int) -> None:
+def print_rate(listener: Listener, window: int) -> None:
     """Print once a second how often messages have come, over the last `window` of them, for as long as they come."""
     times: deque[float] = deque(maxlen=_checked(window) + 1)
     listener.subscribe(wait=True)
@@ -197,7 +197,7 @@ def rate(listener: Listener, window: int) -> None:
             report_at = time.monotonic() + REPORT_EVERY
 
 
-def delay(listener: Listener, window: int) -> None:
+def print_delay(listener: Listener, window: int) -> None:
     """Print once a second how old messages are when they come, by the stamp in their header."""
     delays: deque[float] = deque(maxlen=_checked(window))
     listener.subscribe(wait=True)
@@ -215,7 +215,7 @@ def delay(listener: Listener, window: int) -> None:
             report_at = time.monotonic() + REPORT_EVERY
 
 
-def bandwidth(listener: Listener, topic: str, window: int) -> None:
+def print_bandwidth(listener: Listener, topic: str, window: int) -> None:
     """Print once a second how many bytes come, for as long as messages come."""
     sizes: deque[tuple[float, int]] = deque(maxlen=_checked(window))
     listener.subscribe(wait=True, raw=True)
@@ -272,7 +272,7 @@ def _filter_of(expression: str | None) -> Callable[[Message], bool]:
     return matches
 
 
-def publish(options: Namespace, session: Session, topic: str) -> None:
+def publish_values(options: Namespace, session: Session, topic: str) -> None:
     """Publish as `topic pub` does."""
     if options.rate <= 0:
         raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
@@ -281,7 +281,7 @@ def publish(options: Namespace, session: Session, topic: str) -> None:
     if not wanted and options.max_wait is not None:
         raise CommandError("--max-wait-time-secs needs --wait-matching-subscriptions, --once or --times.")
     message_type = values.find_type(options.message_type, "msg")
-    given = values.TypedValues(values.typed(options, "values"), type_name(message_type))
+    given = values.TypedValues(values.read_typed(options, "values"), type_name(message_type))
     message = message_type()
     given.put_into(message)
     if options.node_name:

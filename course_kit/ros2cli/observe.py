@@ -7,11 +7,11 @@ import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from course_kit.environment.visiting import visiting
+from course_kit.environment.visitor import visit_graph
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.names import full_name
-from course_kit.ros2cli.graph import Ends, Graph, is_local_only, participants
+from course_kit.ros2cli.graph import Graph, TopicEndpoints, is_local_only, participant_sockets
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,7 +49,7 @@ class Observer:
         self._local = is_local_only()
         self._found: frozenset[bytes] = frozenset()
         self._bound: frozenset[int] = frozenset()
-        with visiting(visits):
+        with visit_graph(visits):
             self._node = quiet_node(name, context)
         self.name = f"/{name}"
 
@@ -81,7 +81,7 @@ class Observer:
         return (
             bool(self._bound)
             and self._local
-            and participants(self._domain_id) == self._bound
+            and participant_sockets(self._domain_id) == self._bound
             and self._participants() == self._found
             and self._all_named()
         )
@@ -98,7 +98,7 @@ class Observer:
         """Whether everybody is there, `quiet` seconds after the last change."""
         if not self._local:
             return now - self._started >= _OPEN_DISCOVERY and (self._all_named() or quiet >= _NAMELESS)
-        bound, found = participants(self._domain_id), self._participants()
+        bound, found = participant_sockets(self._domain_id), self._participants()
         # Counted from the last complete look: one that has just died may still be known, and must not stand
         # for one that has just come.
         arrived = len(found - self._found) >= len(bound - self._bound) and len(found) >= len(bound)
@@ -128,7 +128,7 @@ class Observer:
 
     def _read(self) -> Graph:
         node = self._node
-        seen = graph.read(node, plumbing=True)
+        seen = graph.read_graph(node, plumbing=True)
         topics = dict(node.get_topic_names_and_types())
         services = dict(node.get_service_names_and_types())
         return Graph(
@@ -142,17 +142,21 @@ class Observer:
             counts={name: (node.count_clients(name), node.count_services(name)) for name in services},
         )
 
-    def _ends(self, topic: str) -> Ends:
+    def _ends(self, topic: str) -> TopicEndpoints:
         publishers = self._node.get_publishers_info_by_topic(topic)
         subscriptions = self._node.get_subscriptions_info_by_topic(topic)
-        return Ends(*([_plain(one) for one in ends if self._is_of_others(one)] for ends in (publishers, subscriptions)))
+        return TopicEndpoints(
+            *([_plain(one) for one in ends if self._is_of_others(one)] for ends in (publishers, subscriptions))
+        )
 
     def _is_of_others(self, info: TopicEndpointInfo) -> bool:
         return full_name(info.node_name, info.node_namespace) != self.name
 
 
 @contextmanager
-def observer(context: Context | None = None, name: str | None = None, *, visits: bool = False) -> Iterator[Observer]:
+def open_observer(
+    context: Context | None = None, name: str | None = None, *, visits: bool = False
+) -> Iterator[Observer]:
     """An Observer in `context`, or in one of its own; it is gone afterwards."""
     import rclpy
 

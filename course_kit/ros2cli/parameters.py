@@ -20,7 +20,7 @@ _ANY_NUMBER, _ANY_ONE = "**", "*"
 _EVERY_NODE = f"/{_ANY_NUMBER}"
 
 
-def load(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
+def load_parameters(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
     """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter."""
     sections = list(_sections(_document(path), "", path))
     wanted = [one for one in sections if _is_for(one[0], node) and (use_wildcard or _ANY_ONE not in one[0])]
@@ -111,12 +111,12 @@ class ParameterClient:
 
     def ask(self, steps: parameters.Steps[T]) -> T:
         """What one of the verbs of `course_kit.ros.parameters` returns."""
-        return parameters.driven(steps, self._answer)
+        return parameters.run_steps(steps, self._answer)
 
     def declared(self, name: str) -> Message:
         """The ParameterValue of `name`; of type 0 where it is declared without a value."""
-        (found,) = self.ask(parameters.values([name]))
-        if found.type == 0 and name not in (known := self.ask(parameters.names())):
+        (found,) = self.ask(parameters.ask_values([name]))
+        if found.type == 0 and name not in (known := self.ask(parameters.ask_names())):
             raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{did_you_mean(name, known)}")
         return found
 

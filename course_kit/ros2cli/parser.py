@@ -116,12 +116,12 @@ def _unknown(command: str, words: str) -> str:
 def command_parser(arguments: Sequence[str]) -> Parser:
     """A parser for these arguments, with only the verbs of the command that is meant; all when none is."""
     named = next((word for word in arguments if not word.startswith("-")), None)
-    parser = build([named] if named in COMMANDS else [])
+    parser = build_parser([named] if named in COMMANDS else [])
     parser.command = named or ""
     return parser
 
 
-def build(commands: Sequence[str]) -> Parser:
+def build_parser(commands: Sequence[str]) -> Parser:
     """A parser that knows all commands by name, and the verbs of `commands`."""
     parser = Parser(prog="ros2", description=_SUBSET)
     places = parser.add_subparsers(metavar="command", title="commands", parser_class=Parser)
@@ -204,7 +204,7 @@ class _Completer:
 
         del about
         try:
-            return completion.candidates(self._wanted, parsed_args, prefix)
+            return completion.list_candidates(self._wanted, parsed_args, prefix)
         except environment.DomainError:  # the command itself says so
             return []
 

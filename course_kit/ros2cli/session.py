@@ -67,10 +67,10 @@ class Session:
 
     def observe(self, patience: float) -> Graph:
         """The graph as this process sees it, settled."""
-        from course_kit.ros2cli.observe import observer
+        from course_kit.ros2cli.observe import open_observer
 
         name = f"_ros2cli_{os.getpid()}_looking"
-        with observer(self._own_context(), name=name, visits=self._visits) as looking:
+        with open_observer(self._own_context(), name=name, visits=self._visits) as looking:
             return looking.graph(patience)
 
     def spin_until(self, is_done: Callable[[], bool], timeout: float) -> bool:
@@ -126,11 +126,11 @@ class Session:
         if self._own is None:
             from rclpy.executors import SingleThreadedExecutor
 
-            from course_kit.environment.visiting import visiting
+            from course_kit.environment.visitor import visit_graph
             from course_kit.ros.graph import quiet_node
 
             context = self._own_context()
-            with visiting(self._visits):
+            with visit_graph(self._visits):
                 made = quiet_node(self._name, context)
             self._own = made, SingleThreadedExecutor(context=context)
             node, executor = self._own
@@ -142,7 +142,7 @@ class Session:
         if self._context is None:
             from course_kit import environment
 
-            environment.apply()  # before rclpy, also where the autoload is turned off
+            environment.apply_settings()  # before rclpy, also where the autoload is turned off
             _leave_out_the_generator()
             import rclpy
 

@@ -26,10 +26,10 @@ WHOLE = Layout(truncate=None)
 
 def to_yaml(value: object, layout: Layout = WHOLE) -> str:
     """A message, or one field of it, as YAML with the fields in their order; ends with a line break."""
-    return dumped(to_plain(value, layout), layout)
+    return dump_yaml(to_plain(value, layout), layout)
 
 
-def dumped(plain: object, layout: Layout = WHOLE) -> str:
+def dump_yaml(plain: object, layout: Layout = WHOLE) -> str:
     """Mappings, lists and scalars as YAML in their order; ends with a line break."""
     import sys
 

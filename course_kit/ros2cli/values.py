@@ -80,12 +80,12 @@ class TypedValues:
             raise CommandError(str(error)) from error
 
 
-def fill(message: Message, text: str | None, owner: str) -> None:
+def fill_message(message: Message, text: str | None, owner: str) -> None:
     """Set the fields of a message from YAML text such as '{a: 1, b: 2}'."""
     TypedValues(text, owner).put_into(message)
 
 
-def typed(options: Namespace, name: str) -> str | None:
+def read_typed(options: Namespace, name: str) -> str | None:
     """What was typed as the values, or comes from standard input with `--stdin`."""
     text: str | None = sys.stdin.read() if options.stdin else getattr(options, name)
     return text

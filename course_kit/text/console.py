@@ -5,31 +5,31 @@ from __future__ import annotations
 import sys
 import textwrap
 
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 WIDTH = 80  # columns
 CANNOT = 2  # the exit code of a command that could not be carried out
 
 
-def tell(sentence: object) -> None:
+def note(sentence: object) -> None:
     """Say something beside the output of the command; an empty text says nothing."""
-    if told := printable(str(sentence)):  # names of files and words of submissions may stand in it
+    if told := make_printable(str(sentence)):  # names of files and words of submissions may stand in it
         sys.stderr.write(f"course-kit: {told}\n")
         sys.stderr.flush()
 
 
-def cannot(sentence: object) -> int:
+def refuse(sentence: object) -> int:
     """Say why a command could not be carried out; its exit code."""
-    tell(sentence)
+    note(sentence)
     return CANNOT
 
 
-def wrapped(
+def wrap_text(
     text: str, first: str = "", following: str = "", *, width: int = WIDTH, whole_words: bool = False
 ) -> list[str]:
     """Text in lines, never broken at a hyphen (ids have some), and harmless for the terminal, whoever wrote it."""
     return textwrap.wrap(
-        printable(text),
+        make_printable(text),
         width,
         initial_indent=first,
         subsequent_indent=following,

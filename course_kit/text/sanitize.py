@@ -13,7 +13,7 @@ _LONGEST_NAME = 200  # characters
 _FILLERS = dict.fromkeys(map(ord, "\u115f\u1160\u2800\u3164\uffa0"), " ")  # letters by their category that show nothing
 
 
-def printable(text: str) -> str:
+def make_printable(text: str) -> str:
     """Text that steers nothing: no control characters but line ends and tabs, no marks that turn the writing round.
 
     The two joiners stay where writing needs them, within emoji and between letters of many scripts. The line ends of
@@ -31,15 +31,15 @@ def printable(text: str) -> str:
 def one_line(text: str) -> str:
     """A stranger's name as people read it, in one line; two names can become the same one here."""
     short = text if len(text) <= _LONGEST_NAME else f"{text[:_LONGEST_NAME]}\u2026"
-    return printable(" ".join(unicodedata.normalize("NFC", short.translate(_FILLERS)).split()))
+    return make_printable(" ".join(unicodedata.normalize("NFC", short.translate(_FILLERS)).split()))
 
 
-def escaped(text: str) -> str:
+def escape_html(text: str) -> str:
     """Printable text within HTML, in elements and in attributes; templates do the same to whatever is filled in."""
-    return escape(printable(text))
+    return escape(make_printable(text))
 
 
-def encodable(document: str) -> str:
+def make_encodable(document: str) -> str:
     """JSON that can be written as UTF-8: halves of characters, as of odd file names, become escapes."""
     return _HALVES.sub(lambda half: f"\\u{ord(half[0]):04x}", document)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-def render(template: Path, **values: object) -> Markup:
+def render_template(template: Path, **values: object) -> Markup:
     """A template with its values filled in; other templates take the result as it is."""
     from markupsafe import Markup
 
     return Markup(_environment(template.parent).get_template(template.name).render(values))  # noqa: S704 - it escapes
 
 
-def load(folder: Path) -> None:
+def load_templates(folder: Path) -> None:
     """Read all templates of a folder now: that takes a while, and whoever renders later need not wait for it."""
     environment = _environment(folder)
     for name in environment.list_templates(["html"]):
@@ -38,7 +38,7 @@ def _environment(folder: Path) -> Environment:
 
     def filled_in(value: object) -> Markup:
         """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
-        return value if isinstance(value, Markup) else escape(printable(str(value)))
+        return value if isinstance(value, Markup) else escape(make_printable(str(value)))
 
     return Environment(
         loader=FileSystemLoader(folder),

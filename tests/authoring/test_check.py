@@ -16,7 +16,7 @@ from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue, complete
 
 EXERCISE = "pattern_choice"  # nothing has to be run for it: answers that are written out are read
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 BROKEN = ("quiz.malformed", "quiz.unknown", "start.syntax")
 
 

@@ -14,7 +14,7 @@ from course_kit.cli.main import main
 from course_kit.grading.model.exercise import Exercise, read_exercise
 from course_kit.grading.model.exercise_folders import VARIABLE
 
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 FEW = 0.35  # of full marks, for a starter
 
 pytestmark = pytest.mark.answers

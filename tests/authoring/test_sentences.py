@@ -17,7 +17,7 @@ from course_kit.grading.model.sentences import Sentence
 if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check
 
-ROOT = environment.checkout()
+ROOT = environment.checkout_folder()
 assert ROOT is not None
 EXERCISES = corpus.all_exercises(ROOT)
 EXERCISE = load_exercise("temperature_service")

@@ -17,7 +17,7 @@ from course_kit.grading.model.sentences import Sentence
 if TYPE_CHECKING:
     from pathlib import Path
 
-ROOT = environment.checkout()
+ROOT = environment.checkout_folder()
 assert ROOT is not None
 EXERCISES = corpus.all_exercises(ROOT)
 FIRST, SECOND = Sentence("a", "A first.", heading="One."), Sentence("b", "A second.")

@@ -39,7 +39,7 @@ def require_nothing_told_and_nothing_unsaved(lab: JupyterLab) -> None:
 def guess_wrong_then_right_by_keyboard(lab: JupyterLab) -> None:
     """The arrow keys only choose; Enter guesses. The first try is what `./course list` counts."""
     name = "00_welcome/after_the_cell"
-    asked = guesses.question(name)
+    asked = guesses.find_question(name)
     lab.run_cell_that_begins(f'panels.guess("{name}")')
     panel = lab.scroll_to(lab.page.locator(".ck-guess"))
     photograph(lab, panel, "guess_before")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 EXERCISE = "temperature_service"
 QUICK = "pattern_choice"  # written answers are only read
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 PARTIAL = ROOT / "tests/broken" / EXERCISE / "validation.missing.py"
 # All that the file asks of Otter: a decorator that keeps a function with its name and its points.
 STAND_IN = """

@@ -38,7 +38,7 @@ def handed_in(tmp_path: Path) -> Path:
     files = {
         "ann/add_three.py": SOLUTION,
         f"ann/{OF_COURSE}.py": (
-            Path(str(environment.checkout())) / f"solutions/{OF_COURSE}/{OF_COURSE}.py"
+            Path(str(environment.checkout_folder())) / f"solutions/{OF_COURSE}/{OF_COURSE}.py"
         ).read_text(),
         "ben/work.py": WRONG,
         "cem/add_three.py": STARTER,

@@ -202,7 +202,7 @@ def test_another_users_domain_is_passed_over_though_the_owner_has_the_same_name(
         held = ()
     else:  # to the kernel the sockets of another user are as those that nobody may share
         places = ((mark, domains._MARK), (leases._address, domains._LEASE))
-        held = tuple(domains._bind(address, domains.port(number, place)) for address, place in places)
+        held = tuple(domains._bind(address, domains.port_at(number, place)) for address, place in places)
         assert None not in held
     assert leases.share("me").domain_id != number
     for descriptor in held:
@@ -227,7 +227,7 @@ def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Rememb
 
 
 def test_one_chooses_after_the_other(leases: Leases) -> None:
-    other = domains._bind(leases._address, domains.port(0, domains._CHOICE))
+    other = domains._bind(leases._address, domains.port_at(0, domains._CHOICE))
     assert other is not None
     chosen: list[domains.Lease] = []
     waiting = threading.Thread(target=lambda: chosen.append(leases.share("me")))

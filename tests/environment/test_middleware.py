@@ -54,15 +54,15 @@ def test_the_commands_answer_and_keep_their_output_clean(tmp_path: Path, domain:
 
 def test_a_middleware_that_works_and_does_not_suit_the_courses_types_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RMW_IMPLEMENTATION", middleware.SUPPORTED)
-    assert middleware.unsupported() == ""
+    assert middleware.explain_middleware() == ""
     monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)  # as of a sourced ROS that has it
-    assert "work with rmw_fastrtps_cpp only" in middleware.unsupported()
+    assert "work with rmw_fastrtps_cpp only" in middleware.explain_middleware()
 
 
 def test_a_grade_does_not_depend_on_the_users_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
     from course_kit.grading.workers.warm_process import variables_of
 
-    monkeypatch.setattr(middleware, "settle", lambda: "")  # as in a sourced ROS that has it
+    monkeypatch.setattr(middleware, "choose_middleware", lambda: "")  # as in a sourced ROS that has it
     monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)
     assert variables_of(whole=False, own_graph=True)["RMW_IMPLEMENTATION"] == middleware.SUPPORTED
     assert variables_of(whole=False, own_graph=False)["RMW_IMPLEMENTATION"] == MISSING

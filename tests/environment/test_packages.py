@@ -28,7 +28,7 @@ def look(folder: Path) -> str:
 
 
 def test_the_environment_of_these_tests_has_one_good_lark() -> None:
-    assert packages.damaged() == ""
+    assert packages.find_damaged_package() == ""
     done = subprocess.run([sys.executable, "-W", "error", "-c", "from lark import ParseTree"], check=False)
     assert done.returncode == 0
 

@@ -14,28 +14,28 @@ SCRIPTS = str(Path(sys.prefix) / "bin")
 
 
 def test_the_course_is_called_by_its_door_where_that_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    root = environment.checkout()
+    root = environment.checkout_folder()
     assert root is not None
     monkeypatch.chdir(root)
-    assert environment.command() == "./course"
+    assert environment.course_command() == "./course"
     monkeypatch.chdir(tmp_path)
-    assert environment.command() == "course-kit"
+    assert environment.course_command() == "course-kit"
     (tmp_path / "course").touch()
-    assert environment.command() == "course-kit"
+    assert environment.course_command() == "course-kit"
     (tmp_path / "course").unlink()
     (tmp_path / "course").symlink_to(root / "course")  # as in a learner's own copy
-    assert environment.command() == "./course"
+    assert environment.course_command() == "./course"
     (tmp_path / "course").unlink()
     tmp_path.rmdir()
-    assert environment.command() == "course-kit"
+    assert environment.course_command() == "course-kit"
 
 
 def test_a_home_is_one_that_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert environment.paths.home() == tmp_path
+    assert environment.paths.home_folder() == tmp_path
     for none in ("/proc/nonexistent", "/proc/self", "relative"):
         monkeypatch.setenv("HOME", none)
-        assert environment.paths.home() is None
+        assert environment.paths.home_folder() is None
 
 
 def test_where_nobody_knows_the_home_the_state_is_among_the_temporary_files(

@@ -14,7 +14,7 @@ from course_kit import environment
 from course_kit.environment import paths
 from course_kit.environment.middleware import PROFILE_VARIABLE
 
-KIT_VARIABLES = (*environment.defaults(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
+KIT_VARIABLES = (*environment.default_settings(), "ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID", "ROS_LOG_DIR")
 DISCOVERY_GROUP = "239.255.0.1"  # of DDS; joined on the loopback interface only
 DUMP = "import json, os, rclpy; rclpy.init(); print(json.dumps(dict(os.environ)))"
 
@@ -34,7 +34,7 @@ def dumped(**variables: str) -> dict[str, str]:
 
 def test_any_python_that_imports_rclpy_gets_the_settings() -> None:
     found = dumped()
-    assert {name: found[name] for name in environment.defaults()} == environment.defaults()
+    assert {name: found[name] for name in environment.default_settings()} == environment.default_settings()
     assert 1 <= int(found["ROS_DOMAIN_ID"]) <= 101
     assert Path(found["ROS_LOG_DIR"]).is_dir()
 
@@ -58,11 +58,11 @@ def test_a_child_inherits_the_domain_and_does_not_take_it_for_the_users(domain: 
 
 
 def test_apply_says_who_chose_the_domain(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert environment.apply() == environment.apply()
-    assert environment.apply().domain_chosen_by == "ROS_DOMAIN_ID"
-    assert environment.apply().domain_id == domain
+    assert environment.apply_settings() == environment.apply_settings()
+    assert environment.apply_settings().domain_chosen_by == "ROS_DOMAIN_ID"
+    assert environment.apply_settings().domain_id == domain
     monkeypatch.delenv("ROS_DOMAIN_ID")
-    assert environment.apply().domain_chosen_by == "the course kit"
+    assert environment.apply_settings().domain_chosen_by == "the course kit"
 
 
 @pytest.mark.parametrize("value", ["abc", "233", "010", "\N{ARABIC-INDIC DIGIT FIVE}"])
@@ -158,8 +158,8 @@ def test_without_the_profile_of_the_course_the_range_itself_is_local(
         monkeypatch.delenv(name, raising=False)
     for name, value in other.items():
         monkeypatch.setenv(name, value)
-    assert environment.defaults()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert PROFILE_VARIABLE not in environment.defaults()
+    assert environment.default_settings()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert PROFILE_VARIABLE not in environment.default_settings()
 
 
 def test_readers_and_writers_ask_alike_in_every_profile() -> None:

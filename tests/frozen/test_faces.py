@@ -53,7 +53,7 @@ def test_each_verb_describes_itself_as_before(frozen: Callable[..., None], monke
     monkeypatch.setattr(sys, "argv", ["course-kit"])
     said = [*described(build_parser()), check._parser().format_help()]
     for command in ros2_parser.COMMANDS:
-        said += list(described(verbs_of(ros2_parser.build([command]))[command]))
+        said += list(described(verbs_of(ros2_parser.build_parser([command]))[command]))
     frozen("help.txt", "\n".join(map(in_one_layout, said)))
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 EXERCISE = "temperature_service"
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 
 
 def wait_for_node(name: str, domain_id: int) -> None:

@@ -185,7 +185,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
     def watch() -> None:
         deadline = time.monotonic() + 200
         while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader, entering, init process, program
-            below[:] = tree.descendants(worker.process_id)
+            below[:] = tree.descendants_of(worker.process_id)
         end()
 
     watcher = threading.Thread(target=watch)
@@ -200,7 +200,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
 def all_dead(process_ids: list[int]) -> bool:
     deadline = time.monotonic() + 200
     while time.monotonic() < deadline:
-        if tree.usage(process_ids).tasks == 0:
+        if tree.measure_usage(process_ids).tasks == 0:
             return True
     return False
 

@@ -17,7 +17,7 @@ from course_kit.grading.model.exercise import find_exercises, list_exercise_ids,
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
-OWN = (environment.checkout() or Path()) / "exercises"
+OWN = (environment.checkout_folder() or Path()) / "exercises"
 
 
 @pytest.fixture(autouse=True)

@@ -170,7 +170,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
     "variable in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), VARIABLE),
     "cell in a notebook": lambda given: process.look_at("a.ipynb", io.BytesIO(given.encode()), CLASS),
-    "fingerprints": fingerprints.fingerprints,
+    "fingerprints": fingerprints.take_fingerprints,
 }
 MORE = (
     "class TemperatureService",

@@ -151,7 +151,7 @@ def test_a_system_that_refuses_prctl_is_told(monkeypatch: pytest.MonkeyPatch) ->
         raise OSError(errno.EPERM, os.strerror(errno.EPERM), what)
 
     assert needs.lacking(Limits(), guest=True) == ""
-    monkeypatch.setattr(libc, "prctl", stand_in_that_refuses)
+    monkeypatch.setattr(libc, "call_prctl", stand_in_that_refuses)
     said = needs.lacking(Limits(), guest=True)
     assert said.startswith("This system does not allow prctl (Operation not permitted), by which the grader")
     assert said.endswith("seccomp profile does, then grade again.")
@@ -165,7 +165,7 @@ def test_a_system_that_is_no_linux_is_told(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_function_that_only_linux_has_is_an_error_of_the_system() -> None:
     with pytest.raises(OSError, match="for a test: Function not implemented"):
-        libc.call("prctl_of_another_system", what="for a test")
+        libc.call_libc("prctl_of_another_system", what="for a test")
 
 
 def test_a_full_disk_is_found_before_a_submission_meets_it(tmp_path: Path) -> None:

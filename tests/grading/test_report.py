@@ -17,7 +17,7 @@ from course_kit.grading.model.exchange_log import GRADER, NODE
 from course_kit.grading.render.html import sequence_svg
 from course_kit.grading.sandbox.output import BoundedOutput
 from course_kit.ros.sequence import Arrow
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -219,8 +219,8 @@ def test_text_lets_nothing_steer_the_terminal() -> None:
     ],
 )
 def test_joiners_stay_where_writing_needs_them(said: str, shown: str) -> None:
-    assert printable(said) == shown
-    assert printable(shown) == shown
+    assert make_printable(said) == shown
+    assert make_printable(shown) == shown
     output = BoundedOutput()
     output.add(said.encode())
     assert output.text() == shown
@@ -308,7 +308,7 @@ def test_diagram_grows_with_its_text_and_stays_within_its_width() -> None:
 
 def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
     taught = replace(FAILED, diagnosis="service.no_return", known=catalogue()["service.no_return"])
-    root = environment.checkout()
+    root = environment.checkout_folder()
     assert root is not None
     html = render_html(replace(REPORT, checks=(taught,)), root / "exercises" / "temperature_service")
     section = catalogue()["service.no_return"].section.replace(" ", "-")

@@ -107,7 +107,7 @@ def clean_environment(folder: Path) -> dict[str, str]:
 
 def install(folder: Path) -> Path:
     """Install the course as the guide says, below a folder instead of `/opt`; returns the course's folder."""
-    root = environment.checkout()
+    root = environment.checkout_folder()
     assert root is not None
     course = Path(guide.moved(guide.COURSE, folder))
     found = edition_plan.look(root)

@@ -74,7 +74,7 @@ def test_the_command_is_the_hubs_own_on_the_users_folder_and_domain(monkeypatch:
     assert f"--ServerApp.root_dir={FOLDER}" in command
     assert command[-1] == "--debug"
     assert environ["JUPYTERHUB_DEFAULT_URL"] == f"/lab/tree/{LESSON}"
-    assert environ["ROS_DOMAIN_ID"] == str(environment.apply().domain_id)
+    assert environ["ROS_DOMAIN_ID"] == str(environment.apply_settings().domain_id)
     monkeypatch.setenv("JUPYTERHUB_DEFAULT_URL", "/tree")  # c.Spawner.default_url
     assert jupyter.hub_command(FOLDER, LESSON, [])[1]["JUPYTERHUB_DEFAULT_URL"] == "/tree"
 

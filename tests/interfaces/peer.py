@@ -25,7 +25,7 @@ def use_live_types(folder: str) -> None:
     from course_kit.interfaces import finder
 
     os.environ["COURSE_KIT_INTERFACE_PATH"] = folder
-    ours = finder.installed()
+    ours = finder.get_finder()
     sys.meta_path.remove(ours)
     sys.meta_path.insert(0, ours)
 

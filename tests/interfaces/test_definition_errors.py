@@ -8,12 +8,12 @@ import pytest
 
 from course_kit import environment, interfaces
 from course_kit.interfaces import InterfaceDefinitionError, sources
-from course_kit.interfaces.parser import parse
+from course_kit.interfaces.parser import parse_definition
 
 
 def fault(text: str, type_name: str = "my_interfaces/msg/Info") -> InterfaceDefinitionError:
     with pytest.raises(InterfaceDefinitionError) as caught:
-        parse(type_name, text)
+        parse_definition(type_name, text)
     return caught.value
 
 

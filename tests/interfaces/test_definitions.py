@@ -16,7 +16,7 @@ from rosidl_parser.parser import parse_idl_file
 from course_kit import interfaces
 from course_kit.interfaces import InterfaceDefinitionError
 from course_kit.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from course_kit.interfaces.parser import PRIMITIVE_NAMES, parse
+from course_kit.interfaces.parser import PRIMITIVE_NAMES, parse_definition
 
 
 def their_view(message: Any) -> Any:
@@ -44,7 +44,7 @@ def test_every_definition_there_is(package: str) -> None:
     for full_name in interfaces.types(package):
         kind, name = full_name.split("/")[1:]
         text = interfaces.text_of(full_name)
-        ours = parse(full_name, text)
+        ours = parse_definition(full_name, text)
         if isinstance(ours, ServiceDefinition):
             theirs = adapter.parse_service_string(package, name, text)
             pairs = [(ours.request, theirs.request), (ours.response, theirs.response)]
@@ -79,7 +79,7 @@ LINES = [
 
 @pytest.mark.parametrize("line", LINES)
 def test_lines_with_all_there_is(line: str) -> None:
-    ours = parse("my_interfaces/msg/Info", f"\n# Comment\n{line}\n")
+    ours = parse_definition("my_interfaces/msg/Info", f"\n# Comment\n{line}\n")
     assert isinstance(ours, MessageDefinition)
     assert our_view(ours) == their_view(adapter.parse_message_string("my_interfaces", "Info", f"{line}\n"))
 
@@ -102,7 +102,7 @@ def test_escapes_are_those_of_rosidl(line: str, tmp_path: Path) -> None:
     written = convert_msg_to_idl(tmp_path, "my_interfaces", Path("msg/Info.msg"), tmp_path)
     read = parse_idl_file(IdlLocator(tmp_path, written.relative_to(tmp_path)))
     (theirs,) = read.content.get_elements_of_type(Message)
-    ours = parse("my_interfaces/msg/Info", f"{line}\n")
+    ours = parse_definition("my_interfaces/msg/Info", f"{line}\n")
     assert isinstance(ours, MessageDefinition)
     if theirs.constants:
         assert ours.constants[0].value == literal_eval(
@@ -116,10 +116,10 @@ def test_escapes_are_those_of_rosidl(line: str, tmp_path: Path) -> None:
 
 def test_an_escape_without_an_end() -> None:
     with pytest.raises(InterfaceDefinitionError, match=r"Expected an escape such as .* not \\x4\."):
-        parse("my_interfaces/msg/Info", 'string a "x\\x4"\n')
+        parse_definition("my_interfaces/msg/Info", 'string a "x\\x4"\n')
 
 
 def test_windows_line_ends() -> None:
-    assert parse("my_interfaces/srv/Info", "int32 a\r\n---\r\nbool b\r\n") == parse(
+    assert parse_definition("my_interfaces/srv/Info", "int32 a\r\n---\r\nbool b\r\n") == parse_definition(
         "my_interfaces/srv/Info", "int32 a\n---\nbool b\n"
     )

@@ -22,7 +22,7 @@ def definitions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Copies of the texts of two installed packages."""
     folder = tmp_path_factory.mktemp("definitions")
     for package in ("std_srvs", "test_msgs"):
-        for prefix in known_types.prefixes():
+        for prefix in known_types.package_prefixes():
             for kind in ("msg", "srv", "action"):
                 source = Path(prefix, "share", package, kind)
                 if source.is_dir():

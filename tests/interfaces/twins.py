@@ -14,7 +14,7 @@ from course_kit.interfaces import known_types, types
 from course_kit.interfaces.definition import TypeName
 from course_kit.interfaces.library import Library
 from course_kit.interfaces.message_fields import MessageField, message_class, message_fields, record_of
-from course_kit.interfaces.native.loader import pointer
+from course_kit.interfaces.native.loader import capsule_pointer
 
 # Texts say all there is to say about a type, but these exist as .idl only, or not as classes at all.
 PACKAGES = sorted(known_types.installed_packages())
@@ -48,7 +48,7 @@ def compiled_class(full_name: str) -> Any:
 def type_support(cls: Any) -> int:
     if type(cls)._TYPE_SUPPORT is None:
         type(cls).__import_type_support__()
-    return pointer(type(cls)._TYPE_SUPPORT)
+    return capsule_pointer(type(cls)._TYPE_SUPPORT)
 
 
 def read_words(address: int, count: int = 1) -> tuple[int, ...]:

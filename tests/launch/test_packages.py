@@ -51,14 +51,14 @@ def make_package(folder: Path, name: str) -> Path:
 
 def test_what_a_setup_py_installs_is_read(tmp_path: Path) -> None:
     package = make_package(tmp_path, "arm")
-    assert sorted(package_index.installed(package)) == [
+    assert sorted(package_index.installed_files(package)) == [
         (PurePosixPath("share/arm"), package / "urdf" / "arm.urdf"),
         (PurePosixPath("share/arm/files"), package / "data" / "one.txt"),
         (PurePosixPath("share/arm/files"), package / "data" / "two.txt"),
         (PurePosixPath("share/arm/more"), package / "data" / "one.txt"),
     ]
     (package / "setup.py").write_text("setup(data_files=[")
-    assert list(package_index.installed(package)) == []
+    assert list(package_index.installed_files(package)) == []
 
 
 def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
@@ -99,7 +99,7 @@ def test_programs_are_read_from_a_setup_py_that_puts_their_names_together(tmp_pa
         "    'wave = ' + package_name + '.wave:main', f'nod = {package_name}.nod:main', 'bow = ' 'arm.bow:main',\n"
         "    'never = ' + what_nobody_knows(),\n]})"
     )
-    found = package_index.programs(tmp_path)
+    found = package_index.read_programs(tmp_path)
     assert found == {"wave": ("arm.wave", "main"), "nod": ("arm.nod", "main"), "bow": ("arm.bow", "main")}
 
 

@@ -109,7 +109,7 @@ def test_a_word_that_is_no_argument(
     folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], sentence: str
 ) -> None:
     (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ""))
-    assert cli.run(["launch", "it.launch.py", *words]) == 1
+    assert cli.run_command(["launch", "it.launch.py", *words]) == 1
     assert capsys.readouterr().err == f"{sentence}\n"
 
 
@@ -126,7 +126,7 @@ def test_the_arguments_are_shown_once_as_they_are_declared_first(
         f"RegisterEventHandler(OnProcessExit(on_exit=[{argument.format('late', '4', 'for the end')}]))",
     )
     (folder / "it.launch.py").write_text(HEAD.replace("{actions}", ",\n".join(actions)))
-    assert cli.run(["launch", "--show-args", "it.launch.py"]) == 0
+    assert cli.run_command(["launch", "--show-args", "it.launch.py"]) == 0
     shown = capsys.readouterr().out
     entries = ("speed", "first", "1"), ("inner", "of the inner one", "2"), ("deep", "in a group", "3")
     told = [
@@ -142,7 +142,7 @@ def test_a_launch_file_in_another_language_is_named_for_what_it_is(
     (folder / "arm" / "launch").mkdir(parents=True)
     for place in ("robot.launch.xml", "arm/launch/robot.launch.xml", "arm/launch/robot.yaml"):
         (folder / place).write_text("<launch/>")
-    assert cli.run(["launch", *words]) == 1
+    assert cli.run_command(["launch", *words]) == 1
     kind = "XML" if words[-1].endswith("xml") else "YAML"
     assert (
         f"{words[-1]} is a launch file in {kind}. The course reads launch files in Python only"

@@ -113,6 +113,6 @@ def test_a_cell_that_also_runs_as_a_program_keeps_its_line_numbers() -> None:
     cell = "%%submission dark_lamp\n%%ros_script dark_lamp --ros-args\nimport rclpy\n"
     notebook = {"cells": [{"cell_type": "code", "source": cell}], "nbformat": 4, "nbformat_minor": 5, "metadata": {}}
 
-    source, places = reader.program("n.ipynb", io.BytesIO(json.dumps(notebook).encode()), DRILL)
+    source, places = reader.read_program("n.ipynb", io.BytesIO(json.dumps(notebook).encode()), DRILL)
     assert source.split("\n")[:2] == ["", "import rclpy"]
     assert places[0][0] == 1

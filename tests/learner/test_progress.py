@@ -86,7 +86,7 @@ def test_in_courses_that_are_not_theirs_it_is_kept_with_the_user_one_for_each(
     monkeypatch.setattr(paths, "is_writable", lambda *_, **__: False)
     monkeypatch.setattr(paths, "state_dir", lambda: tmp_path / "state")
     for name in ("one", "another"):
-        monkeypatch.setattr(paths, "checkout", lambda name=name: tmp_path / name)
+        monkeypatch.setattr(paths, "checkout_folder", lambda name=name: tmp_path / name)
         assert progress.read() == ({}, "")
         assert progress.record(a_report(8.0)) == ""
         assert progress.read()[0]["exercise"].best == 8.0

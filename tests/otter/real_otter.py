@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.corpus import Corpus
 
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 _SEED = 1
 _LITTLE = 0.3  # of the points; with more a program is right in part
 _PATIENCE_S = 600.0  # against hanging only

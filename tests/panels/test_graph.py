@@ -58,7 +58,7 @@ def nodes_in(view: GraphView) -> list[str]:
 
 
 def seen(own: Lab, *, plumbing: bool = False) -> Overview:
-    return overview.read(own.engine.node, plumbing=plumbing)
+    return overview.read_graph(own.engine.node, plumbing=plumbing)
 
 
 def wait_for(view: GraphView, text: str) -> None:

@@ -23,7 +23,7 @@ def progress(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_before_the_guess_neither_words_nor_widget_tell_the_answer() -> None:
-    panel, asked = panels.guess(NAME), guesses.question(NAME)
+    panel, asked = panels.guess(NAME), guesses.find_question(NAME)
     seen = panel.describe() + json.dumps([panel.widget.questions, panel.widget.answers])
     assert asked.text in seen
     for choice in asked.choices:
@@ -33,7 +33,7 @@ def test_before_the_guess_neither_words_nor_widget_tell_the_answer() -> None:
 
 
 def test_a_guess_reveals_and_explains_and_stays_when_the_cell_is_run_again() -> None:
-    asked = guesses.question(NAME)
+    asked = guesses.find_question(NAME)
     wrong = next(place for place in range(3) if place != asked.right)
     panels.guess(NAME).answer(NAME, wrong)
     shown = panels.guess(NAME).widget.answers[NAME]
@@ -43,7 +43,7 @@ def test_a_guess_reveals_and_explains_and_stays_when_the_cell_is_run_again() -> 
 
 
 def test_trying_again_hides_the_answer_and_does_not_count() -> None:
-    panel, asked = panels.guess(NAME), guesses.question(NAME)
+    panel, asked = panels.guess(NAME), guesses.find_question(NAME)
     panel.answer(NAME, asked.right)
     panel.again(NAME)
     assert panel.widget.answers == {}
@@ -64,7 +64,7 @@ def test_the_questions_at_the_end_are_counted_together() -> None:
     panel = panels.check_yourself("01_services")
     names = [question["name"] for question in panel.widget.questions]
     for name in names[:2]:
-        panel.answer(name, guesses.question(name).right)
+        panel.answer(name, guesses.find_question(name).right)
     assert panel.widget.summary == f"2 of {len(names)} right at the first try, 2 answered."
 
 
@@ -72,7 +72,7 @@ def test_an_export_folds_the_answer() -> None:
     html = panels.guess(NAME).still()
     before, answer, folded = html.partition("<details>")
     assert answer
-    right = next(choice for choice in guesses.question(NAME).choices if choice.is_right)
+    right = next(choice for choice in guesses.find_question(NAME).choices if choice.is_right)
     assert right.text in before
     assert right.why not in before
     assert right.why in folded
@@ -80,7 +80,7 @@ def test_an_export_folds_the_answer() -> None:
 
 def test_the_list_counts_first_tries(progress: Path) -> None:
     panel = panels.guess(NAME)
-    panel.answer(NAME, guesses.question(NAME).right)
+    panel.answer(NAME, guesses.find_question(NAME).right)
     course = Course(progress)
     assert "01_services: guesses right: 1 of 11 (1 answered)" in course.run("list").stdout
     [score] = json.loads(course.run("list", "--format", "json").stdout)["questions"]

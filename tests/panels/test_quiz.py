@@ -11,7 +11,7 @@ import pytest
 
 from course_kit import environment, grading, panels, quiz
 from course_kit.panels import quiz_panel
-from course_kit.quiz.bank import QUESTIONS, parse
+from course_kit.quiz.bank import QUESTIONS, parse_scenarios
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -183,7 +183,7 @@ def test_a_file_changed_by_hand_is_never_overwritten_and_its_own_is(tmp_path: Pa
 def test_it_says_how_to_grade_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     outside = panels.quiz(seed=SEED).write("a b.py")
     assert outside.endswith(f"course-kit grade pattern_choice '{tmp_path / 'a b.py'}' --seed 5")
-    monkeypatch.setattr(environment, "checkout", lambda: tmp_path)
+    monkeypatch.setattr(environment, "checkout_folder", lambda: tmp_path)
     assert panels.quiz().write("mine.py").endswith("terminal: ./course grade pattern_choice mine.py")
 
 
@@ -217,7 +217,7 @@ def test_its_words_are_the_same_whatever_is_chosen() -> None:
 
 
 def test_where_there_are_no_answers_nothing_is_marked(monkeypatch: pytest.MonkeyPatch) -> None:
-    questions = parse(QUESTIONS.read_text(encoding="utf-8"))
+    questions = parse_scenarios(QUESTIONS.read_text(encoding="utf-8"))
     monkeypatch.setattr(sys.modules["course_kit.quiz.bank"], "graded", lambda: questions)
     panel = answered(lambda scenario: ("topic", next(iter(scenario.reasons))))
     assert panel.widget.marks == {}

@@ -11,7 +11,7 @@ from std_srvs.srv import Empty
 
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
-from course_kit.ros.showing import rows
+from course_kit.ros.showing import field_rows
 
 if TYPE_CHECKING:
     from course_kit.panels.form_view import ServiceForm
@@ -163,7 +163,7 @@ def test_what_is_no_service_type_is_refused_in_words() -> None:
 
 def test_a_response_is_shown_field_by_field() -> None:
     copied = {"ok": True, "at": {"x": 1.0, "y": -2.0}, "names": ["a", "+3 more"], "none": []}
-    assert rows(copied) == [
+    assert field_rows(copied) == [
         ["ok", "True"],
         ["at.x", "1.0"],
         ["at.y", "-2.0"],

@@ -6,7 +6,7 @@ import os
 import socket
 from typing import TYPE_CHECKING
 
-from course_kit.process.fork import first_uses, fork
+from course_kit.process.fork import first_uses, fork_child
 
 if TYPE_CHECKING:
     import pytest
@@ -23,7 +23,7 @@ def raises() -> None:
 
 def test_it_ends_after_the_function() -> None:
     reader, writer = os.pipe()
-    child = fork(lambda: os.write(writer, b"done in the child"))
+    child = fork_child(lambda: os.write(writer, b"done in the child"))
     os.close(writer)
     with os.fdopen(reader, "rb") as told:
         assert told.read() == b"done in the child"
@@ -31,7 +31,7 @@ def test_it_ends_after_the_function() -> None:
 
 
 def test_what_the_function_raises_ends_the_child_and_is_told(capfd: pytest.CaptureFixture[str]) -> None:
-    assert status_of(fork(raises, failed=70)) == 70
+    assert status_of(fork_child(raises, failed=70)) == 70
     assert "LookupError: told on stderr" in capfd.readouterr().err
 
 

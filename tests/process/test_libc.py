@@ -13,10 +13,10 @@ from course_kit.process import libc
 
 def test_what_fails_says_what_it_was() -> None:
     with pytest.raises(OSError, match="close nothing: Bad file descriptor") as raised:
-        libc.call("close", -1, what="close nothing")
+        libc.call_libc("close", -1, what="close nothing")
     assert raised.value.errno == errno.EBADF
     with pytest.raises(OSError, match="prctl NOTHING: Invalid argument"):
-        libc.prctl(-1, what="NOTHING")
+        libc.call_prctl(-1, what="NOTHING")
     with pytest.raises(OSError, match="no such call: Function not implemented"):
         libc.system_call(100_000, what="no such call")
 

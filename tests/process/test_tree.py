@@ -31,13 +31,13 @@ def family() -> bytes:
     kept = sleeper(0)
     others = [sleeper(2), sleeper(0)]
     ready = threading.Event()
-    while len(tree.descendants(os.getpid())) < 1 + 3 + 1:
+    while len(tree.descendants_of(os.getpid())) < 1 + 3 + 1:
         ready.wait(0.01)
-    below = tree.descendants(os.getpid())
+    below = tree.descendants_of(os.getpid())
     tree.end_descendants({kept})
-    left = [one for one in below if tree.usage([one]).tasks]
+    left = [one for one in below if tree.measure_usage([one]).tasks]
     tree.end_descendants()
-    gone = tree.descendants(os.getpid()) == []
+    gone = tree.descendants_of(os.getpid()) == []
     return b"kept lives, others are gone" if left == [kept] and others and gone else repr((kept, below, left)).encode()
 
 

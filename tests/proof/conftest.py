@@ -21,7 +21,7 @@ from course_kit.grading.model import exercise_folders
 if TYPE_CHECKING:
     from course_kit.grading import Report
 
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 EXERCISES = corpus.all_exercises(ROOT)
 DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
 

@@ -8,7 +8,7 @@ from collections import Counter
 import pytest
 
 from course_kit import quiz
-from course_kit.quiz.bank import PRACTICE, QUESTIONS, parse
+from course_kit.quiz.bank import PRACTICE, QUESTIONS, parse_scenarios
 
 BANK = quiz.bank()
 SCENARIOS = list(BANK.values())
@@ -93,10 +93,10 @@ def test_the_length_of_a_reason_is_no_clue(choose: object) -> None:
 
 
 def test_questions_and_answers_may_stand_apart() -> None:
-    [made] = parse(TEXT, ANSWER).values()
+    [made] = parse_scenarios(TEXT, ANSWER).values()
     assert (made.text, made.accepted, made.has_answer) == ("in two lines", {"topic": ("a",)}, True)
-    assert parse(TEXT + "".join(ANSWER.splitlines(keepends=True)[2:])) == {"one": made}
-    alone = parse(TEXT)["one"]
+    assert parse_scenarios(TEXT + "".join(ANSWER.splitlines(keepends=True)[2:])) == {"one": made}
+    alone = parse_scenarios(TEXT)["one"]
     assert (alone.has_answer, alone.accepted, alone.text) == (False, {}, made.text)
 
 
@@ -109,6 +109,6 @@ def test_what_students_have_tells_nothing_about_what_is_right() -> None:
         assert scenario.source not in flat
         assert not [text for text in scenario.wrong.values() if text in flat]
         assert scenario.id not in PRACTICE.read_text(encoding="utf-8")
-    in_file = parse(questions)
+    in_file = parse_scenarios(questions)
     assert list(in_file) == sorted(in_file)
     assert all(list(scenario.reasons) == sorted(scenario.reasons) for scenario in in_file.values())

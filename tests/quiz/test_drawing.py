@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import quiz
-from course_kit.quiz.bank import QUESTIONS, Scenario, parse
+from course_kit.quiz.bank import QUESTIONS, Scenario, parse_scenarios
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,7 +30,7 @@ def some(number: int) -> dict[str, Scenario]:
 
 
 def unanswered() -> Mapping[str, Scenario]:
-    return parse(QUESTIONS.read_text(encoding="utf-8"))
+    return parse_scenarios(QUESTIONS.read_text(encoding="utf-8"))
 
 
 def names(scenarios: tuple[Scenario, ...]) -> list[int]:

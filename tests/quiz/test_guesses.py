@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.quiz import guesses
-from course_kit.quiz.guesses import GuessRecord, NoSuchQuestionError, scores
+from course_kit.quiz.guesses import GuessRecord, NoSuchQuestionError, lesson_scores
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 
-LESSONS = guesses.lessons()
+LESSONS = guesses.lesson_names()
 CALL = re.compile(r'^panels\.(guess|check_yourself)\("(.*)"\)$', re.MULTILINE)
 
 
@@ -54,7 +54,7 @@ def test_the_place_of_the_right_choice_tells_nothing() -> None:
 )
 def test_a_name_that_is_wrong_is_answered_with_those_there_are(name: str, said: str) -> None:
     with pytest.raises(NoSuchQuestionError, match=said):
-        guesses.question(name)
+        guesses.find_question(name)
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_first_try_counts_and_the_last_is_shown(kept: Path) -> None:
-    asked = guesses.question("01_services/late_display")
+    asked = guesses.find_question("01_services/late_display")
     wrong = next(place for place in range(3) if place != asked.right)
     GuessRecord().choose(asked, wrong)
     GuessRecord().choose(asked, asked.right)
@@ -73,8 +73,8 @@ def test_the_first_try_counts_and_the_last_is_shown(kept: Path) -> None:
     assert (known.first, known.first_right, known.last) == (
         asked.choices[wrong].text, False, asked.choices[asked.right].text,
     )  # fmt: skip
-    other = guesses.question("01_services/float_for_int")
+    other = guesses.find_question("01_services/float_for_int")
     GuessRecord().choose(other, other.right)
-    [score] = scores()
+    [score] = lesson_scores()
     assert (score.lesson, score.kind, score.right, score.answered, score.count) == ("01_services", "guess", 1, 2, 11)
     assert sorted(path.name for path in kept.rglob("*.json")) == ["float_for_int.json", "late_display.json"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from course_kit import environment, quiz
 
-FOLDER = (environment.checkout() or Path()) / "exercises" / "pattern_choice"
+FOLDER = (environment.checkout_folder() or Path()) / "exercises" / "pattern_choice"
 
 
 def entries(text: str) -> dict[str, tuple[str, str]]:

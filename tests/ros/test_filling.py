@@ -9,7 +9,7 @@ import yaml
 from geometry_msgs.msg import Point, Pose
 from std_msgs.msg import Byte, ByteMultiArray, UInt8MultiArray
 
-from course_kit.ros.filling import fill_from_yaml, make
+from course_kit.ros.filling import fill_from_yaml, make_message
 from course_kit.ros.messages import BadFieldError
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def typed(fields: Fields) -> None:
 
 
 def given(fields: Fields) -> None:
-    make(Pose, fields, "a pose")
+    make_message(Pose, fields, "a pose")
 
 
 @pytest.mark.parametrize("fill", [given, typed])
@@ -53,12 +53,12 @@ def test_only_what_was_typed_is_made_to_fit() -> None:
     fill_from_yaml(point, {"x": 1, "y": "2.5"}, "a point")
     assert (point.x, point.y) == (1.0, 2.5)
     with pytest.raises(BadFieldError, match=r"takes a float: write 1\.0"):
-        make(Point, {"x": 1}, "a point")
+        make_message(Point, {"x": 1}, "a point")
 
 
 def test_what_a_message_inside_refuses_is_said_of_that_message() -> None:
     with pytest.raises(BadFieldError, match=r"'x' in position, a geometry_msgs/Point, has the type float64"):
-        make(Pose, {"position": {"x": "far"}}, "a pose")
+        make_message(Pose, {"position": {"x": "far"}}, "a pose")
 
 
 def test_a_byte_is_what_yaml_calls_binary() -> None:

@@ -29,7 +29,7 @@ def busy(domain: int) -> Iterator[Node]:
     node.create_client(Trigger, "/reset")
     node.create_publisher(String, "/words", 10)
     server = ActionServer(node, Fibonacci, "fibonacci", lambda _: Fibonacci.Result())
-    wait_until(lambda: "/left/fibonacci" in graph.offered(node, graph.RUNS))
+    wait_until(lambda: "/left/fibonacci" in graph.offered_types(node, graph.RUNS))
     yield node
     server.destroy()
     node.destroy_node()
@@ -37,18 +37,18 @@ def busy(domain: int) -> Iterator[Node]:
 
 
 def test_what_a_node_does(busy: Node) -> None:
-    own = {(use.role, use.channel, use.types) for use in graph.read(busy).of("/left/busy")}
+    own = {(use.role, use.channel, use.types) for use in graph.read_graph(busy).of("/left/busy")}
     assert own == {
         (graph.SERVES, "/left/power", ("std_srvs/srv/SetBool",)),
         (graph.CALLS, "/reset", ("std_srvs/srv/Trigger",)),
         (graph.RUNS, "/left/fibonacci", ("example_interfaces/action/Fibonacci",)),
         (graph.PUBLISHES, "/words", ("std_msgs/msg/String",)),
     }
-    assert graph.nodes(busy) == ["/left/busy"]
+    assert graph.node_names(busy) == ["/left/busy"]
 
 
 def test_what_is_offered_and_by_whom(busy: Node) -> None:
-    assert graph.offered(busy, graph.SERVES)["/left/power"] == ["std_srvs/srv/SetBool"]
-    assert "/reset" not in graph.offered(busy, graph.SERVES)  # it has a client and no server
-    assert graph.offered(busy, graph.RUNS) == {"/left/fibonacci": ["example_interfaces/action/Fibonacci"]}
-    assert graph.offered(busy, graph.RUNS, frozenset({"/left/busy"})) == {}
+    assert graph.offered_types(busy, graph.SERVES)["/left/power"] == ["std_srvs/srv/SetBool"]
+    assert "/reset" not in graph.offered_types(busy, graph.SERVES)  # it has a client and no server
+    assert graph.offered_types(busy, graph.RUNS) == {"/left/fibonacci": ["example_interfaces/action/Fibonacci"]}
+    assert graph.offered_types(busy, graph.RUNS, frozenset({"/left/busy"})) == {}

@@ -242,5 +242,5 @@ def test_a_parameter_file_may_leave_out_the_slash(written: str, tmp_path: Any) -
 
     path = tmp_path / "limiter.yaml"
     path.write_text(f"{written}:\n  ros__parameters:\n    max_speed: 1.5\n")
-    (parameter,) = parameters.load(str(path), "/limiter", use_wildcard=True)
+    (parameter,) = parameters.load_parameters(str(path), "/limiter", use_wildcard=True)
     assert (parameter.name, parameter.value.double_value) == ("max_speed", 1.5)

@@ -24,7 +24,7 @@ GRAPH = ["/robot/add_two_ints", "/set_power", "/fibonacci", "/camera/left/image"
     ],
 )
 def test_the_nearest_name(wanted: str, meant: str | None) -> None:
-    assert names.nearest(wanted, [*GRAPH, "/x" * 500_000]) == meant
+    assert names.nearest_name(wanted, [*GRAPH, "/x" * 500_000]) == meant
     assert names.did_you_mean(wanted, GRAPH) == (f" Did you mean {meant}?" if meant else "")
 
 

@@ -55,5 +55,5 @@ def test_what_no_parameter_can_have_is_named(value: Any) -> None:
 
 
 def test_the_node_knows_what_an_empty_list_is_a_list_of() -> None:
-    messages = parameters.driven(parameters.to_messages({"gears": [], "new": [], "speed": 2.0}), AnswersAsANode())
+    messages = parameters.run_steps(parameters.to_messages({"gears": [], "new": [], "speed": 2.0}), AnswersAsANode())
     assert [parameters.type_of(one.value) for one in messages] == ["integer_array", "byte_array", "double"]

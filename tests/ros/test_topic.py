@@ -34,7 +34,7 @@ def test_what_comes_is_kept_with_its_time(pair: Pair) -> None:
     inbox = Inbox()
     publisher = pair.talker.create_publisher(Int32, "/numbers", 10)
     subscription = inbox.subscribe(pair.listener, Int32, "numbers", 10)
-    pair.spin_until(lambda: topic.hears(pair.listener, subscription) and subscription.get_publisher_count() == 1)
+    pair.spin_until(lambda: topic.is_hearing(pair.listener, subscription) and subscription.get_publisher_count() == 1)
     pair.spin_until(lambda: topic.is_heard(pair.talker, publisher) and publisher.get_subscription_count() == 1)
     before = time.time()
     for number in range(3):
@@ -57,7 +57,7 @@ def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> Non
     pair.talker.create_publisher(String, "/words", 10)
     subscription = Inbox().subscribe(pair.listener, String, "/words", 10)
     pair.spin_until(lambda: subscription.get_publisher_count() == 2)
-    assert topic.hears(pair.listener, subscription)
+    assert topic.is_hearing(pair.listener, subscription)
     pair.talker.destroy_publisher(publisher)
     best_effort = Inbox().subscribe(pair.listener, String, "/words", rclpy.qos.qos_profile_sensor_data)
     pair.spin_until(lambda: best_effort.get_publisher_count() == 1 and subscription.get_publisher_count() == 1)
@@ -66,4 +66,4 @@ def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> Non
     pair.spin_until(lambda: pair.talker.count_subscribers("/sensed") == 1)
     assert not topic.is_heard(pair.talker, unreliable)
     pair.spin_until(lambda: pair.listener.count_publishers("/sensed") == 1)
-    assert not topic.hears(pair.listener, reliable)
+    assert not topic.is_hearing(pair.listener, reliable)

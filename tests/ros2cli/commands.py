@@ -48,7 +48,7 @@ class Ros2:
             patch.chdir(self.folder)
             for name, value in {**self.environ, **environ}.items():
                 patch.setenv(name, value)
-            code = cli.run(words)
+            code = cli.run_command(words)
         return subprocess.CompletedProcess(words, code, stdout.getvalue(), stderr.getvalue())
 
     def process(self, *words: str, **environ: str) -> subprocess.CompletedProcess[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.ros2cli.cli import run
+from course_kit.ros2cli.cli import run_command
 from course_kit.ros2cli.verbs import param
 from tests.background import IN_BACKGROUND
 
@@ -73,7 +73,7 @@ rclpy.spin(Faulty())
 def test_one_line_that_helps(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...], exit_code: int, wanted: str
 ) -> None:
-    code = run(words)
+    code = run_command(words)
     said = capsys.readouterr().err
     assert wanted in said
     assert len(said.splitlines()) == 1
@@ -137,6 +137,6 @@ def test_a_node_that_is_just_starting_is_waited_for(
     """A tutorial's launch file starts turtlesim and a `ros2 param set` for it at the same time."""
     monkeypatch.setattr(param, "_STARTS_WITHIN", 60.0)  # on a busy machine, too
     late = robot.begin(sys.executable, str(GOLDEN / "demo_node.py"), "--ros-args", "-r", "__node:=late")
-    assert run(("param", "set", "/late", "max_velocity", "2.0", "--timeout", "60")) == 0
+    assert run_command(("param", "set", "/late", "max_velocity", "2.0", "--timeout", "60")) == 0
     assert capsys.readouterr().out == "Set parameter successful\n"
     late.kill()

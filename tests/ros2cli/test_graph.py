@@ -11,7 +11,7 @@ import pytest
 from course_kit import environment
 from course_kit.environment import domains
 from course_kit.ros2cli.daemon import DaemonSocket
-from course_kit.ros2cli.graph import participants
+from course_kit.ros2cli.graph import participant_sockets
 from tests.waiting import wait_until
 
 from .commands import GOLDEN, OURS, Ros2
@@ -39,9 +39,9 @@ def test_a_node_that_has_just_come_is_listed(ros2: Ros2) -> None:
     """The daemon knows the graph from before, so it must notice that there is somebody new."""
     ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
     domain = int(ros2.environ["ROS_DOMAIN_ID"])
-    before = participants(domain)
+    before = participant_sockets(domain)
     newcomer = ros2.begin(sys.executable, str(GOLDEN / "demo_node.py"))
-    wait_until(lambda: len(participants(domain)) > len(before), "a socket of the new node")
+    wait_until(lambda: len(participant_sockets(domain)) > len(before), "a socket of the new node")
     assert ros2("node", "list").stdout == "/add_two_ints_server\n/robot\n"
     newcomer.kill()
 
@@ -49,9 +49,9 @@ def test_a_node_that_has_just_come_is_listed(ros2: Ros2) -> None:
 def test_two_nodes_of_one_name_are_warned_about(ros2: Ros2) -> None:
     ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
     domain = int(ros2.environ["ROS_DOMAIN_ID"])
-    before = participants(domain)
+    before = participant_sockets(domain)
     ros2.begin(sys.executable, str(GOLDEN / "add_server.py"))
-    wait_until(lambda: len(participants(domain)) > len(before), "a socket of the second node")
+    wait_until(lambda: len(participant_sockets(domain)) > len(before), "a socket of the second node")
     done = ros2("node", "list")
     assert done.stdout == "/add_two_ints_server\n/add_two_ints_server\n"
     assert "share an exact name" in done.stderr
@@ -70,7 +70,7 @@ def test_the_daemon_leaves_with_the_last_node(ros2: Ros2) -> None:
     assert daemon_is_running(ros2)
     node.kill()
     node.wait()
-    wait_until(lambda: not participants(domain), "the end of the daemon")
+    wait_until(lambda: not participant_sockets(domain), "the end of the daemon")
     assert not daemon_is_running(ros2)
 
 
@@ -89,7 +89,8 @@ def test_without_a_place_for_the_daemon_the_command_looks_itself(ros2: Ros2) -> 
 
 def test_listing_imports_no_rclpy(ros2: Ros2) -> None:
     ros2.start(GOLDEN / "add_server.py", "/add_two_ints_server")
-    code = "import sys; from course_kit.ros2cli.cli import run; run(['service', 'list']); print('rclpy' in sys.modules)"
+    run = "from course_kit.ros2cli import cli; cli.run_command(['service', 'list'])"
+    code = f"import sys; {run}; print('rclpy' in sys.modules)"
     listing = ros2.begin(sys.executable, "-c", code)
     stdout, _ = listing.communicate(timeout=60)
     assert stdout.splitlines()[-1] == "False"
@@ -105,7 +106,7 @@ def test_sockets_tell_the_participants_of_a_domain(tmp_path: Path, monkeypatch: 
     ]
     table.write_text("\n".join(["  sl  local_address ...", *rows]))
     monkeypatch.setattr(domains, "_TABLES", (str(table), str(tmp_path / "none")))
-    assert participants(3) == {1001, 1003}
+    assert participant_sockets(3) == {1001, 1003}
 
 
 def test_a_listing_is_given_up_at_the_timeout(ros2: Ros2) -> None:
@@ -130,7 +131,7 @@ try:
 except OSError:
     print("refused")
 from course_kit.ros2cli.daemon import DaemonSocket
-from course_kit.ros2cli.graph import participants
+from course_kit.ros2cli.graph import participant_sockets
 print(DaemonSocket.here().name)
 """
 
@@ -147,8 +148,8 @@ TWO_AFTER_A_COMMAND = """
 import time
 
 import rclpy
-from course_kit.ros2cli.cli import run
-run(["service", "list", "--no-daemon"])
+from course_kit.ros2cli.cli import run_command
+run_command(["service", "list", "--no-daemon"])
 contexts = [rclpy.Context() for _ in range(2)]
 for context in contexts:
     context.init([], domain_id={domain})

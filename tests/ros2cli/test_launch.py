@@ -106,7 +106,7 @@ def test_children_that_ignore_everything_are_killed_and_so_are_theirs(ros2: Ros2
     file = write(ros2.folder, "Node(package='here', executable='stubborn', output='screen')")
     code = (
         "from course_kit.launch import service; service.PATIENCE_S = (0.3, 0.3, 0.3); "
-        f"from course_kit.ros2cli.cli import run; run(['launch', {file!r}])"
+        f"from course_kit.ros2cli.cli import run_command; run_command(['launch', {file!r}])"
     )
     launch = ros2.begin(sys.executable, "-c", code)
     pids = [int(word) for word in lines_until(launch, "pids")[-1].split()[-2:]]

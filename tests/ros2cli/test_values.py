@@ -25,35 +25,35 @@ from course_kit.ros2cli.session import CommandError
     ],
 )
 def test_values_that_fit(message: object, text: str, field: str, wanted: object) -> None:
-    values.fill(message, text, "m")
+    values.fill_message(message, text, "m")
     found = getattr(message, field)
     assert (list(found) if isinstance(wanted, list) else found) == wanted
 
 
 def test_messages_inside_messages() -> None:
     twist = Twist()
-    values.fill(twist, "{linear: {x: 2}, angular: {z: -.5}}", "m")
+    values.fill_message(twist, "{linear: {x: 2}, angular: {z: -.5}}", "m")
     assert (twist.linear.x, twist.angular.z, twist.linear.y) == (2.0, -0.5, 0.0)
 
 
 def test_lists_of_messages_and_fixed_arrays() -> None:
     arrays = Arrays()
-    values.fill(arrays, "{int32_values: [1, 2, 3], string_values: [a, b, c]}", "m")
+    values.fill_message(arrays, "{int32_values: [1, 2, 3], string_values: [a, b, c]}", "m")
     assert list(arrays.int32_values) == [1, 2, 3]
     assert list(arrays.string_values) == ["a", "b", "c"]
 
 
 def test_now_and_auto_are_the_time() -> None:
     pose, header = PoseStamped(), Header()
-    values.fill(pose, "header: auto", "m")
-    values.fill(header, "stamp: now", "m")
+    values.fill_message(pose, "header: auto", "m")
+    values.fill_message(header, "stamp: now", "m")
     assert pose.header.stamp.sec > 1e9
     assert header.stamp.sec > 1e9
 
 
 def test_not_a_number_is_a_float() -> None:
     message = Float32()
-    values.fill(message, "data: .nan", "m")
+    values.fill_message(message, "data: .nan", "m")
     assert math.isnan(message.data)
 
 
@@ -75,7 +75,7 @@ def test_not_a_number_is_a_float() -> None:
 )
 def test_values_that_do_not_fit_are_named(message: object, text: str, wanted: str) -> None:
     with pytest.raises(CommandError) as caught:
-        values.fill(message, text, "m")
+        values.fill_message(message, text, "m")
     said = str(caught.value)
     assert said.startswith(wanted)
     assert len(said.splitlines()) == 1

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 def test_a_sentence_is_said_beside_the_output_and_an_empty_one_is_not(capsys: pytest.CaptureFixture[str]) -> None:
-    console.tell("the disk is full.")
-    console.tell("")
-    assert console.cannot(ValueError("there is no such file.")) == 2
+    console.note("the disk is full.")
+    console.note("")
+    assert console.refuse(ValueError("there is no such file.")) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err == "course-kit: the disk is full.\ncourse-kit: there is no such file.\n"
@@ -21,11 +21,11 @@ def test_a_sentence_is_said_beside_the_output_and_an_empty_one_is_not(capsys: py
 
 def test_lines_break_between_words_and_not_within_an_option() -> None:
     text = "Repeat the hints that you have seen with --again-and-again."
-    assert console.wrapped(text, "1. ", "   ", width=50) == [
+    assert console.wrap_text(text, "1. ", "   ", width=50) == [
         "1. Repeat the hints that you have seen with",
         "   --again-and-again.",
     ]
 
 
 def test_what_a_submission_says_does_not_steer_the_terminal() -> None:
-    assert console.wrapped("got \x1b[2Jnothing") == ["got \ufffd[2Jnothing"]
+    assert console.wrap_text("got \x1b[2Jnothing") == ["got \ufffd[2Jnothing"]

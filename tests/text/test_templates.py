@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from jinja2 import UndefinedError
 
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,13 +41,13 @@ def written(folder: Path, **files: str) -> Path:
 def test_what_is_filled_in_is_harmless(tmp_path: Path, template: str) -> None:
     macros = "{% macro told(text) %}{{ text }}{% endmacro %}"
     page = written(tmp_path, page=template, part="{{ wild }}", macros=macros)
-    assert render(page, wild=WILD) == HARMLESS
+    assert render_template(page, wild=WILD) == HARMLESS
 
 
 @pytest.mark.parametrize("template", ["{{ missing }}", "{{ known.missing }}"])
 def test_what_is_missing_is_an_error(tmp_path: Path, template: str) -> None:
     with pytest.raises(UndefinedError):
-        render(written(tmp_path, page=template), known="")
+        render_template(written(tmp_path, page=template), known="")
 
 
 @pytest.mark.parametrize("module", ["course_kit.grading", "course_kit.classroom.exports", "course_kit.quiz"])

@@ -14,7 +14,7 @@ from course_kit.authoring.gradings import Gradings
 from course_kit.authoring.prove import equivalent, mutants
 from course_kit.authoring.rules import outcome
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import wrapped
+from course_kit.text.console import wrap_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -104,7 +104,7 @@ def describe(proof: GraderProof, *, quick: bool) -> Iterator[str]:
         yield f"{proof.exercise.solution.name}, line {one.line}: {one.operator}"
         yield from (f"    {one.before}", f"    {shorten(one.change, _WIDTH)}", "")
     for problem in proof.problems:
-        yield from wrapped(f"✗ {problem}", following="    ", width=_WIDTH)
+        yield from wrap_text(f"✗ {problem}", following="    ", width=_WIDTH)
     seen = proof.graded - len(proof.survivors) - len(proof.equivalent)
     yield (
         f"{proof.exercise.id}: {proof.graded} of {proof.made} mistakes graded: {seen} seen, "

@@ -20,7 +20,7 @@ from course_kit.classroom.exports.texts import STATES, explained, headline, numb
 from course_kit.classroom.records import Records
 from course_kit.environment import write_atomically
 from course_kit.text.console import in_points
-from course_kit.text.sanitize import encodable, one_line, printable
+from course_kit.text.sanitize import make_encodable, make_printable, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -63,7 +63,7 @@ def _for_canvas(record: Record, out: Path) -> tuple[str, str] | None:
     attachment = record.entry.platform.get("canvas_submission")
     parts = record.entry.source.split("/")
     name = next((part for part in parts if f"_{attachment}_" in part), None) if attachment else None
-    return (encodable(name), _as_program(name, list(lines(record)))) if name else None
+    return (make_encodable(name), _as_program(name, list(lines(record)))) if name else None
 
 
 def _as_program(name: str, told: list[str]) -> str:
@@ -80,12 +80,12 @@ def lines(record: Record) -> Iterator[str]:
     """A report as lines of plain text."""
     yield record.title or record.entry.exercise
     yield from (one_line(text) for text in (headline(record), *record.remarks))
-    yield from printable(problem(record)).splitlines()
+    yield from make_printable(problem(record)).splitlines()
     for check in record.report["checks"]:
         yield ""
         points = f"{number(check['points'])} of {in_points(check['max_points'])}"
         yield f"{one_line(check['title'])}: {STATES[check['status']]}, {points}"
-        yield from (f"  {line}" for line in printable(explained(check)).splitlines())
+        yield from (f"  {line}" for line in make_printable(explained(check)).splitlines())
 
 
 def _zipped(files: list[tuple[str, str]]) -> bytes:
@@ -93,5 +93,5 @@ def _zipped(files: list[tuple[str, str]]) -> bytes:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, text in files:
-            archive.writestr(zipfile.ZipInfo(name), encodable(text), zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(name), make_encodable(text), zipfile.ZIP_DEFLATED)
     return stream.getvalue()

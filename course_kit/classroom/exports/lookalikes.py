@@ -20,9 +20,9 @@ from course_kit.grading.model.submission import Copy, UnreadableError
 from course_kit.grading.reading.reading_answers import Fingerprints
 from course_kit.grading.reading.readings import Readings, starter_identities
 from course_kit.grading.render.program import LONGEST
-from course_kit.process import Closing
-from course_kit.reader.fingerprints import shape
-from course_kit.text.templates import render
+from course_kit.process import Closable
+from course_kit.reader.fingerprints import line_shape
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -39,11 +39,11 @@ _RARE = 40  # programs; only fingerprints that no more have bring two together, 
 FOLDER = "lookalikes"
 MOST_PAIRS = 60
 _MOST_LINES = 400  # of each program; comparing takes the square of it
-_shape = lru_cache(maxsize=8192)(shape)  # a program is compared with many others, and much is alike
+_shape = lru_cache(maxsize=8192)(line_shape)  # a program is compared with many others, and much is alike
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
-class ProgramTexts(Closing):
+class ProgramTexts(Closable):
     """The programs of a class: each is read when it is asked for, if nobody has read it yet; for one thread."""
 
     def __init__(self, book: Gradebook) -> None:
@@ -241,7 +241,8 @@ def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, Stude
         rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
         cut = any(len(lines) > _MOST_LINES for lines in sides)
         names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
-        yield link(place), str(render(template, pair=pair, rows=rows, names=names, most=_MOST_LINES if cut else 0))
+        most = _MOST_LINES if cut else 0
+        yield link(place), str(render_template(template, pair=pair, rows=rows, names=names, most=most))
 
 
 def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:

@@ -17,8 +17,8 @@ from course_kit.classroom.exports import attention, lookalikes
 from course_kit.classroom.exports.texts import by_student, name_of, number, problem, score, total
 from course_kit.classroom.records import STUDENTS, outcome, safe_name
 from course_kit.grading.diagnosis import catalogue
-from course_kit.text.templates import load
-from course_kit.text.templates import render as fill_in
+from course_kit.text.templates import load_templates
+from course_kit.text.templates import render_template as fill_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -101,7 +101,7 @@ class HeatMap:
 
 def get_ready() -> None:
     """Load the templates before there is a class to show."""
-    load(_TEMPLATES)
+    load_templates(_TEMPLATES)
 
 
 def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:

@@ -29,7 +29,7 @@ from course_kit.classroom.exports.texts import (
 )
 from course_kit.classroom.intake.roster import plain
 from course_kit.classroom.records import outcome
-from course_kit.text.sanitize import escaped
+from course_kit.text.sanitize import escape_html
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -118,7 +118,7 @@ def canvas_assignment(exercise: Exercise, assignments: Sequence[str]) -> str:
 def _moodle(records: Sequence[Record]) -> Iterator[Row]:
     yield _MOODLE_HEADER
     for record in records:
-        comments = "<br>".join(escaped(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
+        comments = "<br>".join(escape_html(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
         identifier = f"Participant {record.entry.platform[_MOODLE_NUMBER]}"
         # Moodle finds the participant by the identifier; the name is for people, and may get an apostrophe.
         status = "Submitted for grading - Graded"

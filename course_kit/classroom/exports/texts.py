@@ -9,7 +9,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from course_kit.text.console import in_points
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -52,7 +52,7 @@ def cell(value: str | float | None) -> str:
         return number(value)
     if isinstance(value, Identifier) and _HARMLESS.fullmatch(value):
         return value
-    text = printable(value)
+    text = make_printable(value)
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
@@ -77,7 +77,7 @@ def json_text(value: Any) -> str:
 
 def _printable(value: Any) -> Any:
     if isinstance(value, str):
-        return printable(value)
+        return make_printable(value)
     if isinstance(value, dict):
         return {key: _printable(one) for key, one in value.items()}
     return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Found, Item, look_through, moved
 from course_kit.grading.errors import GradingError
-from course_kit.process import Closing
+from course_kit.process import Closable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -62,7 +62,7 @@ class _NamesReader(io.BufferedReader):
         return super().read(size)
 
 
-class Archive(Closing):
+class Archive(Closable):
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
     def __init__(self, path: Path, workspace: Path | None, names: int = NAMES) -> None:

@@ -227,7 +227,7 @@ class Chooser:
         with suppress(OSError):
             if not path.lstat().st_size:
                 return "it is empty"
-        if text.kind(file.called) == text.NOTEBOOK:
+        if text.kind_of_file(file.called) == text.NOTEBOOK:
             return f"no cell in it can be read that begins with %%submission {exercise.id}"
         return "no program can be read in it"
 
@@ -290,7 +290,7 @@ def _platform_of(unit: Unit) -> dict[str, str]:
 def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
     """What else a student handed in: what might have been chosen, then other programs, then the rest."""
     named = [f"{one_line(path)} ({why})" for path, why in reasons.items()]
-    named += [one_line(path) for path in sorted(rest, key=lambda path: (not text.kind(path), path))]
+    named += [one_line(path) for path in sorted(rest, key=lambda path: (not text.kind_of_file(path), path))]
     more = len(named) - _MOST_OTHERS
     return named[:_MOST_OTHERS] + ([f"{more} more"] if more > 0 else [])
 

@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-from course_kit.reader.text import kind as kind_of_program
+from course_kit.reader.text import kind_of_file as kind_of_program
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -25,7 +25,7 @@ from course_kit.grading import GradingError
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import export
 from course_kit.ros2cli import parser as ros2_parser
-from course_kit.text.console import cannot
+from course_kit.text.console import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,22 +59,22 @@ def main(arguments: Sequence[str]) -> int:
         "--to", type=Path, metavar="DIR", help=f"where it goes; left out, {_USUAL} in the course's folder"
     )
     options = parser.parse_args(arguments)
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
-        return cannot("the site is made of the course's folder. Run this in a clone of the course.")
+        return refuse("the site is made of the course's folder. Run this in a clone of the course.")
     if not all(find_spec(name) for name in NEEDS):
-        return cannot(
+        return refuse(
             'Sphinx and its extensions are missing. Run .venv/bin/python -m pip install -e ".[site]", then this again.'
         )
     target = (options.to or root / _USUAL).absolute()
     if _is_in_use(target):
-        return cannot(f"{target} is no site that this command has made. Name a folder that is new or empty with --to.")
+        return refuse(f"{target} is no site that this command has made. Name a folder that is new or empty with --to.")
     try:
         return _build(root, target)
     except GradingError as problem:
-        return cannot(problem)
+        return refuse(problem)
     except OSError as problem:
-        return cannot(f"the site cannot be written: {problem}.")
+        return refuse(f"the site cannot be written: {problem}.")
 
 
 def _is_in_use(target: Path) -> bool:
@@ -161,4 +161,4 @@ def _write(path: Path, text: str) -> None:
 
 def ros2() -> ros2_parser.Parser:
     """The parser of `ros2` with the verbs of all commands; a command line that is run has only those it needs."""
-    return ros2_parser.build(list(ros2_parser.COMMANDS))
+    return ros2_parser.build_parser(list(ros2_parser.COMMANDS))

@@ -16,7 +16,7 @@ from course_kit.grading.model.bounds import bounded
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.service import ServiceClient
-from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers, subscriptions
+from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers_of, subscriptions_of
 
 if TYPE_CHECKING:
     from rclpy.publisher import Publisher
@@ -133,11 +133,11 @@ class GraderNode:
 
     def publishers(self, topic: str) -> list[Endpoint]:
         """Who else publishes on a topic."""
-        return [end for end in publishers(self.node, topic) if end.node != NAME]
+        return [end for end in publishers_of(self.node, topic) if end.node != NAME]
 
     def subscriptions(self, topic: str) -> list[Endpoint]:
         """Who else subscribes to a topic."""
-        return [end for end in subscriptions(self.node, topic) if end.node != NAME]
+        return [end for end in subscriptions_of(self.node, topic) if end.node != NAME]
 
     def topics(self) -> list[str]:
         """The names of all topics but those every node has and those only the grader uses."""
@@ -146,7 +146,7 @@ class GraderNode:
 
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
-        return [name for name in graph.nodes(self.node) if not name.endswith(f"/{NAME}")]
+        return [name for name in graph.node_names(self.node) if not name.endswith(f"/{NAME}")]
 
     def services(self) -> list[Offer]:
         """The services that other nodes offer, but for those every node has for its parameters."""

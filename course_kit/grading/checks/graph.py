@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis import exits, hangs
-from course_kit.ros.names import nearest
+from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,7 +40,7 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
 
 def closest(wanted: str, names: Sequence[str]) -> str:
     """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
-    near = nearest(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
+    near = nearest_name(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
     return f" The closest is {near}." if near else ""
 
 

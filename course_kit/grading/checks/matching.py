@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model.exchange_log import in_one_line
 from course_kit.interfaces import get_type
-from course_kit.ros.filling import make
+from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message
         if len(names) != 1:
             raise TypeError(f"{type_name(message_type)} has {len(names)} fields: say which, as a dict")
         given = {names[0]: given}
-    return make(message_type, {**(given or {}), **fields}, type_name(message_type))
+    return make_message(message_type, {**(given or {}), **fields}, type_name(message_type))
 
 
 def only_field(message: Message, wanted: Any) -> Any:

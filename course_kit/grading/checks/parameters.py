@@ -70,11 +70,11 @@ class Remote:
 
     def names(self) -> list[str]:
         """The names of all parameters of the node."""
-        return self._ask(parameters.names())
+        return self._ask(parameters.ask_names())
 
     def values(self, names: Sequence[str]) -> dict[str, Value]:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
-        return dict(zip(names, map(_value, self._ask(parameters.values(names))), strict=True))
+        return dict(zip(names, map(_value, self._ask(parameters.ask_values(names))), strict=True))
 
     def set(self, name: str, value: object) -> SetResult:
         """Set one parameter."""
@@ -87,7 +87,7 @@ class Remote:
         return _result(self._ask(parameters.set_together(messages)))
 
     def _ask(self, steps: Steps[T]) -> T:
-        return parameters.driven(steps, self._answer)
+        return parameters.run_steps(steps, self._answer)
 
     def _answer(self, question: Question) -> Message:
         context, request = self._context, question.request

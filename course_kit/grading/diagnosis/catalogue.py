@@ -14,7 +14,7 @@ else:
     import tomli as tomllib
 
 from course_kit import environment
-from course_kit.interfaces.hints import nearest
+from course_kit.interfaces.hints import nearest_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,7 +70,7 @@ def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
         ValueError: there is no such code or field, a text is missing, or a notebook comes without its section.
     """
     if code not in catalogue():
-        near = nearest(code, catalogue())
+        near = nearest_name(code, catalogue())
         raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")
     for name, text in fields.items():
         if name not in REPLACEABLE:
@@ -86,5 +86,5 @@ def complete(message: str, found: Diagnosis | None) -> str:
     """What happened in this case, followed by why and by where to read, when the cause is known."""
     if found is None:
         return message
-    read_on = f" Read on: {found.link}" if environment.paths.lesson(found.notebook) else ""
+    read_on = f" Read on: {found.link}" if environment.paths.lesson_path(found.notebook) else ""
     return f"{message} {found.explanation}{read_on}"

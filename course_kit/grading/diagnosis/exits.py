@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 from course_kit.grading.model.submission import where
-from course_kit.ros.names import nearest
+from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
     from course_kit.grading.diagnosis.tracebacks import Frame
@@ -196,7 +196,7 @@ def _nearest(raised: Raised) -> str:
         wanted, known = match["name"], _names_in(match["module"])
     else:
         return ""
-    near = nearest(wanted, known)
+    near = nearest_name(wanted, known)
     return f"The nearest name is {near}." if near else ""
 
 

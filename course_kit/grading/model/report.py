@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Result
 from course_kit.text.console import in_points
-from course_kit.text.sanitize import encodable
+from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.diagnosis.catalogue import Diagnosis
@@ -122,7 +122,7 @@ class Report:
 
     def to_json(self) -> str:
         """One JSON document, without a trailing line end."""
-        return encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
+        return make_encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _check_mapping(check: CheckReport) -> Record:

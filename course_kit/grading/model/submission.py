@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.process import Closing
+from course_kit.process import Closable
 from course_kit.process.libc import make_memory_file
-from course_kit.reader.text import NOTEBOOK, PROGRAM, kind
+from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -121,7 +121,7 @@ def where(places: tuple[tuple[int, int], ...], line: int) -> str:
     return f"line {line}"
 
 
-class Copy(Closing):
+class Copy(Closable):
     """A copy of a submission's file in memory, closed at the end of a `with`.
 
     Attributes:
@@ -152,7 +152,7 @@ class Copy(Closing):
         self._file.close()
 
     def _fill(self, path: Path, *, whole: bool) -> str:
-        ending = kind(path.name)
+        ending = kind_of_file(path.name)
         digest = hashlib.sha256(ending.encode() + b"\0")
         source = _open(path)
         try:
@@ -218,7 +218,7 @@ def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
 
 
 def _too_large(path: Path) -> str:
-    if kind(path.name) == PROGRAM:
+    if kind_of_file(path.name) == PROGRAM:
         return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in only the program."
     return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
 

@@ -19,12 +19,12 @@ import course_kit
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import reading_answers as answers
-from course_kit.process import Closing
+from course_kit.process import Closable
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.libc import make_memory_file
 from course_kit.process.output import LastWords
 from course_kit.reader import contract
-from course_kit.reader.text import NOTEBOOK, kind
+from course_kit.reader.text import NOTEBOOK, kind_of_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,7 +47,7 @@ class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
 
 
-class Reader(Closing):
+class Reader(Closable):
     """The process. For one thread at a time."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
@@ -114,7 +114,7 @@ class Reader(Closing):
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written."""
         with _file_in_memory() as answer:
-            contract.send(self._line, request, (copy.fileno(), answer.fileno()))
+            contract.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
             ended = self._await_end()
             answer.seek(0)
             return ended, answer.read(contract.ANSWER_BYTES)
@@ -130,14 +130,14 @@ class Reader(Closing):
             if time.monotonic() > deadline:
                 self._process.kill()
                 raise EOFError("the reader hangs")
-        return contract.receive(self._line)[0]
+        return contract.receive_packet(self._line)[0]
 
     def _understood(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
         used_up = cpu_s >= contract.CPU_S - 1
-        advice = "Clear its outputs and hand" if kind(copy.name) == NOTEBOOK else "Hand"
+        advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"
         advice += " in a shorter, simpler program."
         if ended_by == signal.SIGXCPU or (ended_by and used_up):
             raise UnreadableError(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
-from course_kit.reader.text import kind
+from course_kit.reader.text import kind_of_file
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
@@ -89,7 +89,7 @@ def _facts(told: Record) -> Facts:
 def _program_name(name: str) -> str:
     """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
     stem = name
-    while kind(stem):  # `a.py` of `a.py.txt`, then `a`
+    while kind_of_file(stem):  # `a.py` of `a.py.txt`, then `a`
         stem = stem.rpartition(".")[0]
     plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
     return f"{plain}.py"

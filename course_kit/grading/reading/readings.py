@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.reading.reading_answers import Fingerprints
-from course_kit.process import Closing
+from course_kit.process import Closable
 from course_kit.reader import fingerprints, text
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class _Memory:
             self._characters += len(program.source)
 
 
-class Readings(Closing):
+class Readings(Closable):
     """Does what `Reader` does, and raises what that raises. Its process runs while it has something to read."""
 
     def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: _Memory | None = None) -> None:
@@ -101,5 +101,5 @@ def starter_identities(exercise: Exercise) -> frozenset[str]:
     for name in (exercise.starter, exercise.notebook):
         # One that is not there, or a notebook without a cell to fill in, was given to nobody.
         with suppress(OSError, text.UnreadableTextError), (exercise.folder / name).open("rb") as file:
-            found.add(fingerprints.identity(text.program(name, file, exercise.id)[0]))
+            found.add(fingerprints.program_identity(text.read_program(name, file, exercise.id)[0]))
     return frozenset(found)

@@ -13,7 +13,7 @@ from course_kit.grading.model.exchange_log import GRADER, NODE
 from course_kit.grading.render import program as program_lines
 from course_kit.ros import sequence
 from course_kit.text.console import in_points
-from course_kit.text.templates import load, render
+from course_kit.text.templates import load_templates, render_template
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +30,7 @@ NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 
 def get_ready() -> None:
     """Load the templates before there is something to show."""
-    load(_TEMPLATES)
+    load_templates(_TEMPLATES)
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
@@ -40,7 +40,7 @@ def render_html(report: Report, base: Path | None = None) -> str:
         report: what to show.
         base: the folder of the notebook that shows it, from which links to the lessons lead; the present one when None.
     """
-    return str(render(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
+    return str(render_template(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
 
 
 def render_page(report: Report, student: str, program: Submission | None = None) -> str:
@@ -61,7 +61,7 @@ def render_page(report: Report, student: str, program: Submission | None = None)
         "program": program_lines.lines(report, program) if program else [],
         "most_lines": program_lines.MOST_LINES,
     }
-    return str(render(_TEMPLATES / "page.html", **values))
+    return str(render_template(_TEMPLATES / "page.html", **values))
 
 
 def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
@@ -76,7 +76,7 @@ def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
     _, ends, after = rest.partition(NOTICE_ENDS)
     if not begins or not ends:  # not a page of ours any more
         return page
-    notice = render(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
+    notice = render_template(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
     return f"{before}{begins}{notice}{ends}{after}"
 
 
@@ -95,7 +95,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
 
 def _link(found: Diagnosis, base: Path) -> str:
     """Where the lesson lies, empty where it does not; JupyterLab opens it beside the notebook, at the heading."""
-    lesson = environment.paths.lesson(found.notebook, base)
+    lesson = environment.paths.lesson_path(found.notebook, base)
     if lesson is None:
         return ""
     way = Path(os.path.relpath(lesson, base)).as_posix()

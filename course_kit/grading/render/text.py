@@ -6,7 +6,7 @@ import itertools
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.report import CheckReport, Report
@@ -83,7 +83,7 @@ def _last_output(name: str, text: str, width: int) -> list[str]:
     return [
         "",
         f"The end of your program's {name}:",
-        *(line for part in tail for line in _cut(f"  | {printable(part)}", width)),
+        *(line for part in tail for line in _cut(f"  | {make_printable(part)}", width)),
     ]
 
 
@@ -94,7 +94,7 @@ def _cut(line: str, width: int) -> list[str]:
 def _wrap(text: str, width: int, indent: int = 0, hanging: int = 0) -> list[str]:
     """Lines of text; what would steer the terminal, out of a submission's source or messages, is made harmless."""
     return textwrap.wrap(
-        printable(text),
+        make_printable(text),
         width,
         initial_indent=" " * indent,
         subsequent_indent=" " * (indent + hanging),

@@ -119,7 +119,7 @@ class _Watch:
             return "processes"
         if self._last > _STARTED_AT_ONCE + _STARTED_PER_S * (time.monotonic() - self._began):
             return "processes"
-        usage = tree.usage(everything)
+        usage = tree.measure_usage(everything)
         self._waiting.notice(everything, usage.tasks)
         if usage.tasks > self._limits.tasks:
             return "processes"
@@ -140,7 +140,7 @@ class _Watch:
         Listing them anew takes longer than all else that is looked at here, and most programs are one process.
         """
         if self._root != 1:
-            return tree.descendants(self._root)
+            return tree.descendants_of(self._root)
         last = last_task()  # first: what is started while they are listed is listed again the next time
         if last != self._last or not last:
             self._known, self._last = tree.all_but(1), last
@@ -148,7 +148,7 @@ class _Watch:
 
     def _usage(self) -> Record:
         everything = self._everything()
-        usage = tree.usage(everything)
+        usage = tree.measure_usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
         own = os.times()  # what watching costs is the submission's: it decides how often there is something to see
         cpu_s = usage.cpu_s + own.user + own.system - self._computed_before

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.sandbox import file_view, landlock, namespaces, scratch, seccomp, socket_memory
-from course_kit.process.fork import fork
+from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -166,7 +166,7 @@ class _Attempt:
     def __init__(self, user: int) -> None:
         self._reader, writer = os.pipe()
         self._folder = scratch.make()  # which the next one removes when this process is killed
-        self._child = fork(partial(_try_each, writer, str(self._folder), user))
+        self._child = fork_child(partial(_try_each, writer, str(self._folder), user))
         os.close(writer)
 
     def told(self) -> list[str]:
@@ -222,7 +222,7 @@ def _try_each(writer: int, folder: str, user: int) -> None:
             _works(writer, "user", lambda: _try_user(user))
         _works(writer, "syscalls", seccomp.install)
 
-    os.waitpid(fork(try_inside), 0)
+    os.waitpid(fork_child(try_inside), 0)
 
 
 def _try_user(user: int) -> None:

@@ -31,7 +31,7 @@ from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions, Streams
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.fork import first_uses, fork, freeze
+from course_kit.process.fork import first_uses, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -104,13 +104,13 @@ def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
     die_with_parent()
     _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))
     names.close()
-    freeze()
+    freeze_memory()
     if len(lines) == 1:
         _serve(lines[0])
         return
     for line, unused in first_uses(lines):
         if line.recv(1, socket.MSG_PEEK):
-            fork(partial(_serve_one, line, unused))
+            fork_child(partial(_serve_one, line, unused))
         line.close()
     with suppress(ChildProcessError):
         while True:
@@ -150,14 +150,14 @@ def _serve(line: socket.socket) -> None:
                 line.send(_ENDED)
         elif order.startswith(_LOAD):
             _load("", json.loads(order.removeprefix(_LOAD)))
-            freeze()
+            freeze_memory()
         elif not order:
             tree.end_descendants()
             return
 
 
 def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
-    fork(partial(_gate, line, descriptors), failed=init_process.FAILED)
+    fork_child(partial(_gate, line, descriptors), failed=init_process.FAILED)
     for descriptor in descriptors:
         os.close(descriptor)
 
@@ -181,7 +181,7 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
     die_with_parent()  # entering a user namespace has cleared it
-    child = fork(partial(init_process.main, program, cell, inside), failed=init_process.FAILED)
+    child = fork_child(partial(init_process.main, program, cell, inside), failed=init_process.FAILED)
     inside.close()
     os.waitpid(child, 0)
 

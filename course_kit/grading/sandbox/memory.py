@@ -37,21 +37,21 @@ def exact_use(process_ids: Sequence[int], patience_s: float) -> int:
 
 def _areas(process_id: int) -> int:
     with suppress(OSError, LookupError):
-        return Path(f"/proc/{tree.speaker(process_id)}/maps").read_bytes().count(b"\n")
+        return Path(f"/proc/{tree.speaking_task(process_id)}/maps").read_bytes().count(b"\n")
     return 0
 
 
 def _proportional(process_id: int) -> int:
     """Resident bytes, shared ones divided by their users; all of them for a process that hides the figures."""
     with suppress(OSError, ValueError, LookupError, StopIteration):
-        text = Path(f"/proc/{tree.speaker(process_id)}/smaps_rollup").read_text(encoding="utf-8")
+        text = Path(f"/proc/{tree.speaking_task(process_id)}/smaps_rollup").read_text(encoding="utf-8")
         return next(int(row.split()[1]) * 1024 for row in text.splitlines() if row.startswith("Pss:"))
-    return tree.usage([process_id]).memory
+    return tree.measure_usage([process_id]).memory
 
 
 def _beside_pages(process_id: int) -> int:
     with suppress(OSError, ValueError, LookupError):
-        text = Path(f"/proc/{tree.speaker(process_id)}/status").read_text(encoding="utf-8", errors="replace")
+        text = Path(f"/proc/{tree.speaking_task(process_id)}/status").read_text(encoding="utf-8", errors="replace")
         return sum(int(line.split()[1]) * 1024 for line in text.splitlines() if line.startswith(_BESIDE_PAGES))
     return 0
 

@@ -25,7 +25,7 @@ _ATTR_RDONLY, _ATTR_NOSUID, _ATTR_NODEV = 0x1, 0x2, 0x4
 def _mount(source: str, target: str, kind: str, flags: int, options: str = "") -> None:
     arguments = [os.fsencode(text) or None for text in (source, target, kind)]
     data = os.fsencode(options) or None
-    libc.call("mount", *arguments, ctypes.c_ulong(flags), data, what=f"mount {kind or source} on {target}")
+    libc.call_libc("mount", *arguments, ctypes.c_ulong(flags), data, what=f"mount {kind or source} on {target}")
 
 
 def detach() -> None:
@@ -88,5 +88,5 @@ def change_root(folder: str) -> None:
     os.chdir(folder)
     # The old root comes to lie on top of the new one, from where it is taken away: no folder is needed for it.
     libc.system_call(number, b".", b".", what="pivot_root")
-    libc.call("umount2", b".", _MNT_DETACH, what="umount the old root")
+    libc.call_libc("umount2", b".", _MNT_DETACH, what="umount the old root")
     os.chdir("/")

@@ -55,7 +55,7 @@ def enter(kinds: int, guest: int = 0) -> None:
             _unshare_with_guest(kinds, guest)
             return
         user, group = os.geteuid(), os.getegid()
-        libc.call("unshare", CLONE_NEWUSER | kinds)
+        libc.call_libc("unshare", CLONE_NEWUSER | kinds)
         Path("/proc/self/setgroups").write_bytes(b"deny")
         Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
         Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
@@ -78,7 +78,7 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
     finally:
         os.close(told)
     try:
-        libc.call("unshare", CLONE_NEWUSER | kinds)
+        libc.call_libc("unshare", CLONE_NEWUSER | kinds)
         os.write(tell, b"now\n")
     finally:
         os.close(tell)
@@ -90,18 +90,18 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
 @contextmanager
 def _readable_proc() -> Iterator[None]:
     """Have /proc/self belong to this process's user, which it does not while tracing is forbidden."""
-    before = libc.prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
+    before = libc.call_prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
     allow_tracing()
     try:
         yield
     finally:
-        libc.prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
+        libc.call_prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
 
 
 def join(user: int, network: int) -> None:
     """Move into the user and the network namespace of another process of the same user (setns(2))."""
     for descriptor, kind in ((user, CLONE_NEWUSER), (network, CLONE_NEWNET)):
-        libc.call("setns", descriptor, kind)
+        libc.call_libc("setns", descriptor, kind)
 
 
 def raise_loopback() -> None:
@@ -114,12 +114,12 @@ def raise_loopback() -> None:
 
 def forbid_tracing() -> None:
     """Let no process of the same user read this one's memory or trace it (ptrace(2))."""
-    libc.prctl(_PR_SET_DUMPABLE, 0, what="DUMPABLE")
+    libc.call_prctl(_PR_SET_DUMPABLE, 0, what="DUMPABLE")
 
 
 def allow_tracing() -> None:
     """Take `forbid_tracing` back; a change of the user forbids it as well."""
-    libc.prctl(_PR_SET_DUMPABLE, 1, what="DUMPABLE")
+    libc.call_prctl(_PR_SET_DUMPABLE, 1, what="DUMPABLE")
 
 
 def join_new_keyring() -> None:
@@ -132,7 +132,7 @@ def join_new_keyring() -> None:
 
 def forbid_new_privileges() -> None:
     """Let no program that this process starts have more rights than itself, set-uid ones included."""
-    libc.prctl(_PR_SET_NO_NEW_PRIVS, 1, what="NO_NEW_PRIVS")
+    libc.call_prctl(_PR_SET_NO_NEW_PRIVS, 1, what="NO_NEW_PRIVS")
 
 
 def drop_privileges() -> None:
@@ -140,8 +140,8 @@ def drop_privileges() -> None:
     forbid_new_privileges()
     with suppress(OSError):  # past the last capability of this kernel, or none of our own to drop
         for capability in range(_HIGHEST_CAPABILITY + 1):
-            libc.prctl(_PR_CAPBSET_DROP, capability, what="CAPBSET_DROP")
+            libc.call_prctl(_PR_CAPBSET_DROP, capability, what="CAPBSET_DROP")
     with suppress(OSError):  # a kernel without them
-        libc.prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, what="CAP_AMBIENT")
+        libc.call_prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, what="CAP_AMBIENT")
     header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
-    libc.call("capset", header, bytes(24))
+    libc.call_libc("capset", header, bytes(24))

@@ -74,7 +74,7 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
             f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
             "submission's processes. Grade in a container or a virtual machine."
         )
-    if why := libc.lacking():
+    if why := libc.explain_lock_failure():
         return (
             f"This system does not allow prctl ({why}), by which the grader keeps hold of a submission's processes. "
             f"Allow it, as Docker's own seccomp profile does{_AGAIN}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 KEPT = 4096  # bytes, at the beginning and at the end
 
@@ -35,4 +35,4 @@ class BoundedOutput:
 
 
 def _decode(data: bytes) -> str:
-    return printable(data.decode("utf-8", errors="replace"))
+    return make_printable(data.decode("utf-8", errors="replace"))

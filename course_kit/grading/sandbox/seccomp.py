@@ -184,7 +184,7 @@ def install(*, processes: bool = True, files: bool = True) -> None:
     code = b"".join((*_opening(machine), *_more(machine, processes, files), *_filter(machine)))
     program = _Program(len(code) // 8, code)
     namespaces.forbid_new_privileges()
-    libc.prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
+    libc.call_prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
 
 
 def _opening(machine: str) -> Iterator[bytes]:

@@ -22,7 +22,7 @@ from course_kit.grading.sandbox.output import BoundedOutput
 from course_kit.grading.sandbox.output_collector import OutputCollector
 from course_kit.grading.sandbox.sandbox import Sandbox
 from course_kit.process import tree
-from course_kit.process.fork import fork
+from course_kit.process.fork import fork_child
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ class Supervisor:
             die_with_parent()
             grader_process.main(theirs, self._job)
 
-        fork(run)
+        fork_child(run)
         theirs.close()
         return ours
 

@@ -16,7 +16,7 @@ from course_kit.grading.model import limits
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
-from course_kit.process import Closing
+from course_kit.process import Closable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +29,7 @@ _START_S = 60.0  # importing everything from a cold disk on a loaded machine
 _GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
 
 
-class Worker(Closing):
+class Worker(Closable):
     """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
 
     def __init__(

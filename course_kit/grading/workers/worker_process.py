@@ -25,7 +25,7 @@ from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.fork import first_uses, forget_binding, fork, freeze
+from course_kit.process.fork import first_uses, forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     names.send(json.dumps([os.environ.get(PATH_VARIABLE, ""), known]).encode())
     names.close()
     common = _Common(found, usual, file_view.of_a_program(), interfaces, frozenset(known))
-    freeze()
+    freeze_memory()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))
         return
@@ -96,7 +96,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     for channel, unused in first_uses(channels):
         if not channel.is_closed():
             others = [(one, launcher_of[one]) for one in unused]
-            children.append(fork(partial(_work_apart, (channel, launcher_of[channel]), others, common)))
+            children.append(fork_child(partial(_work_apart, (channel, launcher_of[channel]), others, common)))
         channel.close()
         launcher_of[channel].close()
     for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
@@ -109,7 +109,7 @@ def _fork_launchers(
 ) -> tuple[int, socket.socket]:
     """Start the process from which submissions are forked, before anything is loaded that is not for them."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    freeze()
+    freeze_memory()
 
     def serve_launchers() -> None:
         ours.close()
@@ -119,7 +119,7 @@ def _fork_launchers(
             launcher.close()
         launchers.serve_all(theirs, [end for _, end in pairs])
 
-    child = fork(serve_launchers)
+    child = fork_child(serve_launchers)
     theirs.close()
     return child, ours
 
@@ -189,7 +189,7 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         ours.close()
         theirs.send(_run(job, launcher, view))
 
-    fork(supervise)
+    fork_child(supervise)
     theirs.close()
     try:
         return _outcome(ours, channel)

@@ -22,17 +22,17 @@ OCTETS = [bytes([value]) for value in range(256)]
 _LENGTH = struct.Struct("<I").pack
 
 
-def too_long(length: int, bound: int) -> NoReturn:
+def refuse_too_long(length: int, bound: int) -> NoReturn:
     """Refuse a sequence beyond its bound."""
     raise ValueError(f"a sequence of {length} elements exceeds its bound of {bound}")
 
 
-def unknown_encoding(payload: bytes | memoryview) -> NoReturn:
+def refuse_encoding(payload: bytes | memoryview) -> NoReturn:
     """Refuse a payload that is not plain little-endian CDR."""
     raise ValueError(f"unknown encapsulation {bytes(payload[:2]).hex()} of a serialized message")
 
 
-def truncated() -> NoReturn:
+def refuse_truncated() -> NoReturn:
     """Refuse a payload that ends too early."""
     raise ValueError("the serialized message is truncated")
 
@@ -68,7 +68,7 @@ def encode_fixed(values: ArrayLike, dtype: np.dtype[np.generic], count: int) -> 
     return array.tobytes()
 
 
-def exactly(values: _Values, count: int) -> _Values:
+def require_count(values: _Values, count: int) -> _Values:
     """The values themselves, if there are `count` of them."""
     if len(values) != count:
         raise ValueError(f"the array must have {count} elements, not {len(values)}")

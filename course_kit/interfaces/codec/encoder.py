@@ -42,7 +42,7 @@ class Decoder(CodeWriter):
         self.flush()
         self.emit(f"return {result}")
         head = "def decode(u):\n    o, end = 4, len(u)\n"
-        head += f"    if u[1] != {_LITTLE_ENDIAN} or u[0]: unknown_encoding(u)\n"
+        head += f"    if u[1] != {_LITTLE_ENDIAN} or u[0]: refuse_encoding(u)\n"
         return head + "\n".join(self.lines) + "\n"
 
     def flush(self) -> None:
@@ -94,7 +94,7 @@ class Decoder(CodeWriter):
         self.put("I", 4, 4, length)
         self.flush()
         self.emit(f"e = o + 4 * {length}" if wide else f"e = o + {length}")
-        self.emit("if e > end: truncated()")
+        self.emit("if e > end: refuse_truncated()")
         if wide:
             units = f"struct_unpack('<%dI' % {length}, u, o)"
             self.emit(f"{value} = struct_pack('<%dH' % {length}, *{units}).decode('utf-16-le')")
@@ -124,7 +124,7 @@ class Decoder(CodeWriter):
         self.put("I", 4, 4, length)
         self.flush()
         if bound:
-            self.emit(f"if {length} > {bound}: too_long({length}, {bound})")
+            self.emit(f"if {length} > {bound}: refuse_too_long({length}, {bound})")
         if field.type.primitive:
             self._primitives(field.type.primitive, length, values)
         else:
@@ -135,7 +135,7 @@ class Decoder(CodeWriter):
         if primitive.size > HEADER_SIZE:  # an empty sequence is not padded
             self.emit(f"if {length}: o += (4 - o) & 7")
         self.emit(f"e = o + {length} * {primitive.size}")
-        self.emit("if e > end: truncated()")
+        self.emit("if e > end: refuse_truncated()")
         if primitive.array_code:
             self.emit(f"{values} = array('{primitive.array_code}'); {values}.frombytes(memoryview(u)[o:e])")
         else:
@@ -177,9 +177,9 @@ def make_decoder(cls: type[Message]) -> Decode:
         "new": object.__new__,
         "octets": code_writer.OCTETS,
         "checks": checks_by_default(),
-        "too_long": code_writer.too_long,
-        "truncated": code_writer.truncated,
-        "unknown_encoding": code_writer.unknown_encoding,
+        "refuse_too_long": code_writer.refuse_too_long,
+        "refuse_truncated": code_writer.refuse_truncated,
+        "refuse_encoding": code_writer.refuse_encoding,
     }
     exec(compile(source, f"<CDR decoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
     return cast("Decode", namespace["decode"])
@@ -276,10 +276,10 @@ class Encoder(CodeWriter):
         if field.type.base == "string":
             self.flush()
             self.align_at_run_time(4)
-            self.emit(f"b += encode_strings(exactly({value}, {count}))")
+            self.emit(f"b += encode_strings(require_count({value}, {count}))")
             self.settle(1)
         elif primitive is None:
-            self._each(field, f"exactly({value}, {count})")
+            self._each(field, f"require_count({value}, {count})")
         elif primitive.idl == "octet":
             self.put(f"{count}s", count, 1, f"encode_octets({value}, {count})")
         elif primitive.idl == "boolean":
@@ -293,7 +293,7 @@ class Encoder(CodeWriter):
         values, bound = self.variable("v"), field.type.size
         self.emit(f"{values} = {value}")
         if bound:
-            self.emit(f"if len({values}) > {bound}: too_long(len({values}), {bound})")
+            self.emit(f"if len({values}) > {bound}: refuse_too_long(len({values}), {bound})")
         self.put("I", 4, 4, f"len({values})")
         if field.type.primitive:
             self.flush()
@@ -347,15 +347,15 @@ def make_encoder(cls: type[Message], native: ctypes.PyDLL) -> Encode:
         "list_booleans": native.live_booleans,
         "list_octets": native.live_octets,
         "encode_fixed": code_writer.encode_fixed,
-        "exactly": code_writer.exactly,
-        "explained": explained,
-        "too_long": code_writer.too_long,
+        "require_count": code_writer.require_count,
+        "explained": explain_error,
+        "refuse_too_long": code_writer.refuse_too_long,
     }
     exec(compile(source, f"<CDR encoder of {cls.__module__}.{cls.__name__}>", "exec"), namespace)  # noqa: S102
     return cast("Encode", namespace["encode"])
 
 
-def explained(message: Message, error: Exception) -> Exception:
+def explain_error(message: Message, error: Exception) -> Exception:
     """The error that names the field which could not be encoded; the given one if no field is at fault."""
     for field in message_fields(type(message)):
         value: Any = getattr(message, f"_{field.name}", None)
@@ -366,7 +366,7 @@ def explained(message: Message, error: Exception) -> Exception:
         if field.nested is None:
             continue
         for nested in value if field.type.container else (value,):
-            found = explained(nested, error)
+            found = explain_error(nested, error)
             if found is not error:
                 return found
     return error

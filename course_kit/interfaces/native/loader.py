@@ -27,7 +27,7 @@ _api.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
 _api.Py_IncRef.argtypes = [ctypes.py_object]
 
 
-def keep(data: bytes) -> int:
+def keep_data(data: bytes) -> int:
     """Copy bytes into memory that is never freed; the address."""
     address: int | None = _libc.malloc(max(len(data), 1))
     if address is None:
@@ -38,7 +38,7 @@ def keep(data: bytes) -> int:
 
 def keep_text(text: str) -> int:
     """Copy a C string into memory that is never freed; the address."""
-    return keep(text.encode() + b"\0")
+    return keep_data(text.encode() + b"\0")
 
 
 def keep_object(value: object) -> None:
@@ -46,13 +46,13 @@ def keep_object(value: object) -> None:
     _api.Py_IncRef(value)
 
 
-def capsule(address: int) -> object:
+def make_capsule(address: int) -> object:
     """What rclpy expects to find a C address in: an unnamed capsule."""
     made: object = _api.PyCapsule_New(address, None, None)
     return made
 
 
-def pointer(made: object) -> int:
+def capsule_pointer(made: object) -> int:
     """The address inside an unnamed capsule."""
     address: int = _api.PyCapsule_GetPointer(made, None)
     return address
@@ -135,7 +135,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 
 def load_helper(path: Path | None = None) -> ctypes.PyDLL:
     """Load the helper, ready for use."""
-    if problem := middleware.unsupported():
+    if problem := middleware.explain_middleware():
         raise NativeHelperError(problem)
     try:
         # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.goal_arrows import UNSEEN, goal_arrows
 from course_kit.ros.sequence import Arrow
-from course_kit.ros.showing import in_words
+from course_kit.ros.showing import describe_message
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event
@@ -113,7 +113,7 @@ def _draw_exchange(exchange: _Exchange) -> list[Timed]:
     request, client = exchange.request, exchange.client
     drawn = []
     for leg in exchange.legs or [_Leg(UNSEEN)]:
-        asked = Arrow(client, leg.server, "request", in_words(request.value), request.channel)
+        asked = Arrow(client, leg.server, "request", describe_message(request.value), request.channel)
         drawn.append(((request.at, 0), asked))
         ending = leg.ending or (exchange.answer if not exchange.legs else None)
         if ending is None:
@@ -122,7 +122,7 @@ def _draw_exchange(exchange: _Exchange) -> list[Timed]:
             text = f"no answer: {ending.value}"
             drawn.append(((ending.at, 2), Arrow(leg.server, client, "failure", text, request.channel)))
         else:
-            answer = Arrow(leg.server, client, "response", in_words(ending.value), request.channel)
+            answer = Arrow(leg.server, client, "response", describe_message(ending.value), request.channel)
             drawn.append(((ending.at, 2), answer))
     return drawn
 
@@ -130,6 +130,6 @@ def _draw_exchange(exchange: _Exchange) -> list[Timed]:
 def _draw_message(message: _Message) -> list[Timed]:
     event = message.event
     return [
-        ((event.at, number), Arrow(message.sender, receiver, "message", in_words(event.value), event.channel))
+        ((event.at, number), Arrow(message.sender, receiver, "message", describe_message(event.value), event.channel))
         for number, receiver in enumerate(sorted(message.receivers) or [NOBODY])
     ]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.names import short_name
 from course_kit.ros.sequence import Arrow, sequence_css, sequence_svg
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +78,7 @@ class Diagram:
             steps.insert(0, (Arrow(first, first, "note", missing), missing))
         words = [f"{_ends(arrow)}  {_line(_label(arrow))}" for arrow in self.arrows]
         return str(
-            render(
+            render_template(
                 _TEMPLATE,
                 drawing=sequence_svg(steps, names, f"Sequence diagram: {self._summary()}"),
                 sequence_css=sequence_css(),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
-from course_kit.ros.showing import snapshot
+from course_kit.ros.showing import copy_message
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,7 +72,7 @@ class EventStream:
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
         """Report something that happened now, or at `at`; `where` is node, channel and type name."""
         if self._observers:
-            self.forward(Event(kind, *where, snapshot(message), sequence, at or time.monotonic_ns()))
+            self.forward(Event(kind, *where, copy_message(message), sequence, at or time.monotonic_ns()))
 
     def forward(self, event: Event) -> None:
         """Report an event as it stands, such as one that comes from another process."""

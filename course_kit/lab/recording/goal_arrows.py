@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.ros.sequence import Arrow
-from course_kit.ros.showing import in_words
+from course_kit.ros.showing import describe_message
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event
@@ -82,7 +82,7 @@ def _number(goals: list[_Goal]) -> None:
 def _draw(goal: _Goal, server: str) -> list[Timed]:
     steps = _ask(goal, server) + _answers(goal, server) + _feedback(goal, server) + _cancelling(goal, server)
     for event in goal.of("result_sent", server)[:1]:
-        text = f"{event.value['status']}, {in_words(event.value['result'])}"
+        text = f"{event.value['status']}, {describe_message(event.value['result'])}"
         steps.append(((event.at, 3), Arrow(server, goal.client, "result", text, goal.channel)))
     return steps
 
@@ -91,7 +91,7 @@ def _ask(goal: _Goal, server: str) -> list[Timed]:
     sent = [one for one in goal.events if one.kind == "goal_sent"]
     received = [one for one in goal.events if one.kind == "goal_received" and one.node == server]
     return [
-        ((event.at, 0), Arrow(goal.client, server, "goal", in_words(event.value), goal.channel))
+        ((event.at, 0), Arrow(goal.client, server, "goal", describe_message(event.value), goal.channel))
         for event in (sent or received)[:1]
     ]
 
@@ -120,7 +120,7 @@ def _feedback(goal: _Goal, server: str) -> list[Timed]:
 
 
 def _fold(goal: _Goal, server: str, run: list[Event]) -> list[Timed]:
-    texts = [(event.at, in_words(event.value)) for event in run]
+    texts = [(event.at, describe_message(event.value)) for event in run]
     if len(run) > RUN:
         texts = [texts[0], (run[1].at, f"... {len(run) - 2} more"), texts[-1]]
     return [((at, 2), Arrow(server, goal.client, "feedback", text, goal.channel)) for at, text in texts]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.ros.names import short_name
-from course_kit.text.templates import render
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -196,7 +196,7 @@ class Timeline:
         ticks = [(self._x(self._begin + int(step * number)), _time(int(step * number))) for number in range(_TICKS + 1)]
         words = str(self).splitlines()
         drawing = {"bars": bars, "names": names, "ticks": ticks, "height": height, "width": _RIGHT}
-        return str(render(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, lane=_LANE, **drawing))
+        return str(render_template(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, lane=_LANE, **drawing))
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         if not self.busy:

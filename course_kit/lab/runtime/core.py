@@ -215,11 +215,11 @@ class Lab:
     def _start_engine(self) -> Engine:
         from course_kit import environment
 
-        environment.apply()
+        environment.apply_settings()
         from course_kit.lab.runtime.engine import Engine
         from course_kit.ros import compat
 
-        found = compat.check()
+        found = compat.check_features()
         engine = Engine(self.events, self.output, self._notebook, found)
         engine.on_server_gone = self._let_scripts_end
         engine.neighbours.on_stop_asked = self._stop_for
@@ -257,7 +257,7 @@ class Lab:
     def _let_scripts_end(self) -> None:
         if self._scripts is not None and self._engine is not None:
             node = self._engine.node
-            self._scripts.wait_for_end_of_those_without_node(set(ros_graph.nodes(node)))
+            self._scripts.wait_for_end_of_those_without_node(set(ros_graph.node_names(node)))
 
     def _require_recorder(self) -> Recording:
         if self._recorder is None:

@@ -133,7 +133,7 @@ class Neighbours:
         for name, role in list(self._doubled()):
             for node in self._offering(name, role):
                 self._tell(node, f"{name} is also offered by {{}}: both answer every request.")
-        running = graph.nodes(self._node)
+        running = graph.node_names(self._node)
         for name in {live.name for live in self._lab.nodes}:
             if running.count(name) > 1:
                 self._tell(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
@@ -158,7 +158,7 @@ class Neighbours:
 
     def _offering(self, name: str, role: graph.Role) -> list[str]:
         own = {live.name for live in self._lab.nodes} | self._lab.own_names
-        found = [one for one in sorted(set(graph.nodes(self._node)) - own) if self._offers(one, role, name)]
+        found = [one for one in sorted(set(graph.node_names(self._node)) - own) if self._offers(one, role, name)]
         return found or sorted(own & {node for other in self.others() for node in other.nodes})
 
     def _offers(self, node: str, role: graph.Role, name: str) -> bool:

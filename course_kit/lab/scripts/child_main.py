@@ -121,7 +121,7 @@ def _record(patches: Patches, reports: Reports) -> None:
     events = EventStream()
     events.listen(reports.event)
     hooks = MessageHooks(events)
-    found = compat.check(compat.OF_SCRIPTS)
+    found = compat.check_features(compat.OF_SCRIPTS)
     for sentence in found.sentences():
         reports.send(off=sentence)
     if found.has(compat.GOAL_RECORDING):

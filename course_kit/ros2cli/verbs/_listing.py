@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.names import did_you_mean, from_root
 from course_kit.ros2cli.daemon import graph_for
-from course_kit.ros2cli.graph import visible
+from course_kit.ros2cli.graph import visible_names
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb
 from course_kit.ros2cli.session import CommandError, Session
 
@@ -56,7 +56,7 @@ def add_type(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
 
     def run(options: Namespace, session: Session) -> None:
         name = checked_name(getattr(options, f"{kind}_name"))
-        print(*existing(kind, name, names_of(graph_of(options, session))), sep="\n")
+        print(*types_of_existing(kind, name, names_of(graph_of(options, session))), sep="\n")
 
     article = "an" if kind == "action" else "a"
     add_graph_options(add_about(verbs, kind, "type", run, f"Show the type of {article} {kind}"))
@@ -69,7 +69,7 @@ def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
     def run(options: Namespace, session: Session) -> None:
         package, _, name = getattr(options, f"{kind}_type").partition("/")
         wanted = f"{package}/{name}" if "/" in name else f"{package}/{part}/{name}"
-        names = visible(names_of(graph_of(options, session)), hidden_too=options.hidden)
+        names = visible_names(names_of(graph_of(options, session)), hidden_too=options.hidden)
         print_names({one: its_types for one, its_types in names.items() if wanted in its_types}, options)
 
     verb = add_verb(verbs, "find", run, f"List the {kind}s of a type")
@@ -80,7 +80,7 @@ def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
     add_graph_options(verb)
 
 
-def existing(kind: str, name: str, names: Names) -> list[str]:
+def types_of_existing(kind: str, name: str, names: Names) -> list[str]:
     """The types of what has this name."""
     if name not in names:
         raise CommandError(f"Unknown {kind} '{name}'.{did_you_mean(name, names)}")

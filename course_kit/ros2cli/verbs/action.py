@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros.graph import RUNS, SENDS_GOALS
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.graph import Graph, visible
+from course_kit.ros2cli.graph import Graph, visible_names
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_timeout, add_values, add_verbs
 from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.text import to_yaml
@@ -47,7 +47,7 @@ def add_to(place: ArgumentParser) -> None:
 
 
 def _list(options: Namespace, session: Session) -> None:
-    print_names(visible(graph_of(options, session).actions()), options)
+    print_names(visible_names(graph_of(options, session).actions()), options)
 
 
 def _info(options: Namespace, session: Session) -> None:
@@ -70,7 +70,7 @@ def _send_goal(options: Namespace, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     action_type = values.find_type(options.action_type, "action")
     goal = action_type.Goal()
-    values.fill(goal, values.typed(options, "goal"), f"{type_name(action_type)}_Goal")
+    values.fill_message(goal, values.read_typed(options, "goal"), f"{type_name(action_type)}_Goal")
     sending = _SentGoal(session, node, action_type, name, options.timeout)
     try:
         sending.run(goal, show_feedback=options.feedback)
@@ -159,7 +159,7 @@ class _SentGoal:
             return
         from course_kit.ros import graph
 
-        hint = did_you_mean(self._name, set(graph.offered(self._node, graph.RUNS)) - {self._name})
+        hint = did_you_mean(self._name, set(graph.offered_types(self._node, graph.RUNS)) - {self._name})
         raise CommandError(f"No action server for {self._name} within {self._timeout:g} s.{hint}")
 
     def _wait_until_heard(self) -> None:

@@ -37,9 +37,9 @@ def _doctor(options: Namespace, session: Session) -> None:
     graph = graph_of(options, session)
     with_packages = not options.exclude_packages
     if options.report:
-        _print(checkup.reports(graph, with_packages=with_packages))
+        _print(checkup.report_versions(graph, with_packages=with_packages))
         return
-    failed, found = [], checkup.checks(graph, with_packages=with_packages)
+    failed, found = [], checkup.run_checks(graph, with_packages=with_packages)
     for check in found:
         for said in (*(f"ERROR: {error}" for error in check.errors), *check.warnings):
             sys.stderr.write(f"UserWarning: {said}\n")
@@ -50,9 +50,9 @@ def _doctor(options: Namespace, session: Session) -> None:
         print(f"\n{len(failed)}/{len(found)} check(s) failed\n\nFailed modules: {' '.join(failed)}")
     else:
         print(f"\nAll {len(found)} checks passed\n")
-    print(f"Whether the course itself works on this machine: {environment.command()} doctor")
+    print(f"Whether the course itself works on this machine: {environment.course_command()} doctor")
     if options.report_failed and failed:
-        _print(one for one in checkup.reports(graph, with_packages=with_packages) if one.category in failed)
+        _print(one for one in checkup.report_versions(graph, with_packages=with_packages) if one.category in failed)
 
 
 def _print(reports: Iterable[CheckupSection]) -> None:
@@ -76,7 +76,7 @@ def _start(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit.ros2cli.daemon import DaemonSocket, ask_daemon
 
-    environment.apply()
+    environment.apply_settings()
     if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
         print("The daemon is already running")
     elif ask_daemon(_PATIENCE):
@@ -96,6 +96,6 @@ def _status(options: Namespace, session: Session) -> None:
     del options, session
     from course_kit.ros2cli.daemon import DaemonSocket
 
-    environment.apply()
+    environment.apply_settings()
     running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
     print("The daemon is running" if running else "The daemon is not running")

@@ -80,7 +80,7 @@ def _file_and_arguments(first: str, words: list[str]) -> tuple[Path, dict[str, s
 
 
 def _in_package(package: str, name: str) -> Path:
-    from course_kit.launch.executables import missing, package_folders
+    from course_kit.launch.executables import explain_missing, package_folders
 
     known: list[str] = []
     folders = package_folders(package)
@@ -91,5 +91,5 @@ def _in_package(package: str, name: str) -> Path:
             if (place / name).is_file():
                 return (place / name).resolve()
     if not any(folder.is_dir() for folder in folders):
-        raise CommandError(missing(package))
+        raise CommandError(explain_missing(package))
     raise CommandError(f"Package '{package}' has no launch file '{name}' here.{did_you_mean(name, known)}")

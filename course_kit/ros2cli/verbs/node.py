@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES
 from course_kit.ros.names import did_you_mean, is_hidden
-from course_kit.ros2cli.graph import visible
+from course_kit.ros2cli.graph import visible_names
 from course_kit.ros2cli.parser import add_graph_options, add_verb, add_verbs
 from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import add_about, checked_name, graph_of
@@ -65,5 +65,5 @@ def _info(options: Namespace, session: Session) -> None:
     print(name)
     for title, role in _SECTIONS.items():
         print(f"  {title}:")
-        names = visible(graph.of(name, role), hidden_too=options.include_hidden)
+        names = visible_names(graph.of(name, role), hidden_too=options.include_hidden)
         print(*[f"    {one}: {', '.join(types)}" for one, types in names.items()], sep="\n")

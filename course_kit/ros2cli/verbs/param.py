@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.ros import parameters
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.graph import visible
-from course_kit.ros2cli.parameters import ParameterClient, load
+from course_kit.ros2cli.graph import visible_names
+from course_kit.ros2cli.parameters import ParameterClient, load_parameters
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
 from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import add_of_kind, checked_name, graph_of
@@ -79,15 +79,17 @@ def _list(options: Namespace, session: Session) -> None:
     if options.node_name:
         nodes = [_find_node(checked_name(options.node_name), graph)]
     else:
-        shown = visible({node: [] for node in graph.nodes}, hidden_too=options.include_hidden_nodes)
+        shown = visible_names({node: [] for node in graph.nodes}, hidden_too=options.include_hidden_nodes)
         nodes = [node for node in shown if f"{node}{parameters.LIST_SERVICE}" in graph.services]
     for node in nodes:
         client = ParameterClient(session, node, options.timeout)
-        listed = client.ask(parameters.names(options.param_prefixes))
+        listed = client.ask(parameters.ask_names(options.param_prefixes))
         names = [name for name in sorted(listed) if pattern.search(name)]
         if not options.node_name:
             print(f"{node}:")
-        types = [_type_in_words(value) for value in client.ask(parameters.values(names))] if options.param_type else []
+        types = (
+            [_type_in_words(value) for value in client.ask(parameters.ask_values(names))] if options.param_type else []
+        )
         for index, name in enumerate(names):
             print(f"  {name} (type: {types[index]})" if types else f"  {name}")
 
@@ -98,7 +100,7 @@ def _get(options: Namespace, session: Session) -> None:
         print("None" if options.hide_type else "Parameter not set.")
         return
     label = "" if options.hide_type else f"{_value_in_words(value)} "
-    print(f"{label}{parameters.held(value)}")
+    print(f"{label}{parameters.raw_value(value)}")
 
 
 def _set(options: Namespace, session: Session) -> None:
@@ -128,7 +130,7 @@ def _describe(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     for name in options.parameter_names:
         client.declared(name)
-    for descriptor in client.ask(parameters.descriptors(options.parameter_names)):
+    for descriptor in client.ask(parameters.ask_descriptors(options.parameter_names)):
         print(f"Parameter name: {descriptor.name}")
         print(f"  Type: {_type_in_words(descriptor)}")
         if descriptor.description:
@@ -150,9 +152,9 @@ def _dump(options: Namespace, session: Session) -> None:
     import yaml
 
     client = _client(options, session)
-    names = sorted(client.ask(parameters.names()))
+    names = sorted(client.ask(parameters.ask_names()))
     found: dict[str, Any] = {}
-    for name, value in zip(names, client.ask(parameters.values(names)), strict=True):
+    for name, value in zip(names, client.ask(parameters.ask_values(names)), strict=True):
         place, groups = found, name.split(".")
         while len(groups) > 1 and isinstance(place.get(groups[0], {}), dict):  # else a parameter has the group's name
             place = place.setdefault(groups.pop(0), {})
@@ -163,7 +165,7 @@ def _dump(options: Namespace, session: Session) -> None:
 def _load(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     node = checked_name(options.node_name)
-    loaded = load(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
+    loaded = load_parameters(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
     for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
         _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")
 

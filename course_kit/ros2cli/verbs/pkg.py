@@ -33,7 +33,7 @@ def add_to(place: ArgumentParser) -> None:
 def _packages() -> list[str]:
     from course_kit import interfaces
 
-    return sorted({*executables.packages(), *interfaces.packages()})
+    return sorted({*executables.find_packages(), *interfaces.packages()})
 
 
 def _list(options: Namespace, session: Session) -> None:
@@ -44,7 +44,7 @@ def _list(options: Namespace, session: Session) -> None:
 def _prefix(options: Namespace, session: Session) -> None:
     del session
     name = options.package_name
-    found = executables.prefix(name)
+    found = executables.package_prefix(name)
     if found is None:
         raise CommandError(_unknown(name))
     print(found / "share" / name if options.share else found)
@@ -53,11 +53,11 @@ def _prefix(options: Namespace, session: Session) -> None:
 def _executables(options: Namespace, session: Session) -> None:
     del session
     named = options.package_name
-    if named is not None and named not in executables.packages() and not executables.executables(named):
+    if named is not None and named not in executables.find_packages() and not executables.list_executables(named):
         raise CommandError(_unknown(named))
-    for package in executables.packages() if named is None else [named]:
-        place = executables.prefix(package)
-        for program in executables.executables(package):
+    for package in executables.find_packages() if named is None else [named]:
+        place = executables.package_prefix(package)
+        for program in executables.list_executables(package):
             print(f"{place}/{program}" if options.full_path else f"{package} {program}")
 
 
@@ -83,7 +83,7 @@ def _run(options: Namespace, session: Session) -> int:
 
     make_known([Path.cwd()])
     try:
-        program = executables.find(options.package_name, options.executable_name)
+        program = executables.find_command(options.package_name, options.executable_name)
     except LaunchError as error:
         raise CommandError(str(error)) from error
     command = [*shlex.split(options.prefix), *program, *options.arguments]

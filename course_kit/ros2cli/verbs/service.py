@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros2cli.graph import visible
+from course_kit.ros2cli.graph import visible_names
 from course_kit.ros2cli.parser import (
     add_graph_options,
     add_named,
@@ -17,16 +17,16 @@ from course_kit.ros2cli.parser import (
     add_verbs,
 )
 from course_kit.ros2cli.session import CommandError, Session
-from course_kit.ros2cli.text import add_layout, dumped, layout_of, to_csv, to_plain
+from course_kit.ros2cli.text import add_layout, dump_yaml, layout_of, to_csv, to_plain
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
     add_list,
     add_type,
     checked_name,
-    existing,
     graph_of,
     print_names,
+    types_of_existing,
 )
 
 if TYPE_CHECKING:
@@ -60,13 +60,13 @@ def _add_echo(verb: ArgumentParser) -> None:
 
 
 def _list(options: Namespace, session: Session) -> None:
-    print_names(visible(graph_of(options, session).services, hidden_too=options.hidden), options)
+    print_names(visible_names(graph_of(options, session).services, hidden_too=options.hidden), options)
 
 
 def _info(options: Namespace, session: Session) -> None:
     name = checked_name(options.service_name)
     graph = graph_of(options, session)
-    types = existing("service", name, graph.services)
+    types = types_of_existing("service", name, graph.services)
     clients, servers = graph.counts[name]
     print(f"Type: {types[0] if len(types) == 1 else types}")
     print(f"Clients count: {clients}")
@@ -80,7 +80,7 @@ def _echo(options: Namespace, session: Session) -> None:
     name = checked_name(options.service_name)
     kind = options.service_type
     if kind is None:
-        kind = existing("service", name, session.observe(options.timeout or values.LOOK_S).services)[0]
+        kind = types_of_existing("service", name, session.observe(options.timeout or values.LOOK_S).services)[0]
     from course_kit.ros2cli.listening import Listener  # with rclpy, which the session makes ready first
 
     event = values.find_type(kind, "srv").Event
@@ -101,7 +101,7 @@ def _echo(options: Namespace, session: Session) -> None:
             continue
         plain = to_plain(message, layout)
         plain["info"]["event_type"] = words.get(plain["info"]["event_type"], plain["info"]["event_type"])
-        print(f"{dumped(plain, layout)}---", flush=True)
+        print(f"{dump_yaml(plain, layout)}---", flush=True)
 
 
 def _call(options: Namespace, session: Session) -> None:
@@ -114,7 +114,7 @@ def _call(options: Namespace, session: Session) -> None:
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     service_type = values.find_type(options.service_type, "srv")
     request = service_type.Request()
-    values.fill(request, values.typed(options, "values"), f"{type_name(service_type)}_Request")
+    values.fill_message(request, values.read_typed(options, "values"), f"{type_name(service_type)}_Request")
     client = ServiceClient(node, service_type, name)
     print("waiting for service to become available...", flush=True)
     _wait_for_server(client, options.timeout, session)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.ros2cli.graph import Ends, visible
+from course_kit.ros2cli.graph import TopicEndpoints, visible_names
 from course_kit.ros2cli.parser import (
     add_graph_options,
     add_named,
@@ -21,9 +21,9 @@ from course_kit.ros2cli.verbs._listing import (
     add_list,
     add_type,
     checked_name,
-    existing,
     graph_of,
     print_names,
+    types_of_existing,
 )
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ _HISTORY = ("SYSTEM_DEFAULT", "KEEP_LAST", "KEEP_ALL", "UNKNOWN")
 _RELIABILITY = ("SYSTEM_DEFAULT", "RELIABLE", "BEST_EFFORT", "UNKNOWN", "BEST_AVAILABLE")
 _DURABILITY = ("SYSTEM_DEFAULT", "TRANSIENT_LOCAL", "VOLATILE", "UNKNOWN", "BEST_AVAILABLE")
 _LIVELINESS = ("SYSTEM_DEFAULT", "AUTOMATIC", "UNKNOWN", "MANUAL_BY_TOPIC", "UNKNOWN", "BEST_AVAILABLE")
-_NOBODY = Ends([], [])
+_NOBODY = TopicEndpoints([], [])
 _FOR_EVER = 9223372036854775807  # nanoseconds
 _PROFILES = ("system_default", "sensor_data", "services_default", "parameters", "parameter_events", "default")
 _POLICIES = {
@@ -130,7 +130,7 @@ def _add_pub(verb: ArgumentParser) -> None:
 
 def _list(options: Namespace, session: Session) -> None:
     graph = graph_of(options, session)
-    topics = visible(_topics(graph), hidden_too=options.hidden)
+    topics = visible_names(_topics(graph), hidden_too=options.hidden)
     if not options.verbose:
         print_names(topics, options)
         return
@@ -145,7 +145,7 @@ def _list(options: Namespace, session: Session) -> None:
 def _info(options: Namespace, session: Session) -> None:
     name = checked_name(options.topic_name)
     graph = graph_of(options, session)
-    types = existing("topic", name, _topics(graph))
+    types = types_of_existing("topic", name, _topics(graph))
     publishers, subscriptions = graph.endpoints.get(name, _NOBODY)
     print(f"Type: {types[0] if len(types) == 1 else types}", end="\n\n" if options.verbose else "\n")
     for title, endpoints in (("Publisher", publishers), ("Subscription", subscriptions)):
@@ -193,19 +193,19 @@ def _echo(options: Namespace, session: Session) -> None:
 def _hz(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import listening
 
-    listening.rate(_listener(options, session), options.window)
+    listening.print_rate(_listener(options, session), options.window)
 
 
 def _delay(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import listening
 
-    listening.delay(_listener(options, session), options.window)
+    listening.print_delay(_listener(options, session), options.window)
 
 
 def _bw(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import listening
 
-    listening.bandwidth(_listener(options, session), checked_name(options.topic_name), options.window)
+    listening.print_bandwidth(_listener(options, session), checked_name(options.topic_name), options.window)
 
 
 def _listener(options: Namespace, session: Session) -> Listener:
@@ -215,6 +215,6 @@ def _listener(options: Namespace, session: Session) -> Listener:
 
 
 def _pub(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli.listening import publish
+    from course_kit.ros2cli.listening import publish_values
 
-    publish(options, session, checked_name(options.topic_name))
+    publish_values(options, session, checked_name(options.topic_name))

@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from course_kit.classroom.exports import texts
-from course_kit.text.sanitize import printable
+from course_kit.text.sanitize import make_printable
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 
@@ -15,7 +15,7 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 @given(st.text())
 @example("\r\n")
 def test_a_cell_is_the_text_or_an_apostrophe_and_the_text(text: str) -> None:
-    shown = printable(text)
+    shown = make_printable(text)
     assert texts.cell(text) in (shown, f"'{shown}")
     assert not texts.cell(text).startswith(FORMULA_STARTS) or float(text) < 0
 

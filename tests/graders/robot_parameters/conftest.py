@@ -7,7 +7,7 @@ from pathlib import Path
 from course_kit import environment, grading
 
 EXERCISE = "robot_parameters"
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 

@@ -132,7 +132,7 @@ def open_the_way(path: str) -> None:
     """Have every user find a folder that lies in a private one, such as a Python in root's home; as root."""
     private = [place for place in reversed(Path(path).parents) if not place.stat().st_mode & stat.S_IXOTH]
     if private:
-        libc.call("unshare", namespaces.CLONE_NEWNS)
+        libc.call_libc("unshare", namespaces.CLONE_NEWNS)
         mounts.detach()
         opened = os.open(path, os.O_PATH)
         mounts.memory(str(private[0]), 1)
@@ -143,7 +143,7 @@ def open_the_way(path: str) -> None:
 
 def hide_the_kit(path: str) -> None:
     """Have nobody but root read a file that submissions need, as with a Python in root's home; as root."""
-    libc.call("unshare", namespaces.CLONE_NEWNS)
+    libc.call_libc("unshare", namespaces.CLONE_NEWNS)
     mounts.detach()
     opened, private = tempfile.mkstemp()  # its mode is 0600
     atexit.register(os.unlink, private)

@@ -15,7 +15,7 @@ import pytest
 
 from course_kit.grading.sandbox import file_view, isolation, landlock
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.process.fork import fork
+from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -76,9 +76,9 @@ def inside(arrange: Callable[[], None], folder: Path, *, processes: bool) -> dic
     def start() -> None:
         if processes:
             isolation.enter_processes()
-        os.waitpid(fork(look), 0)
+        os.waitpid(fork_child(look), 0)
 
-    child = fork(start)
+    child = fork_child(start)
     os.close(writer)
     with os.fdopen(reader) as told:
         answer = told.read()

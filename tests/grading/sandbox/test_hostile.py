@@ -114,7 +114,7 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
 
     def look() -> bool:
         # What stays is the process that submissions are started from. Orphans without a PID namespace come to it.
-        return len(tree.descendants(worker.process_id)) == 1
+        return len(tree.descendants_of(worker.process_id)) == 1
 
     yield look
     assert look()
@@ -212,7 +212,7 @@ while True:
 
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS[KILLS])
-    assert len(tree.descendants(worker.process_id)) == 1  # where submissions are started
+    assert len(tree.descendants_of(worker.process_id)) == 1  # where submissions are started
     assert grade_source(solution).score == 10.0
 
 

@@ -197,11 +197,11 @@ def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[st
 
 def test_a_real_program_that_sleeps_has_not_however_busy_its_children_are(start: Callable[[str], int]) -> None:
     program = start(BUSY_CHILDREN)
-    wait_until(lambda: len(tree.descendants(program)) == 12, "the children")
+    wait_until(lambda: len(tree.descendants_of(program)) == 12, "the children")
     waiting = Waiting(program, with_children=False)
 
     def busy() -> float:
-        everything = [program, *tree.descendants(program)]
+        everything = [program, *tree.descendants_of(program)]
         waiting.look(everything, len(everything))
         return sum(map(seconds_of, everything))
 

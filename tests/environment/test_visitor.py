@@ -40,10 +40,10 @@ def test_it_announces_itself_to_those_who_are_there_last_and_to_those_who_may_be
     most = re.search(r"maxInitialPeersRange>(\d+)<", environment.LOOPBACK_PROFILE.read_text(encoding="utf-8"))
     assert most is not None
     beyond = 10 + 2 * int(most[1])  # no participant of this graph has that place
-    there = [domains.port(domain, place) for place in (10, 14, beyond - 2, beyond)]
-    next_ones = [domains.port(domain, place) for place in (12, 16, 18, 20, 22, 24, 26, 28)]
+    there = [domains.port_at(domain, place) for place in (10, 14, beyond - 2, beyond)]
+    next_ones = [domains.port_at(domain, place) for place in (12, 16, 18, 20, 22, 24, 26, 28)]
     with ExitStack() as stack:
-        for number in (*there, domains.port(domain, 11)):
+        for number in (*there, domains.port_at(domain, 11)):
             stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)).bind(("127.0.0.1", number))
         with visiting.visiting():
             text = Path(os.environ[PROFILE]).read_text(encoding="utf-8")

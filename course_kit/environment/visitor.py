@@ -28,7 +28,7 @@ _AT_ONCE = 8  # so many may begin at the same moment; a participant takes the fi
 
 
 @contextmanager
-def visiting(wanted: bool = True) -> Iterator[bool]:
+def visit_graph(wanted: bool = True) -> Iterator[bool]:
     """Have this process's first node, if it is made meanwhile, be a visitor's; yields whether it is.
 
     Fast DDS reads its profile once: this is for a process that ends with its visit. Where somebody else's profile is in
@@ -50,7 +50,7 @@ def _profile() -> Path | None:
     wanted = "".join(_ONE.format(port) for port in _addressed(domains.discovery_ports(domain_id)[:_PARTICIPANTS]))
     try:
         text = LOOPBACK_PROFILE.read_text(encoding="utf-8").replace(_ALL, wanted)
-        path = run_dir() / f"visiting_{domain_id}.xml"
+        path = run_dir() / f"visitor_{domain_id}.xml"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_atomically(path, text)
     except (OSError, UnicodeDecodeError):
@@ -60,7 +60,7 @@ def _profile() -> Path | None:
 
 def _addressed(every: Sequence[int]) -> list[int]:
     """The ports to announce to, those of participants that are there at the end."""
-    taken = {number for number, _ in domains.bound()}
+    taken = {number for number, _ in domains.bound_ports()}
     there = [port for port in every if port in taken]
     free = [port for port in every if port not in taken]
     return [*free[:_AT_ONCE], *reversed(there)]
