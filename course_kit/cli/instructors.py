@@ -190,7 +190,7 @@ def _new(options: argparse.Namespace) -> int:
         return _refresh(options)
     exercise = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
     folder, program = (shlex.quote(str(shown(path))) for path in (exercise.folder, exercise.solution))
-    command = environment.command()
+    command = environment.course_command()
     there = "" if options.folder is None else f" --in {shlex.quote(str(options.folder))}"
     print(f"The exercise {exercise.id} is in {folder}. It works as it is:")
     print(f"  {command} grade {exercise.id} {program} --exercises {folder}")
@@ -220,7 +220,7 @@ def _bundle(options: argparse.Namespace) -> int:
     from course_kit.authoring import wheel_bundle
     from course_kit.dev import lock
 
-    root = environment.checkout()
+    root = environment.checkout_folder()
     if root is None:
         return refuse("the list of packages belongs to the course's folder; run this in a clone of it.")
     try:

@@ -92,7 +92,7 @@ def to_text(found: list[Row], encoding: str | None) -> str:
     following = next((row.exercise for row in found if not row.known.passed), None)
     if following is not None:
         folder = workspace.exercise_folder(following)
-        where = f"after: {environment.command()} copy" if folder is None else f"in {workspace.shown(folder)}"
+        where = f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shown(folder)}"
         lines.append(f"Next: {following.id}, {where}")
     return "\n".join([*lines, *_guessed()])
 
@@ -136,7 +136,7 @@ def next_step(passed: str, root: Path | None = None) -> str:
     drills, _ = rows(practice=True)
     if (drill := next((row.exercise for row in drills if row.exercise.id == passed), None)) is not None:
         left = next((row.exercise.id for row in drills if not row.known.passed and row.exercise is not drill), None)
-        way = f"Next: {environment.command()} drills {left}." if left else "That was the last drill."
+        way = f"Next: {environment.course_command()} drills {left}." if left else "That was the last drill."
         return f"{way}{_comparison(drill)}"
     root = root or environment.course_files()
     exercises = [row.exercise for row in rows()[0]]
@@ -155,7 +155,7 @@ def _comparison(exercise: Exercise | None) -> str:
     if exercise is None or not exercise.solution.is_file():
         return ""
     where = f" --exercises {shlex.quote(str(exercise.folder))}" if exercise_folders.is_added(exercise.folder) else ""
-    return f" Compare yours with ours: {environment.command()} solution {exercise.id}{where}"
+    return f" Compare yours with ours: {environment.course_command()} solution {exercise.id}{where}"
 
 
 def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
@@ -169,7 +169,7 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
     following = next((row.exercise.id for row in found if not row.known.passed), None)
     if following is not None:
-        lines.append(f"Next: {environment.command()} drills {following}")
+        lines.append(f"Next: {environment.course_command()} drills {following}")
     return "\n".join(lines), told
 
 
@@ -178,7 +178,7 @@ def begin_drill(drill_id: str) -> str:
     drills = {row.exercise.id: row.exercise for row in rows(practice=True)[0]}
     if drill_id not in drills:
         if drill_id in list_exercise_ids():
-            raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.command()} list.")
+            raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.course_command()} list.")
         guess = did_you_mean(drill_id, drills)
         raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(drills) or 'none'}.")
     exercise = drills[drill_id]
@@ -188,7 +188,7 @@ def begin_drill(drill_id: str) -> str:
     for missing in handouts.changed(exercise, place):
         if not missing.file.exists():
             missing.carry_out()
-    command, program = environment.command(), workspace.shown(place / exercise.starter)
+    command, program = environment.course_command(), workspace.shown(place / exercise.starter)
     lines = [*wrap_text(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrap_text(exercise.symptom), ""]
     lines += [
         f"The program:     {program}",

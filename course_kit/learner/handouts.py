@@ -224,5 +224,5 @@ def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
         f"you can see the solution once you have passed: {exercise.pass_mark:g} of {exercise.points:g} points; "
-        f"{so_far}.\nStuck? {environment.command()} hint {exercise.id}\nInstructors: add --show."
+        f"{so_far}.\nStuck? {environment.course_command()} hint {exercise.id}\nInstructors: add --show."
     )

@@ -172,7 +172,7 @@ def _notebook(name: str, content: bytes) -> dict[str, Any] | None:
 def _put_command(command: Path, root: Path) -> None:
     """Have `./course` work in a learner's folder as the lessons say it; a file of the learner's own stays."""
     installed = Path(sys.executable).with_name("course-kit")
-    ours = installed if environment.checkout() is None else root / _COMMAND
+    ours = installed if environment.checkout_folder() is None else root / _COMMAND
     if command.is_symlink() or not command.exists():
         command.unlink(missing_ok=True)
         command.symlink_to(ours)
@@ -213,15 +213,17 @@ def exercise_folder(exercise: Exercise) -> Path | None:
     copied = mine / "exercises" / exercise_folders.place(course)
     if not exercise_folders.is_added(course) and _has_one(copied, exercise):
         return copied
-    its_own = environment.checkout() is not None or exercise_folders.is_added(course)  # nobody works in a package
+    its_own = environment.checkout_folder() is not None or exercise_folders.is_added(
+        course
+    )  # nobody works in a package
     return course if its_own and environment.paths.is_writable(course, make=False) else None
 
 
 def no_files_of(exercise: Exercise, verb: str) -> GradingError:
     """What to tell a user of whose files `exercise_folder` knows nothing; `verb` is what they wanted."""
-    command = environment.command()
+    command = environment.course_command()
     why = f"There is no {exercise.starter} of yours here"
-    if environment.checkout() is not None:
+    if environment.checkout_folder() is not None:
         why = f"The course's folder is read-only for you, and there is no {exercise.starter} of yours here"
     return GradingError(
         f"{why}. Make your own copy of the course with {command} copy, or name your file: "
@@ -253,7 +255,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     best, other = program, notebook
     if notebook.stat().st_mtime > program.stat().st_mtime + _AT_ONCE_S:
         best, other = notebook, program
-    named = f"{environment.command()} {verb} {exercise.id} {shown(other)}"
+    named = f"{environment.course_command()} {verb} {exercise.id} {shown(other)}"
     return best, f", the newer of your two answers. For the other one: {named}"
 
 
@@ -273,7 +275,7 @@ def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     if course is not None and given.is_relative_to(course):
         yours = _my_folder() / "exercises" / given.relative_to(course)
         if yours.is_file():
-            command = f"{environment.command()} grade {exercise_id}"
+            command = f"{environment.course_command()} grade {exercise_id}"
             return path, f"{path} is the course's own file. Yours is {shown(yours)}: {command}"
     return path, ""
 

@@ -35,7 +35,7 @@ def test_a_counter_that_was_made_from_the_guide_alone_proves_itself(
     shutil.rmtree(made / "proof")
     shutil.copytree(Path(__file__).parent / "counter", made, dirs_exist_ok=True)
     new_exercise.refresh(read_exercise(made))
-    found = check.check(environment.checkout() or Path(), ["counter"])
+    found = check.check(environment.checkout_folder() or Path(), ["counter"])
     assert [str(one) for one in found.faults] == []
 
 
@@ -53,7 +53,7 @@ def test_its_first_page_is_an_exercise_that_proves_itself(tmp_path: Path, monkey
     for name in ("correct", "broken"):
         shutil.rmtree(made / "proof" / name)
     new_exercise.refresh(read_exercise(made))
-    found = check.check(environment.checkout() or Path(), ["battery_monitor"])
+    found = check.check(environment.checkout_folder() or Path(), ["battery_monitor"])
     assert [str(one) for one in found.faults] == []
     (made / "exercise.toml").write_text(toml.replace("points = 5.0", "points = 6.0"))
     (made / "checks.py").write_text(f"{checks}\n{own}\nCHECKS.append(reset_waits)\n")

@@ -13,7 +13,7 @@ import pytest
 from course_kit import environment
 from course_kit.dev import notebooks
 
-ROOT = environment.checkout() or Path()
+ROOT = environment.checkout_folder() or Path()
 
 
 def test_without_nbval_it_says_where_that_comes_from(
@@ -56,7 +56,7 @@ def test_of_a_picture_the_words_are_compared_and_its_html_is_not(words: str, cod
 
 
 def test_lessons_and_drills_are_compared_and_exercises_are_not() -> None:
-    root = environment.checkout() or Path()
+    root = environment.checkout_folder() or Path()
     found = {path.relative_to(root).parts[:2] for path in notebooks.with_outputs(root)}
     assert found >= {("notebooks", "01_services.ipynb"), ("exercises", "drills")}
     assert ("exercises", "move_robot") not in found

@@ -64,7 +64,7 @@ def test_it_is_the_one_that_a_class_run_grades_and_it_is_named(
         answer(folder / name, after_s=after_s)
     path, sentence = workspace.to_grade(TEMPERATURE, None)
     assert path == graded == by_class(folder, tmp_path / "unpacked")
-    assert sentence.endswith(said.format(f"{environment.command()} grade {TEMPERATURE}"))
+    assert sentence.endswith(said.format(f"{environment.course_command()} grade {TEMPERATURE}"))
 
 
 def test_a_program_without_the_class_is_not_graded_in_place_of_a_notebook_that_has_it(folder: Path) -> None:
