@@ -51,11 +51,3 @@ def _is_harmless(character: str) -> bool:
 def _joins(before: str, character: str) -> bool:
     """Whether this is a joiner that joins; between Latin letters it would only hide that two words differ."""
     return character in _JOINERS and before.isprintable() and not before.isascii()
-
-
-_BAD = re.compile(r" +x")
-_WORSE = re.compile(r"(a|b)*c$")
-
-
-def bad(text: str) -> bool:
-    return bool(_BAD.search(text) or _WORSE.search(text))

@@ -49,22 +49,6 @@ def test_a_misspelt_name_gets_the_nearest_one() -> None:
         call("/swich", SetBool, timeout=0.3)
 
 
-def test_a_service_in_a_namespace_is_the_nearest_name() -> None:
-    class Inside(Switch):
-        def __init__(self) -> None:
-            super().__init__()
-            self.create_service(Trigger, "/robot/far/reset", lambda _, response: response)
-
-    lab.start(Inside)
-    with pytest.raises(lab.ServiceNotFoundError, match="/robot/far/reset"):
-        call("/reset", timeout=0.3)
-
-
-def test_without_any_service_the_graph_is_said_to_be_empty() -> None:
-    with pytest.raises(lab.ServiceNotFoundError, match="No service at all is on the graph"):
-        lab.call_blocking("/switch", SetBool, timeout=0.2)
-
-
 def test_another_type_is_named() -> None:
     lab.start(Switch)
     expected = "/switch has the type std_srvs/srv/SetBool, but you called it with std_srvs/srv/Trigger"
@@ -97,10 +81,6 @@ def test_wrong_fields(fields: dict[str, Any], message: str) -> None:
 def test_wrong_values(kind: Any, fields: dict[str, Any], message: str) -> None:
     with pytest.raises(lab.FieldError, match=message):
         message_of(kind, None, fields, "a message")
-
-
-def test_a_dict_fills_a_message_inside() -> None:
-    assert message_of(Pose, None, {"position": {"x": 1.5}}, "a pose").position.x == 1.5
 
 
 @pytest.mark.parametrize("kind", [SetBool.Request, String, "SetBool", 3])
@@ -176,20 +156,6 @@ def test_more_calls_at_once_than_a_service_keeps_are_all_answered() -> None:
         return await asyncio.gather(*calls)
 
     assert [answer.success for answer in asyncio.run(twenty())] == [True] * 20
-
-
-def test_a_call_that_waited_for_earlier_ones_says_so() -> None:
-    node = lab.start(Faulty)
-
-    async def eleven() -> list[Any]:
-        # The last one gives up first: whose time is over makes room for the next.
-        calls = [lab.call("/blocks", Trigger, timeout=seconds) for seconds in [2.0] * 10 + [0.5]]
-        return await asyncio.gather(*calls, return_exceptions=True)
-
-    errors = asyncio.run(eleven())
-    node.release.set()
-    assert ["was not called within" in str(error) for error in errors] == [False] * 10 + [True]
-    assert "10 earlier calls of this notebook still wait" in str(errors[-1])
 
 
 def test_a_request_that_was_lost_is_not_said_to_be_at_work() -> None:
@@ -297,18 +263,6 @@ def test_rclpys_functions_in_a_cell_leave_the_node_to_the_lab() -> None:
     rclpy.shutdown()
     assert call("fine").success is True
     assert node.client.call(Trigger.Request()).success is True
-
-
-def test_spinning_a_node_of_ones_own_works_as_ever(own_lab: Lab) -> None:
-    lab.start(Faulty)
-    assert own_lab.engine
-    mine = rclpy.create_node("mine")
-    client = mine.create_client(Trigger, "fine")
-    assert client.wait_for_service(5)
-    future = client.call_async(Trigger.Request())
-    rclpy.spin_until_future_complete(mine, future, timeout_sec=10)
-    assert future.result().success is True
-    mine.destroy_node()
 
 
 def test_shutdown_in_a_callback_stops_that_node_only(own_lab: Lab) -> None:

@@ -13,7 +13,6 @@ import psutil
 import pytest
 import rclpy
 from example_interfaces.action import Fibonacci
-from rclpy.action import ActionServer
 from std_srvs.srv import Trigger
 
 from course_kit import lab
@@ -105,39 +104,6 @@ def test_a_server_that_is_stopped_aborts_its_goals() -> None:
     assert executing() == []
 
 
-def test_running_the_cell_again_ends_the_goals_of_the_node_before() -> None:
-    lab.start(Stubborn)
-    goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
-    second = lab.start(Stubborn)
-    assert goal.status == "ABORTED"
-    assert executing() == []
-    second.release.set()
-    assert list(lab.send_goal_blocking("/stubborn", Fibonacci, order=1).result_blocking().sequence) == [7]
-
-
-def test_goals_that_are_not_executed_yet_and_those_of_coroutines_end_as_well() -> None:
-    class Postponing(Fibonaccis):
-        def __init__(self) -> None:
-            super().__init__()
-            self.never = rclpy.Future()
-            self.left = False
-            self.other = ActionServer(self, Fibonacci, "later", self.execute, handle_accepted_callback=lambda _: None)
-            self.third = ActionServer(self, Fibonacci, "awaiting", self.wait)
-
-        async def wait(self, _goal: Any) -> Any:
-            try:
-                await self.never
-            finally:
-                self.left = True
-
-    node = lab.start(Postponing)
-    goals = [lab.send_goal_blocking(name, Fibonacci, order=1) for name in ("/later", "/awaiting")]
-    assert goals[0].status == "ACCEPTED"
-    lab.stop()
-    assert [goal.status for goal in goals] == ["ABORTED", "ABORTED"]
-    assert node.left
-
-
 def test_closing_the_lab_leaves_no_thread(own_lab: Lab) -> None:
     node = lab.start(Stubborn)
     goal = lab.send_goal_blocking("/stubborn", Fibonacci, order=1)
@@ -207,48 +173,6 @@ def test_shutdown_in_an_execute_callback_stops_its_node_when_the_goal_has_ended(
     goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=2)
     assert list(goal.result_blocking().sequence) == [0, 1, 1]
     assert lab.nodes() == []
-
-
-def test_an_interrupted_wait_leaves_the_goal_alone() -> None:
-    node = lab.start(Waiting)
-
-    async def give_up() -> Any:
-        goal = await lab.send_goal("/fibonacci", Fibonacci, order=3)
-        waiting = asyncio.ensure_future(goal.result())
-        await asyncio.sleep(0)
-        waiting.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await waiting
-        return goal
-
-    goal = asyncio.run(give_up())
-    node.go_on.set()
-    assert list(goal.result_blocking().sequence) == [0, 1, 1, 2]
-
-
-def test_a_goal_nobody_waits_for_any_more_is_cancelled_when_it_is_accepted() -> None:
-    class Slow(Waiting):
-        def __init__(self) -> None:
-            self.deciding, self.decide_now = threading.Event(), threading.Event()
-            self.cancelled = threading.Event()
-            super().__init__()
-
-        def decide(self, goal: Any) -> Any:
-            self.deciding.set()
-            self.decide_now.wait(10)
-            return super().decide(goal)
-
-        def execute(self, goal: Any) -> Any:
-            result = super().execute(goal)
-            self.cancelled.set()
-            return result
-
-    node = lab.start(Slow)
-    expected = "/fibonacci neither accepted nor rejected the goal within 0.3 s. waiting has been in"
-    with pytest.raises(lab.NoAnswerError, match=expected):
-        lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=0.3)
-    node.decide_now.set()
-    assert node.cancelled.wait(10)
 
 
 PROGRAM = """

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from example_interfaces.action import Fibonacci
-from std_srvs.srv import SetBool, Trigger
-from test_msgs.action import Fibonacci as OtherFibonacci
+from std_srvs.srv import SetBool
 
 from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis
@@ -65,18 +64,6 @@ def test_a_misspelt_action_gets_the_nearest_one() -> None:
         lab.send_goal_blocking("/fibonaci", Fibonacci, order=1, timeout=0.2)
 
 
-def test_without_any_action_the_graph_is_said_to_be_empty() -> None:
-    with pytest.raises(lab.ActionNotFoundError, match="No action at all is on the graph"):
-        lab.send_goal_blocking("/fibonacci", Fibonacci, order=1, timeout=0.2)
-
-
-def test_an_action_of_another_type_is_named() -> None:
-    lab.start(Fibonaccis)
-    expected = "/fibonacci has the type example_interfaces/action/Fibonacci, but the goal was one of test_msgs/action/"
-    with pytest.raises(lab.ActionNotFoundError, match=expected):
-        lab.send_goal_blocking("/fibonacci", OtherFibonacci, order=1)
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -88,19 +75,6 @@ def test_wrong_fields(fields: dict[str, Any], message: str) -> None:
     lab.start(Fibonaccis)
     with pytest.raises(lab.FieldError, match=message):
         lab.send_goal_blocking("/fibonacci", Fibonacci, **fields)
-
-
-@pytest.mark.parametrize("kind", [Fibonacci.Goal, Trigger, "Fibonacci", 3])
-def test_what_is_no_action_type(kind: Any) -> None:
-    with pytest.raises(lab.FieldError, match="is not an action type"):
-        lab.send_goal_blocking("/fibonacci", kind, order=1)
-
-
-def test_names_that_ros_refuses() -> None:
-    with pytest.raises(lab.LabError, match="'fibo nacci' is not a ROS name"):
-        lab.send_goal_blocking("fibo nacci", Fibonacci)
-    with pytest.raises(lab.LabError, match="name comes first"):
-        lab.send_goal_blocking(Fibonacci, Fibonacci)  # type: ignore[arg-type]
 
 
 def test_the_client_is_used_again_until_its_server_goes(own_lab: Lab) -> None:

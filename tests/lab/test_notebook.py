@@ -45,15 +45,6 @@ def test_lines_of_callbacks_land_in_order_in_the_cell_that_caused_them(kernel: K
         assert (cell.stdout, cell.stderr) == (f"{number}\n{lines}between\n{lines}after\n", "")
 
 
-def test_lines_land_without_an_await_too(kernel: Kernel) -> None:
-    kernel.run(SERVER)
-    kernel.run("node = lab.nodes()[0].node\nclient = node.create_client(SetBool, 'ask')")
-    for _ in range(10):
-        cell = kernel.run("client.call(SetBool.Request(data=True))\nnode.get_logger().warning('seen')\nprint('after')")
-        assert cell.stdout == "[INFO] [server]: asked\nprinted True\n[WARN] [server]: seen\nafter\n"
-        assert cell.stderr == ""
-
-
 def test_lines_that_another_thread_shows_land_in_the_cell_that_runs(fresh_kernel: Kernel) -> None:
     """A panel's thread, which ipykernel may take for a part of the cell that has started it."""
     fresh_kernel.run(SERVER)

@@ -89,13 +89,6 @@ def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Ker
     )
 
 
-def test_two_nodes_of_one_name_are_told(two: tuple[Kernel, Kernel]) -> None:
-    first, second = two
-    start(first, "Robot", "robot")
-    wait_until(lambda: others(second), "the robot")
-    assert f"Two nodes have the name robot. The other one is robot of {FIRST}" in start(second, "Robot", "robot")
-
-
 def test_an_own_script_that_offers_the_name_is_called_so(two: tuple[Kernel, Kernel]) -> None:
     _, second = two
     program = SERVER.format(name="Robot", node="robot")
@@ -135,13 +128,6 @@ def test_a_notebook_that_does_not_stop_is_named(two: tuple[Kernel, Kernel]) -> N
     assert second.run("lab.stop_others('nobody.ipynb')").error == (
         "LabError: nobody.ipynb runs no nodes on this graph. Other notebooks that do: none."
     )
-
-
-def test_stop_closes_subscriptions_too(two: tuple[Kernel, Kernel]) -> None:
-    first, _ = two
-    first.run("from std_msgs.msg import String\nears = lab.subscribe('/chatter', String, print)\nlab.stop()")
-    assert first.run("ears").result["text/plain"] == "subscription to /chatter [std_msgs/msg/String] (closed)"
-    assert first.run("lab.publish('/chatter', String, data='hello')").stdout == ""
 
 
 def test_what_notebooks_tell_each_other_is_on_no_list_of_topics(two: tuple[Kernel, Kernel]) -> None:

@@ -6,7 +6,6 @@ import asyncio
 import threading
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -17,7 +16,7 @@ from rcl_interfaces.msg import (
 )
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64
 
 from course_kit import lab
 from course_kit.lab.recording import attaching
@@ -164,12 +163,6 @@ def test_a_value_no_parameter_can_have_is_an_error(value: Any, message: str) -> 
         lab.set_parameters_blocking("/robot", speed=value)
 
 
-def test_numbers_of_numpy_and_empty_lists_get_the_type_they_should() -> None:
-    lab.start(Robot)
-    assert lab.set_parameters_blocking("/robot", speed=np.float64(2.5), gears=np.int32(3), tags=[])
-    assert get("speed", "gears", "tags") == {"speed": 2.5, "gears": 3, "tags": []}
-
-
 def test_names_that_are_no_keywords_are_given_in_a_dict() -> None:
     class Wheels(Node):
         def __init__(self) -> None:
@@ -261,29 +254,3 @@ def test_a_subscription_may_be_closed_by_its_own_callback_and_after_the_lab(own_
     own_lab.close()
     second.close()
     assert "(closed)" in repr(second)
-
-
-def test_what_cannot_be_subscribed_to_is_said() -> None:
-    with pytest.raises(lab.FieldError, match="3 is not a message type"):
-        lab.subscribe("/numbers", 3, print)
-    with pytest.raises(lab.LabError, match="'/num bers' is not a ROS name"):
-        lab.subscribe("/num bers", Float64, print)
-    lab.publish("/words", String, data="x")
-    with pytest.raises(lab.LabError, match="/words has the type std_msgs/msg/String, but you asked for std_msgs"):
-        lab.subscribe("/words", Float64, print)
-
-
-class OneForTwo(Node):
-    """Declares two parameters with one descriptor object, into which rclpy writes the name of the last."""
-
-    def __init__(self) -> None:
-        super().__init__("one_for_two")
-        shared = ParameterDescriptor(description="m/s")
-        self.declare_parameter("lowest", 0.1, shared)
-        self.declare_parameter("highest", 1.0, shared)
-
-
-def test_parameters_that_share_a_descriptor_are_described_by_their_own_names() -> None:
-    lab.start(OneForTwo)
-    described = lab.describe_parameters_blocking("/one_for_two")
-    assert [one.name for one in described][:2] == ["lowest", "highest"]

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING
 
 import psutil
 import pytest
-from example_interfaces.srv import AddTwoInts
 
 from course_kit import lab
-from course_kit.lab.recording import attaching
-from tests.lab.nodes import Switch
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -94,23 +91,6 @@ def test_an_error_in_a_thread_shows_as_a_short_traceback_without_colours(
 
 
 @pytest.mark.parametrize(
-    "spoil",
-    [
-        "executor._sigint_gc.destroy()",  # as Python's collector of circles now and then does first
-        "del executor._sigint_gc",  # an executor that could not be made has none
-    ],
-)
-@pytest.mark.usefixtures("own_lab")
-def test_an_executor_that_is_collected_late_does_not_complain(spoil: str, capfd: pytest.CaptureFixture[str]) -> None:
-    program = f"from rclpy.executors import MultiThreadedExecutor\nexecutor = MultiThreadedExecutor()\n{spoil}\n"
-    lab.script("collected", f"import rclpy\nrclpy.init()\n{program}")
-    lab.current().engine.node  # noqa: B018 - rclpy is up in the notebook, too
-    exec(f"{program}del executor", {})  # noqa: S102 - a cell
-    shown = capfd.readouterr()
-    assert (shown.out, shown.err) == ("", "")
-
-
-@pytest.mark.parametrize(
     ("cell", "message"),
     [
         ("%%ros_script\nx", "MagicError: Write %%ros_script NAME"),
@@ -182,27 +162,6 @@ def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) 
     os.kill(fresh_kernel.pid, how)
     _, alive = psutil.wait_procs(children, timeout=15)
     assert alive == []
-
-
-@pytest.mark.usefixtures("own_lab")
-def test_scripts_from_a_program(capsys: pytest.CaptureFixture[str]) -> None:
-    attaching.attach()
-    lab.script("server", SERVER)
-    assert lab.call_blocking("/add_two_ints", AddTwoInts, a=20, b=22).sum == 42
-    assert repr(lab.script("client", CLIENT, 1, 2)) == "client has ended."
-    lab.stop_script()
-    shown = capsys.readouterr().out
-    assert CLIENT_LINES in shown
-    assert shown.endswith("server is stopped.\n")
-    assert "lab -> minimal_service  /add_two_ints request: a=20, b=22" in str(lab.diagram())
-
-
-@pytest.mark.usefixtures("own_lab")
-def test_two_servers_of_one_name_are_pointed_out(capsys: pytest.CaptureFixture[str]) -> None:
-    lab.start(Switch, name="minimal_service")
-    lab.script("server", SERVER)
-    assert "A node minimal_service runs in the lab, too" in capsys.readouterr().out
-    lab.stop_script("server.py")
 
 
 @pytest.mark.usefixtures("own_lab")

@@ -63,15 +63,6 @@ def test_another_class_with_the_same_node_name_replaces(own_lab: Lab) -> None:
     assert [live.node_class for live in lab.nodes()] == [Switch]
 
 
-def test_one_class_under_two_names_runs_twice(own_lab: Lab) -> None:
-    left = lab.start(Switch, name="left")
-    right = lab.start(Switch, name="right")
-    assert names_on_graph(own_lab) == ["left", "right"]
-    assert left.get_name() != right.get_name()
-    lab.start(Switch, name="left")
-    assert names_on_graph(own_lab) == ["left", "right"]
-
-
 def test_the_old_node_is_gone_before_the_new_one_is_made(own_lab: Lab) -> None:
     seen: list[list[str]] = []
 
@@ -112,18 +103,6 @@ def test_an_init_that_raises_leaves_nothing(own_lab: Lab) -> None:
     assert lab.call_blocking("/switch", SetBool).message == "first"
 
 
-def test_helper_nodes_end_with_their_node(own_lab: Lab) -> None:
-    class Owner(Node):
-        def __init__(self) -> None:
-            super().__init__("owner")
-            self.helper = rclpy.create_node("helper")
-
-    owner = lab.start(Owner)
-    assert names_on_graph(own_lab) == ["helper", "owner"]
-    lab.stop(owner)
-    assert names_on_graph(own_lab) == []
-
-
 @pytest.mark.parametrize("how", ["node", "class", "name", "all"])
 def test_stop(how: str, own_lab: Lab) -> None:
     node = lab.start(Switch)
@@ -131,12 +110,6 @@ def test_stop(how: str, own_lab: Lab) -> None:
     targets: dict[str, tuple[Any, ...]] = {"node": (node,), "class": (Switch,), "name": ("switch",), "all": ()}
     lab.stop(*targets[how])
     assert names_on_graph(own_lab) == ([] if how == "all" else ["talker"])
-
-
-def test_stopping_what_does_not_run_says_what_does() -> None:
-    lab.start(Switch)
-    with pytest.raises(lab.LabError, match=r"'talker' is not running in the lab\. Running: switch\."):
-        lab.stop("talker")
 
 
 def test_a_callback_that_never_ends_is_stopped_with_its_node() -> None:
@@ -191,17 +164,6 @@ def test_a_class_that_forgets_super_init(uses_node: bool) -> None:
 
     with pytest.raises(lab.LabError, match=r"Forgetful.__init__ has to call super\(\).__init__"):
         lab.start(Forgetful)
-
-
-def test_a_name_used_with_two_types_is_explained() -> None:
-    class Other(Node):
-        def __init__(self) -> None:
-            super().__init__("other")
-            self.create_service(Trigger, "switch", lambda _, response: response)
-
-    lab.start(Switch)
-    with pytest.raises(lab.LabError, match=r"/switch with a different type .* used by switch"):
-        lab.start(Other)
 
 
 def test_closing_puts_rclpy_back(own_lab: Lab) -> None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from example_interfaces.action import Fibonacci
-from rclpy.action import get_action_names_and_types
 from std_srvs.srv import Trigger
 
 from course_kit import interfaces, lab, panels
@@ -87,26 +86,6 @@ def test_a_rejected_goal_is_no_error() -> None:
     seen = Seen()
     seen.send(-1)
     assert (seen.last.status, seen.last.running, seen.last.refused.order) == ("REJECTED", False, -1)
-
-
-@pytest.mark.usefixtures("gate")
-def test_a_second_goal_that_is_rejected_does_not_end_the_first() -> None:
-    seen = Seen()
-    seen.send(9)
-    seen.until(count=1)
-    seen.send(5)
-    assert (seen.last.running, seen.last.asked.order, seen.last.refused.order) == (True, 9, 5)
-    seen.sender.cancel().join()
-    assert seen.until(status="CANCELED").refused is None
-
-
-def test_where_there_is_no_server_the_nearest_name_is_told(gate: Gate) -> None:
-    seen = Seen("/gates")
-    seen.send(3)
-    assert seen.last.status == ""
-    assert seen.last.tone == "bad"
-    assert "/gate" in seen.last.note
-    assert gate is not None
 
 
 def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
@@ -196,12 +175,6 @@ def test_a_panel_again_ends_the_one_before_and_its_goal(gate: Gate) -> None:
     assert not view(second)["ended"]
     page_says(first, do="send")
     assert view(second)["status"] == "No goal yet."
-
-
-def test_panels_leave_no_action_on_the_graph(own_lab: Lab) -> None:
-    panel = panels.action_panel("/nowhere", Fibonacci)
-    panel.close()
-    assert get_action_names_and_types(own_lab.engine.node) == []
 
 
 def test_a_service_type_is_refused_in_words() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from course_interfaces.action import MoveRobot
 
 from course_kit import lab, panels
 from course_kit.panels.demo_robot import DemoRobot
@@ -89,29 +88,6 @@ def test_a_goal_outside_is_rejected_by_the_server_and_the_reason_is_said(x: floa
     shown = expect(drawn, "REJECTED")
     assert "It lies outside the arena, which goes from 0 to 10 m." in shown["line"]
     assert (shown["tone"], shown["track"]) == ("bad", [])
-
-
-@pytest.mark.usefixtures("robot")
-def test_a_rejection_of_a_goal_that_seems_fine_is_no_riddle() -> None:
-    goal = lab.send_goal_blocking("/move_robot", MoveRobot, target={"x": 9.0, "y": 9.0})
-    drawn = panels.robot_map()
-    wish(drawn, do="go", x=1.0, y=1.0)
-    assert "somebody else" in expect(drawn, "REJECTED")["line"]
-    assert goal.cancel_blocking()
-
-
-def test_without_numbers_nothing_is_sent() -> None:
-    drawn = panels.robot_map()
-    wish(drawn, do="go", x=None, y=3.0)
-    assert "Type a number" in expect(drawn, "Type")["line"]
-    assert view(drawn)["target"] == []
-
-
-def test_without_a_server_it_says_so() -> None:
-    drawn = panels.robot_map()
-    wish(drawn, do="go", x=1.0, y=1.0)
-    assert expect(drawn, "/move_robot")["tone"] in {"", "bad"}
-    wait_until(lambda: view(drawn)["tone"] == "bad", lambda: view(drawn))
 
 
 def test_a_map_again_ends_the_one_before(robot: DemoRobot) -> None:

@@ -10,24 +10,7 @@ from example_interfaces.action import Fibonacci
 from geometry_msgs.msg import Point
 from std_srvs.srv import Trigger
 
-from course_kit.panels import arena_map, goal_panel
-from course_kit.panels.arena_map import Place, Track
-
-
-def way(*places: tuple[float, float]) -> list[Place]:
-    drawn = Track()
-    for place in places:
-        drawn.add(Place(*place))
-    return drawn.places
-
-
-def test_standing_still_and_places_that_are_none_add_nothing() -> None:
-    assert way((1, 1), (1.001, 1), (math.nan, 1), (1, math.inf), (2, 2), (1, 1)) == [(1, 1), (2, 2), (1, 1)]
-
-
-def test_a_long_way_forgets_its_beginning() -> None:
-    zigzag = way(*[(step, step % 2) for step in range(arena_map.LONGEST + 10)])
-    assert (len(zigzag), zigzag[0]) == (arena_map.LONGEST, (10, 0))
+from course_kit.panels import goal_panel
 
 
 @pytest.mark.parametrize(

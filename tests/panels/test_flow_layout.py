@@ -27,20 +27,9 @@ def test_a_flow_goes_from_left_to_right_on_one_line() -> None:
     assert len({y for _, y in places.values()}) == 1
 
 
-def test_a_channel_that_nothing_leads_to_stands_where_channels_stand() -> None:
-    places = placed("abST", "aS Sb Ta")
-    assert places["a"][0] > places["T"][0]
-    assert placed("bST", "Sb")["S"][0] < placed("bST", "Sb")["b"][0]
-
-
 def test_an_arrow_back_leads_from_right_to_left_and_the_rest_stays_a_flow() -> None:
     places = placed("abST", "aS Sb bT Ta")
     assert places["a"][0] < places["S"][0] < places["b"][0]
-
-
-def test_what_does_not_hang_together_stands_beside_or_below() -> None:
-    places = placed("abcS", "aS Sb")
-    assert places["c"][0] > places["b"][0] + WIDE or places["c"][1] > places["a"][1] + HIGH
 
 
 @st.composite

@@ -91,10 +91,6 @@ def test_it_says_who_offers_what_who_uses_it_and_what_is_amiss() -> None:
     )
 
 
-def test_an_empty_graph_says_so() -> None:
-    assert panels.graph().describe() == "No node is on the ROS graph."
-
-
 def test_a_topic_without_listeners_and_one_with_two_types_are_remarked_on(live_lab: Lab) -> None:
     lab.start(Busy)
     uses = seen(live_lab).uses
@@ -165,18 +161,6 @@ def test_it_flows_from_who_begins_to_who_receives(live_lab: Lab) -> None:
     assert places["asking"] < places["/add_two_ints"] < places["busy"]
     assert places["asking"] < places["/fibonacci"] < places["busy"]
     assert places["/button"] < places["busy"] < places["/missing"]
-
-
-def test_of_a_circle_the_topic_flows_and_the_service_leads_back() -> None:
-    kinds = ("std_msgs/msg/Bool",)
-    uses = (
-        overview.Use("/sensor", overview.SERVES, "/reset", kinds),
-        overview.Use("/sensor", overview.PUBLISHES, "/reading", kinds),
-        overview.Use("/control", overview.CALLS, "/reset", kinds),
-        overview.Use("/control", overview.LISTENS, "/reading", kinds),
-    )
-    places = columns_of(graph_svg(overview.Overview(("/control", "/sensor"), uses)))
-    assert places["sensor"] < places["/reading"] < places["control"] < places["/reset"]
 
 
 def fifty() -> Overview:
@@ -292,12 +276,6 @@ def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:
     assert news(empty, full) == "/kitchen/display has joined the graph."
     assert news(full, empty) == "/kitchen/display has left the graph."
     assert not news(full, full._replace(uses=()))  # what a node does comes a moment after its name
-
-
-def test_two_nodes_of_one_name_are_told_apart_from_one() -> None:
-    twice = overview.Overview(("/twin", "/twin"), ())
-    assert in_lines(twice) == "twin (2 nodes of this name)"
-    assert "(2 nodes of this name)" in graph_svg(twice)
 
 
 def test_a_node_of_another_notebook_says_so() -> None:

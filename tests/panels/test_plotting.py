@@ -92,13 +92,6 @@ def test_after_its_end_nothing_is_left_on_the_graph() -> None:
     assert again.samples == []
 
 
-def test_two_numbers_of_one_topic_have_a_plot_each() -> None:
-    first = panels.plot("/speed", Twist, "linear.x")
-    second = panels.plot("/speed", Twist, "angular.z")
-    lab.publish("/speed", Twist, linear={"x": 1.0}, angular={"z": -2.0})
-    assert [value for _, value in first.samples + second.samples] == [1.0, -2.0]
-
-
 @pytest.mark.parametrize(
     ("message_type", "path", "message"),
     [

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import environment, grading, panels, quiz
-from course_kit.panels import quiz_panel
 from course_kit.quiz.bank import QUESTIONS, parse_scenarios
 
 if TYPE_CHECKING:
@@ -150,13 +149,6 @@ def test_what_was_cleared_by_mistake_comes_back_until_something_is_chosen() -> N
     assert panel.answers == {scenario.id: right(scenario)}
 
 
-@pytest.mark.parametrize("kept", ["", "[1]", '{"weld_seam": 3}', "{"])
-def test_a_broken_store_is_no_reason_to_fail(kept: str, tmp_path: Path) -> None:
-    (tmp_path / "quiz").mkdir()
-    (tmp_path / "quiz" / f"seed_{SEED}.json").write_text(kept)
-    assert panels.quiz(seed=SEED).answers == {}
-
-
 def test_a_folder_nothing_can_be_written_to_is_said_and_loses_nothing(tmp_path: Path) -> None:
     panel = answered(right)
     (tmp_path / "folder.py").mkdir()
@@ -185,21 +177,6 @@ def test_it_says_how_to_grade_the_file(tmp_path: Path, monkeypatch: pytest.Monke
     assert outside.endswith(f"course-kit grade pattern_choice '{tmp_path / 'a b.py'}' --seed 5")
     monkeypatch.setattr(environment, "checkout_folder", lambda: tmp_path)
     assert panels.quiz().write("mine.py").endswith("terminal: ./course grade pattern_choice mine.py")
-
-
-def test_what_no_form_offers_is_left_out_of_the_file() -> None:
-    questions = quiz.show(SEED)
-    scenario = questions.scenarios[0]
-    pattern, reason = right(scenario)
-    offered = {scenario.id: [pattern, '"), "x": ("'], "stranger": [pattern, reason]}
-    assert quiz_panel.usable(questions, offered) == {scenario.id: (pattern, "")}
-
-
-def test_a_closed_panel_hears_nothing() -> None:
-    panel = panels.quiz(SEED)
-    panel.close()
-    panel.widget.choices = {quiz.draw(SEED)[0].id: list(right(quiz.draw(SEED)[0]))}
-    assert panel.widget.marks == {}
 
 
 def test_a_notebook_shows_the_form_and_stores_its_words() -> None:

@@ -9,8 +9,8 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from course_kit import lab, panels
-from course_kit.panels.sliders import EntryError, entry, shown, slider_step, typed
-from course_kit.ros.parameters import Descriptor, Range
+from course_kit.panels.sliders import shown, slider_step
+from course_kit.ros.parameters import Range
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -202,20 +202,3 @@ def test_a_slider_has_round_steps_that_reach_its_upper_limit(limits: Range, whol
     assert found == pytest.approx(step)
     count = (limits.highest - limits.lowest) / found
     assert count == pytest.approx(round(count))
-
-
-def test_lists_of_every_type_can_be_typed_as_they_are_shown() -> None:
-    lists = {
-        "byte_array": [b"\x00", b"\xff"],
-        "bool_array": [True, False],
-        "integer_array": [1, -2],
-        "double_array": [0.5, 2.0],
-        "string_array": ["left", "it's 1"],
-    }
-    for kind, value in lists.items():
-        assert typed(kind, shown(value)) == value
-    assert typed("not set", "3") == 3
-    with pytest.raises(EntryError, match=r"'\[' is not a value"):
-        typed("not set", "[")
-    unset = Descriptor("late", "double", "", None, read_only=False, constraints="above 0")
-    assert (entry(unset)["kind"], entry(unset)["description"], shown(None)) == ("number", "above 0", "")

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from course_interfaces.action import MoveRobot
 from example_interfaces.srv import AddTwoInts
-from geometry_msgs.msg import PoseArray
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
-from course_kit import interfaces, lab, panels, quiz
+from course_kit import lab, panels, quiz
 from course_kit.panels.plotting import plot_svg
 from tests.waiting import wait_until
 
@@ -38,16 +37,6 @@ def test_a_form_shows_its_fields_with_what_is_in_them() -> None:
     assert re.findall(r'<code class="ck-entry">(.*?)</code>', html) == ["20", "0"]
     assert '<span class="ck-button">Send request</span>' in html
     assert "int64: a whole number" in html
-
-
-def test_a_form_shows_messages_in_messages_lists_and_ticks() -> None:
-    goal = interfaces.define("still_test/srv/Mark", "bool lit true\ngeometry_msgs/PoseArray poses\n---\n")
-    form = panels.service_form("/mark", goal)
-    form.widget._handle_custom_msg({"do": "add", "path": "poses.poses", "values": {}}, [])
-    html = still(form)
-    assert '<span class="ck-tick">✓</span>' in html
-    assert html.count('<div class="ck-group">') > len(PoseArray.get_fields_and_field_types())
-    assert "no element yet" not in html
 
 
 def test_a_panel_for_goals_shows_the_goal() -> None:

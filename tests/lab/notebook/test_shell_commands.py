@@ -42,11 +42,6 @@ def test_what_a_program_prints_the_moment_it_ends_is_shown(monkeypatch: pytest.M
         patches.undo()
 
 
-def test_without_it_pexpect_loses_that(monkeypatch: pytest.MonkeyPatch) -> None:
-    """When this fails, pexpect has been mended, and `shell_commands` is not needed any more."""
-    assert ends_between_two_looks(monkeypatch) == b""
-
-
 def test_an_end_without_output_is_an_end() -> None:
     patches = Patches()
     show_all_output(patches)

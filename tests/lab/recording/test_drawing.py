@@ -68,16 +68,6 @@ def test_nothing_is_fetched_and_no_colour_is_fixed_that_a_theme_could_swallow() 
     assert fixed == {"#1565c0", "#d2453c"}  # behind the theme's: the focus ring, the slider and the cross
 
 
-def test_the_slider_goes_over_all_steps_and_one_step_needs_none() -> None:
-    (slider, _), *_ = Elements(Diagram(CALL).html()).of("input")
-    assert (slider["type"], slider["min"], slider["max"], slider["value"]) == ("range", "1", "4", "4")
-    assert Elements(Diagram(CALL[:1]).html()).of("input") == []
-
-
-def test_it_is_the_same_each_time() -> None:
-    assert Diagram(CALL).html() == Diagram(CALL).html()
-
-
 @pytest.mark.parametrize("count", [2, 3, 6])
 def test_a_long_message_stays_between_its_lifelines(count: int) -> None:
     text = "name='" + "long words " * 12 + "'"

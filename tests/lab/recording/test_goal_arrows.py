@@ -109,21 +109,6 @@ def test_goals_at_the_same_time_are_numbered_and_others_are_not() -> None:
     assert {arrow.channel for arrow in arrows_of(first + later)} == {"/fibonacci"}
 
 
-def test_two_servers_of_one_name_are_both_drawn() -> None:
-    events = story(*WHOLE)
-    events += [one._replace(node="/twin", at=one.at + 1) for one in events if one.node == "/fib"]
-    assert [arrow.receiver for arrow in arrows_of(events) if arrow.kind == "goal"] == ["/fib", "/twin"]
-    assert [arrow.sender for arrow in arrows_of(events) if arrow.kind == "result"] == ["/fib", "/twin"]
-
-
-def test_feedback_that_outlives_the_memory_of_its_goal_is_drawn() -> None:
-    drawn = lines(story(("feedback_sent", {"n": 1}), ("result_sent", END)))
-    assert drawn == [
-        "1. fib -> another program  /fibonacci feedback: n=1",
-        "2. fib -> another program  /fibonacci result: SUCCEEDED, sequence=[0, 1]",
-    ]
-
-
 def test_mermaid_has_an_arrow_for_each_style() -> None:
     cancel: list[Step] = [("cancel_sent", {}), ("cancel_received", {}), ("cancel_answered", YES)]
     text = Diagram(arrows_of(story(*WHOLE[:6], *cancel, *WHOLE[6:]))).mermaid()

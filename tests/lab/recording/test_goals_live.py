@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,8 +13,6 @@ from rclpy.node import Node
 
 from course_kit import lab
 from tests.lab.action_nodes import Fibonaccis, Stubborn, Waiting
-
-PROGRAMS = Path(__file__).parents[2] / "lesson_programs"
 
 
 def drawn() -> list[str]:
@@ -92,31 +89,3 @@ def test_a_learners_own_client() -> None:
         "3. fibonaccis -> asking",
         "4. fibonaccis -> asking",
     ]
-
-
-@pytest.mark.usefixtures("recording")
-def test_the_seeds_programs_as_scripts(capsys: pytest.CaptureFixture[str]) -> None:
-    source = (PROGRAMS / "fibonacci_action_server.py").read_text().replace("time.sleep(1)", "time.sleep(0.05)")
-    lab.script("server", source)
-    lab.script("client", (PROGRAMS / "fibonacci_action_client.py").read_text(), 3)
-    lab.send_goal_blocking("/fibonacci", Fibonacci, order=2).result_blocking()
-    names = "fibonacci_action_client -> fibonacci_action_server", "fibonacci_action_server -> fibonacci_action_client"
-    lines = [line.partition(". ")[2] for line in drawn()]
-    assert lines[0] == f"{names[0]}  /fibonacci goal: order=10"
-    assert lines[1] == f"{names[1]}  /fibonacci goal response: accepted"
-    assert [line.partition("  ")[0] for line in lines[2:6]] == [names[1]] * 4
-    assert lines[3].endswith("/fibonacci feedback: ... 7 more")
-    assert "/fibonacci result: SUCCEEDED" in lines[5]
-    assert lines[6:8] == [
-        "lab -> fibonacci_action_server  /fibonacci goal: order=2",
-        "fibonacci_action_server -> lab  /fibonacci goal response: accepted",
-    ]
-    assert capsys.readouterr().out
-
-
-@pytest.mark.usefixtures("recording")
-def test_stopping_a_node_is_seen_as_aborted() -> None:
-    lab.start(Waiting)
-    lab.send_goal_blocking("/fibonacci", Fibonacci, order=5)
-    lab.stop()
-    assert drawn()[-1].endswith("waiting -> lab  /fibonacci result: ABORTED, sequence=[]")

@@ -45,32 +45,6 @@ rclpy.init()
 rclpy.spin(Doubler())
 """
 
-DEAF = """
-import time
-import rclpy
-from rclpy.action import ActionServer, CancelResponse
-from rclpy.node import Node
-from example_interfaces.action import Fibonacci
-
-
-class Counter(Node):
-    def __init__(self):
-        super().__init__("counter")
-        accept = lambda goal: CancelResponse.ACCEPT
-        self.server = ActionServer(self, Fibonacci, "count", self.execute, cancel_callback=accept)
-
-    def execute(self, goal):
-        for number in range(goal.request.order):
-            goal.publish_feedback(Fibonacci.Feedback(sequence=[number]))
-            time.sleep(0.05)
-        goal.succeed()
-        return Fibonacci.Result()
-
-
-rclpy.init()
-rclpy.spin(Counter())
-"""
-
 
 class Adder(Node):
     def __init__(self) -> None:
@@ -168,21 +142,6 @@ def test_a_deadlock_shows_as_a_callback_that_does_not_end_and_an_answer_that_nob
     assert "1 callback has not ended. 1 message is not handled." in html
     assert re.search(r"doubler answers /double, and has not ended: from 0 ms on", html)
     assert not re.findall(r"https?:|<script|url\(|@import", html)
-
-
-def test_a_blocked_cancel_waits_until_the_thread_is_free() -> None:
-    lab.script("counter", DEAF)
-    lab.record()
-    goal = lab.send_goal_blocking("/count", Fibonacci, order=8)
-    goal.cancel_blocking()
-    assert goal.result_blocking() is not None
-    wait_until(lambda: "cancel" in str(timeline()), lambda: str(timeline()))
-    execution = next(one for one in timeline().busy if one.label == "executes a goal of /count")
-    assert execution.lane == "program of counter, main thread"
-    wait = next(one for one in timeline().waiting if one.label == "the cancel request to /count")
-    assert execution.end is not None
-    assert wait.end is not None
-    assert wait.begin < execution.end <= wait.end
 
 
 def test_a_callback_that_fails_is_marked(capsys: pytest.CaptureFixture[str]) -> None:
