@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.model.submission import Copy, Submission
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from course_kit.grading.model.submission import Submission
 
 
 def read(path: Path, exercise_id: str) -> Submission:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.executors import Local
 from course_kit.grading.engine import GradingRequest, unreadable
-from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
 from course_kit.process import Closable

@@ -15,6 +15,7 @@ from course_kit.classroom.exports.texts import csv_text, lines_of_table, number,
 from course_kit.classroom.grading_loop import GradingLoop, versions_of
 from course_kit.classroom.records import Records, outcome
 from course_kit.environment import write_atomically
+from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Gradebook, Record
     from course_kit.classroom.run import ClassRun
     from course_kit.classroom.submissions import Handed
-    from course_kit.grading.reading.readings import Readings
 
 STAGING = "regrade"
 TABLE = "regrade.csv"
@@ -147,7 +147,7 @@ class Regrade:
         """Read what is graded again; identical ones together."""
         now = {one.id: versions_of(one) for one in self._exercises.values()}
         found = ((record, self._staged(record, now)) for record in self._chosen)
-        with self._run.readings.remembered(lambda: stops() > 0) as readings:
+        with Reader(lambda: stops() > 0, memory=self._run.readings.memory) as readings:
             ready, groups = submissions.sort_out((self._read(one, readings, staged), staged) for one, staged in found)
         self._new += [staged for _, staged in ready]
         self._progress.begin(len(self._chosen), self._new)
@@ -158,7 +158,7 @@ class Regrade:
         staged = self._staging.find(record.entry)
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
 
-    def _read(self, record: Record, readings: Readings, staged: Record | None) -> Handed:
+    def _read(self, record: Record, readings: Reader, staged: Record | None) -> Handed:
         exercise = self._exercises[record.entry.exercise]
         seed = self._run.seed if record.seed is None else record.seed
         return submissions.read(record.entry, self._run.intake.root, exercise, seed, readings, known=staged)

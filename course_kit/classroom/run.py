@@ -21,8 +21,7 @@ from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.tables import People
 from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.reader import ReadingStoppedError
-from course_kit.grading.reading.readings import Readings
+from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -63,7 +62,7 @@ class ClassRun:
         self._plan = plan
         self._progress = progress
         self._stops = stops
-        self.readings = Readings(self._stopped)
+        self.readings = Reader(self._stopped)
         self._records = Records(plan.out)
         require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
@@ -215,7 +214,7 @@ def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
         try:
             found = collecting.collect(
-                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Readings(stopped), plan.roster
+                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Reader(stopped), plan.roster
             )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None

@@ -12,7 +12,8 @@ from course_kit.classroom.records import Record
 from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import Copy, Facts, UnreadableError
+from course_kit.grading.model.submission import Facts, UnreadableError
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import ReadingStoppedError
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
     from course_kit.grading.model.submission import Submission
-    from course_kit.grading.reading.readings import Readings
+    from course_kit.grading.reading.reader import Reader
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def sort_out(
 
 
 def read(  # noqa: PLR0913 - what a submission is read for
-    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Readings, *, known: Record | None = None
+    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: Record | None = None
 ) -> Handed:
     """Read a submission; never fails, as there is a report for whatever was handed in."""
     path = root / entry.source

@@ -16,6 +16,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import bounds, exercise_folders, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.report import CheckReport, Report
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers.worker import Worker
@@ -95,11 +96,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if seed is None:
         seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
     if path is not None:
-        shown = submission.readable(str(path))
+        shown = submission.decode_name(str(path))
         try:
             return _grade_file(exercise, Path(path), seed, worker, require_isolation)
         except submission.UnreadableError as problem:
-            return unreadable(exercise, shown, submission.readable(str(problem)))
+            return unreadable(exercise, shown, submission.decode_name(str(problem)))
     if attach and require_isolation:
         raise GradingError(
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
@@ -112,11 +113,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
 def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
     """Have a file read and grade it."""
     with ExitStack() as opened:
-        copy = opened.enter_context(submission.Copy(path))
+        copy = opened.enter_context(Copy(path))
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, exercise)
-        shown = submission.readable(str(path))
+        shown = submission.decode_name(str(path))
         return grade_submission(GradingRequest(exercise, text, shown, seed, require_isolation=require_isolation), used)
 
 

@@ -23,9 +23,9 @@ from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise
-from course_kit.grading.model.submission import Copy, UnreadableError
-from course_kit.grading.reading.reading_answers import Glance
-from course_kit.grading.reading.readings import Readings, starter_identities
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
 from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
@@ -239,11 +239,11 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     program, notebook = folder / exercise.starter, folder / exercise.notebook
     if not (program.is_file() and notebook.is_file()):
         return (notebook if notebook.is_file() else program), ""
-    with Readings() as readings:
+    with Reader() as readings:
         seen = {path: _glance(readings, path, exercise) for path in (program, notebook)}
     given = starter_identities(exercise) | {""}  # nobody has begun with these, nor with an empty program
     changed = [path for path, glance in seen.items() if glance.identity not in given]
-    fitting = [path for path in changed if seen[path].asked_for]
+    fitting = [path for path in changed if seen[path].found]
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
         other = program if best == notebook else notebook
@@ -259,11 +259,11 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     return best, f", the newer of your two answers. For the other one: {named}"
 
 
-def _glance(readings: Readings, path: Path, exercise: Exercise) -> Glance:
+def _glance(readings: Reader, path: Path, exercise: Exercise) -> FileSummary:
     """What a file looks like; one that cannot be read is graded if it is all there is, and the report says why."""
     with suppress(UnreadableError, GradingError), Copy(path, whole=False) as copy:
-        return readings.glance(copy, exercise)
-    return Glance()
+        return readings.summarize(copy, exercise)
+    return FileSummary()
 
 
 def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:

@@ -123,23 +123,23 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
         problem = str(error)
     seen = {
         "found": _asked_for(name, file, source, wish),
-        "identity": fingerprints.program_identity(source) if source else "",
+        "identity": fingerprints.program_identity(source) if source and wish["compared"] else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }
     if problem or not (seen["found"] or wish["whatever"]):
         return seen
     fault, tree = python.parse_program(source)
-    return {
-        **seen,
-        "prints": sorted(fingerprints.take_fingerprints(source)),
+    program = {
         "source": source,
         "places": places,
         "fault": fault,
-        "facts": python.read_facts(tree) if tree else None,
+        "facts": python.read_facts(tree) if tree else {},
         "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
         "literal": python.read_literal(tree, wish["variable"]) if tree and wish["variable"] else None,
     }
+    prints = sorted(fingerprints.take_fingerprints(source)) if wish["compared"] else []
+    return {**seen, "prints": prints, "program": program}
 
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:

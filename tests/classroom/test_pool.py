@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.engine import GradingRequest
-from course_kit.grading.model import submission
 from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.answers
 
 
 def grade(pool: Pool) -> Report:
-    with submission.Copy(SOLUTION) as copy, Reader() as reader:
+    with Copy(SOLUTION) as copy, Reader() as reader:
         return pool.grade(GradingRequest(SERVICE, reader.read(copy, SERVICE), "jane.py", 7))
 
 

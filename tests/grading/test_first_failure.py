@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from tests.grading.conftest import EXERCISE, ROOT
 

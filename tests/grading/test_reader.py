@@ -16,7 +16,9 @@ from course_kit.classroom import submissions
 from course_kit.classroom.records import Entry
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.model.submission import Copy, UnreadableError
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading import reader
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.reader import contract
 from tests.reading import read
@@ -25,7 +27,8 @@ from tests.waiting import wait_until
 if TYPE_CHECKING:
     from pathlib import Path
 
-EXERCISE = load_exercise("temperature_service")
+EXERCISE, CHOICE = load_exercise("temperature_service"), load_exercise("pattern_choice")
+SOLUTION = EXERCISE.solution.read_text(encoding="utf-8")
 SLOW = "a = 1\nb = f'" + "{a}" * 349_000 + "'\n"  # takes seconds, whatever the Python
 # A module that lies where the reader was started from, or where the user's own variables lead, is not loaded.
 PLANTED = "open({trace!r}, 'w').close()\nraise SystemExit('planted')\n"
@@ -126,7 +129,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
 
     def kill() -> bool:
         """Asked now and then while it is waited for."""
-        for one in psutil.Process(reader._process.pid).children():
+        for one in psutil.Process(reader._process.pid).children() if reader._process else ():
             if len(killed) < 2:
                 killed.append(one.pid)
                 one.kill()
@@ -160,8 +163,10 @@ import sys
 from pathlib import Path
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.reading.reader import Reader
-from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.file_copy import Copy
+
 reader = Reader()
+reader.start()
 print(reader._process.pid, flush=True)
 with Copy(Path(sys.argv[1])) as copy:
     reader.read(copy, load_exercise("temperature_service"))
@@ -199,7 +204,8 @@ NO_FILES = """
 import resource, sys
 from pathlib import Path
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.file_copy import Copy
+
 held = []
 try:
     while True:
@@ -241,3 +247,62 @@ def test_what_has_its_result_is_not_read_again(program: Path, tmp_path: Path) ->
         changed = submissions.read(entry, tmp_path, EXERCISE, 3, reader, known=known)
     assert changed.text is not None
     assert not changed.has_result(known)
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What a reader's children were asked for, as it grows."""
+    told: list[str] = []
+    exchange = Reader._exchange
+
+    def record(self: Reader, request: dict[str, object], copy: Copy) -> tuple[dict[str, object], bytes]:
+        told.append("any" if request["whatever"] else "asked for")
+        return exchange(self, request, copy)
+
+    monkeypatch.setattr(Reader, "_exchange", record)
+    return told
+
+
+@pytest.mark.parametrize("text", [SOLUTION, f"{SOLUTION}\ndef (\n"], ids=["right", "no Python"])
+def test_a_submission_is_read_while_it_is_looked_at(text: str, program: Path, asked: list[str]) -> None:
+    program.write_text(text)
+    with Reader() as reader, Copy(program) as copy:
+        due = reader.read(copy, EXERCISE)
+    with Reader() as known, Copy(program) as copy:
+        summary = known.summarize(copy, EXERCISE)
+        assert summary.found
+        assert summary.prints
+        assert known.read(copy, EXERCISE) == due
+    with Reader(lambda: True, memory=known.memory) as again, Copy(program) as copy:
+        assert again.read(copy, EXERCISE) == due
+        assert again.summarize(copy, EXERCISE, whatever=True) == summary
+        with pytest.raises(ReadingStoppedError):
+            again.read(copy, CHOICE)
+    assert asked == ["any", "asked for"]
+
+
+def test_another_name_text_or_exercise_is_another_reading(program: Path, tmp_path: Path, asked: list[str]) -> None:
+    second = tmp_path / "second.py"
+    for path in (program, second):
+        path.write_text(SOLUTION)
+    with Reader() as known:
+        with Copy(program) as copy:
+            known.summarize(copy, EXERCISE)
+            assert known.read(copy, CHOICE).name == program.name
+        program.write_text("answers = {}\n")
+        with Copy(second) as copy, Copy(program) as after:
+            assert known.read(copy, EXERCISE).name == "second.py"
+            assert known.read(after, EXERCISE).source == "answers = {}\n"
+            assert not known.summarize(after, EXERCISE).found
+    assert asked == ["asked for", "any", "any", "any", "asked for"]
+
+
+def test_a_class_may_be_larger_than_what_is_remembered(
+    program: Path, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, "_MOST_CHARACTERS", 0)
+    program.write_text(SOLUTION)
+    with Reader() as known, Copy(program) as copy:
+        known.summarize(copy, EXERCISE)
+        assert known.read(copy, EXERCISE).source == SOLUTION
+    assert asked == ["asked for", "any"]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import LARGEST, Copy, UnreadableError
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading.file_copy import LARGEST, Copy
 from tests.reading import read
 
 if TYPE_CHECKING:

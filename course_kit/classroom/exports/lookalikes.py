@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import Copy, UnreadableError
-from course_kit.grading.reading.reading_answers import Fingerprints
-from course_kit.grading.reading.readings import Readings, starter_identities
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
 from course_kit.grading.render.program import LONGEST
 from course_kit.process import Closable
 from course_kit.reader.fingerprints import line_shape
@@ -49,7 +49,7 @@ class ProgramTexts(Closable):
     def __init__(self, book: Gradebook) -> None:
         self._root, self._elsewhere = book.root, book.earlier
         self._exercises = {one.id: one for one in book.exercises}
-        self._readings = Readings() if book.readings is None else book.readings.remembered()
+        self._readings = Reader() if book.readings is None else Reader(memory=book.readings.memory)
         self._lines: dict[str, list[str]] = {}
 
     @property
@@ -57,17 +57,17 @@ class ProgramTexts(Closable):
         """Whether there is anything to read."""
         return self._root is not None
 
-    def fingerprints(self, record: Record) -> Fingerprints:
+    def fingerprints(self, record: Record) -> FileSummary:
         """Those of a submission; none of what cannot be read."""
         if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
-            return Fingerprints()
+            return FileSummary()
         return self.of_file(self._root / record.entry.source, self._exercises[record.entry.exercise])
 
-    def of_file(self, path: Path, exercise: Exercise) -> Fingerprints:
+    def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
         """The fingerprints of any file that is read as a submission for an exercise."""
         with suppress(UnreadableError, GradingError), Copy(path) as copy:
-            return self._readings.fingerprints(copy, exercise)
-        return Fingerprints()
+            return self._readings.summarize(copy, exercise, whatever=True)
+        return FileSummary()
 
     def lines(self, record: Record) -> list[str]:
         """A program's lines; none of what cannot be read."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item
     from course_kit.grading.model.exercise import Exercise
-    from course_kit.grading.reading.reading_answers import Glance
+    from course_kit.grading.reading.reader import FileSummary
 
 NAMED, CALLED_ALIKE, BY_CONTENT, ONLY_ONE = 4, 3, 2, 1  # how sure it is that a file is for an exercise
 _AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` are of one age
@@ -50,7 +50,7 @@ class Candidate:
     file: File  # the file
     sureness: int  # how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE
     changed: float  # when it was written, in seconds
-    glance: Glance  # what it looks like
+    glance: FileSummary  # what it looks like
     is_starter: bool  # whether its program is one that the course gave out
     fits: bool  # whether it holds what the exercise asks for, or may do without: a program that uses rclpy
     odd: str = ""  # what in it somebody should look at
@@ -78,8 +78,8 @@ def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[
         why = f"{_WON[place].format(len(candidates))}; {why}"
         if place == len(_WON) - 1 and _differ(best, others[0]):
             worries.append(f"nothing but its name tells it from {others[0].file.path}")
-    asked_for = [one.file.path for one in others if one.glance.asked_for and not one.is_starter]
-    if asked_for and not best.glance.asked_for and not best.file.problem:
+    asked_for = [one.file.path for one in others if one.glance.found and not one.is_starter]
+    if asked_for and not best.glance.found and not best.file.problem:
         worries.append(f"{asked_for[0]} holds {exercise.class_name or exercise.variable}, and this one does not")
     if not best.file.item.is_program:
         worries.append("it is neither a .py nor an .ipynb file")

@@ -16,9 +16,9 @@ from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
-from course_kit.grading.model.submission import Copy, UnreadableError
-from course_kit.grading.reading.reading_answers import Glance
-from course_kit.grading.reading.readings import starter_identities
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.reader import FileSummary, starter_identities
 from course_kit.reader import text
 from course_kit.text.sanitize import one_line
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item, Left
     from course_kit.classroom.intake.sources import Opened
-    from course_kit.grading.reading.readings import Readings
+    from course_kit.grading.reading.reader import Reader
 
 _LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s
 _MOST_LISTED = 50  # files of one student that are listed one by one
@@ -51,7 +51,7 @@ _AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second downloa
 class Chooser:
     """Chooses, and keeps what was found."""
 
-    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Readings) -> None:
+    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Reader) -> None:
         self._root = opened.root
         self._reader = reader
         self._listing = opened.listing
@@ -208,20 +208,20 @@ class Chooser:
                 continue
             # Whatever it is, its student gets a report that says what is wrong with it.
             is_script = bool(exercise.class_name) and "rclpy" in glance.imports
-            fits = glance.asked_for or (is_script and file.called.removesuffix(".py") not in imported)
+            fits = glance.found or (is_script and file.called.removesuffix(".py") not in imported)
             is_starter = glance.identity in self._starters[exercise.id]
             odd = self._odd(file, exercise, glance, fits=fits)
             changed = _changed(self._root / file.path)
             yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
 
-    def _odd(self, file: File, exercise: Exercise, glance: Glance, *, fits: bool) -> str:
+    def _odd(self, file: File, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
         """Why a program will hardly get a point; empty where nothing speaks against it."""
-        if file.problem or not file.item.is_program or (glance.asked_for and glance.identity):
+        if file.problem or not file.item.is_program or (glance.found and glance.identity):
             return ""
         path = self._root / file.path
         if glance.identity:
             for other in _others_of_course(exercise):
-                if self._glance(file, other).asked_for:
+                if self._glance(file, other).found:
                     return f"it holds {other.class_name or other.variable}, which {other.id} asks for"
             return "" if fits else f"it does not hold {exercise.class_name or exercise.variable}"
         with suppress(OSError):
@@ -231,21 +231,21 @@ class Chooser:
             return f"no cell in it can be read that begins with %%submission {exercise.id}"
         return "no program can be read in it"
 
-    def _glance(self, file: File, exercise: Exercise) -> Glance:
+    def _glance(self, file: File, exercise: Exercise) -> FileSummary:
         if file.problem or file.item.kind != listing.FILE or not file.item.is_program:
-            return Glance()
+            return FileSummary()
         if time.monotonic() > self._look_until:
             self._unseen.add(file.path)
-            return Glance()
+            return FileSummary()
         try:
             copy = Copy(self._root / file.path, whole=False)
         except UnreadableError:
-            return Glance()
+            return FileSummary()
         with copy:
             try:
-                return self._reader.glance(copy, exercise)
+                return self._reader.summarize(copy, exercise)
             except (UnreadableError, GradingError):
-                return Glance(asked_for=True)  # it may be; whoever reads it next says what is wrong with it
+                return FileSummary(found=True)  # it may be; whoever reads it next says what is wrong with it
 
 
 def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
@@ -254,7 +254,7 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     return (load_exercise(one, folder) for one in list_exercise_ids(folder) if one != exercise.id)
 
 
-def _sureness(file: File, exercise: Exercise, seen: Glance) -> int:
+def _sureness(file: File, exercise: Exercise, seen: FileSummary) -> int:
     if not file.item.is_program:
         return 0
     called = _AGAIN.sub("", file.called)
@@ -262,7 +262,7 @@ def _sureness(file: File, exercise: Exercise, seen: Glance) -> int:
         return NAMED
     if exercise.id in called.lower():
         return CALLED_ALIKE
-    return BY_CONTENT if seen.asked_for else 0
+    return BY_CONTENT if seen.found else 0
 
 
 def _not_followed(item: Item, unit: Unit) -> str:

@@ -15,7 +15,7 @@ from course_kit.classroom.intake.choosing import Chooser
 from course_kit.classroom.intake.recognition import AUTO
 from course_kit.classroom.intake.roster_matching import match
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.readings import Readings
+from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,7 +50,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
     exercises: Sequence[Exercise],
     workspace: Path,
     layout: str = AUTO,
-    readings: Readings | None = None,
+    readings: Reader | None = None,
     roster: Roster | None = None,
 ) -> Intake:
     """Find the submissions."""
@@ -59,7 +59,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         opened = sources.open_all(paths, workspace, exercises, layout, stack)
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
-        chooser = Chooser(opened, exercises, stack.enter_context(readings or Readings()))
+        chooser = Chooser(opened, exercises, stack.enter_context(readings or Reader()))
         for student, units in layouts.by_name(opened.units, [one.id for one in exercises]).items():
             chooser.take(student, units)
     found = Intake(

@@ -12,18 +12,23 @@ import signal
 import socket
 import sys
 import time
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+import msgspec
+
 import course_kit
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import reading_answers as answers
+from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.libc import make_memory_file
 from course_kit.process.output import LastWords
-from course_kit.reader import contract
+from course_kit.reader import contract, fingerprints, text
+from course_kit.reader.process import TOO_MUCH_MEMORY
 from course_kit.reader.text import NOTEBOOK, kind_of_file
 
 if TYPE_CHECKING:
@@ -31,48 +36,82 @@ if TYPE_CHECKING:
 
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.model.submission import Copy, Submission
-    from course_kit.grading.reading.reading_answers import Look
+    from course_kit.grading.reading.file_copy import Copy
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
 _START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
-_TOO_MUCH_MEMORY = 69  # exit status of the reader's child
 _LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
 _GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
 _END_S = 2.0
 _TRIES = 2  # a reader that another program has ended gets a successor
+_MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million
 
 
 class ReadingStoppedError(Exception):
     """Somebody has asked to stop."""
 
 
-class Reader(Closable):
-    """The process. For one thread at a time."""
+@dataclass(frozen=True)
+class FileSummary:
+    """What a file that may be a submission holds."""
 
-    def __init__(self, stopped: Callable[[], bool] = lambda: False) -> None:
-        """Start it; it gets ready while the caller goes on."""
+    found: bool = False  # whether that is what the exercise asks for
+    identity: str = ""  # equal for programs that differ in comments and blanks alone, empty when there is none
+    imports: frozenset[str] = frozenset()
+    prints: frozenset[int] = frozenset()  # hashes of short runs of the program's tokens, see `reader.fingerprints`
+    unreadable: str = ""  # why no program can be read
+    program: Submission | None = None  # where it was asked for, or is what the exercise asks for
+
+
+class _Memory:
+    """What has been read, by the file's name and bytes and the exercise."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, str, str], FileSummary] = {}
+        self._characters = 0
+
+    def find(self, copy: Copy, exercise: Exercise) -> FileSummary | None:
+        return self._known.get((copy.name, copy.digest, exercise.id))
+
+    def keep(self, copy: Copy, exercise: Exercise, summary: FileSummary) -> None:
+        if summary.program is not None and self._characters < _MOST_CHARACTERS:
+            self._known[copy.name, copy.digest, exercise.id] = summary
+            self._characters += len(summary.program.source)
+
+
+class Reader(Closable):
+    """The process, which runs from the first file on; for one thread at a time."""
+
+    def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: _Memory | None = None) -> None:
         self._stopped = stopped
-        self._start()
+        self.memory = memory or _Memory()
+        self._process: Child | None = None
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        told = self._ask(copy, exercise, whatever=True)
-        if told["unreadable"]:
-            raise UnreadableError(str(told["unreadable"]))
-        return answers.submission(copy, told)
+        summary = self.memory.find(copy, exercise) or self._ask(copy, exercise, whatever=True, compared=False)
+        if summary.program is None:
+            raise UnreadableError(summary.unreadable)
+        return summary.program
 
-    def look(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> Look:
-        """What a file looks like, and its program where that is asked for, or `whatever` it is."""
-        return answers.look(copy, self._ask(copy, exercise, whatever=whatever))
+    def summarize(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> FileSummary:
+        """What a file holds, with its program if the exercise asks for it or `whatever` it is; that is remembered."""
+        known = self.memory.find(copy, exercise)
+        if known is None:
+            known = self._ask(copy, exercise, whatever=whatever, compared=True)
+            self.memory.keep(copy, exercise, known)
+        return known
 
     def close(self) -> None:
-        """End it. Safe to call twice."""
-        self._line.close()  # it notices, ends what it has under way, and stops
-        self._process.wait_or_kill(_END_S)
-        self._said.file.close()
+        """End the process; what is remembered stays. Safe to call twice."""
+        if self._process is not None:
+            self._line.close()  # it notices, ends what it has under way, and stops
+            self._process.wait_or_kill(_END_S)
+            self._said.file.close()
+            self._process = None
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Start the process; it gets ready while the caller goes on."""
         try:
             self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             self._said = LastWords()
@@ -88,27 +127,24 @@ class Reader(Closable):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, copy: Copy, exercise: Exercise, *, whatever: bool) -> Record:
-        request = {
-            "name": copy.name,
-            "exercise": exercise.id,
-            "class_name": exercise.class_name,
-            "variable": exercise.variable,
-            "whatever": whatever,
-        }
+    def _ask(self, copy: Copy, exercise: Exercise, **wishes: bool) -> FileSummary:
+        names = {"exercise": exercise.id, "class_name": exercise.class_name, "variable": exercise.variable}
+        request = {"name": copy.name, **names, **wishes}
         if self._stopped():
             raise ReadingStoppedError
+        words = ""
         for _ in range(_TRIES):
+            if self._process is None:
+                self.start()
             try:
                 ended, answer = self._exchange(request, copy)
             except (EOFError, ValueError, OSError):  # another program has ended it
                 pass
             else:
                 if self._understood(copy, ended):
-                    return _checked(answer)
+                    return _summary(copy, answer)
             words = self._said.last_line()
             self.close()
-            self._start()
         raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
@@ -128,7 +164,6 @@ class Reader(Closable):
             if self._stopped():
                 raise ReadingStoppedError
             if time.monotonic() > deadline:
-                self._process.kill()
                 raise EOFError("the reader hangs")
         return contract.receive_packet(self._line)[0]
 
@@ -136,24 +171,19 @@ class Reader(Closable):
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-        used_up = cpu_s >= contract.CPU_S - 1
-        advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"
-        advice += " in a shorter, simpler program."
-        if ended_by == signal.SIGXCPU or (ended_by and used_up):
-            raise UnreadableError(
-                f"{copy.name} cannot be read: Python needs more than {contract.CPU_S} s of computing for it. {advice}"
-            )
-        if ended["late"]:
+        used_up = ended_by == signal.SIGXCPU or (ended_by and cpu_s >= contract.CPU_S - 1)
+        if ended["late"] and not used_up:
             raise GradingError(f"The machine was too busy: {copy.name} was not read within {contract.WALL_S:g} s.")
-        if ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
-            raise UnreadableError(
-                f"{copy.name} cannot be read: Python crashes on it because something is nested too deeply. {advice}"
-            )
-        if os.WIFEXITED(status) and os.WEXITSTATUS(status) == _TOO_MUCH_MEMORY:
-            raise UnreadableError(
-                f"{copy.name} cannot be read: Python needs more than {contract.MEMORY_MB} MB of memory for it. {advice}"
-            )
-        return status == 0
+        if used_up:
+            why = f"Python needs more than {contract.CPU_S} s of computing for it"
+        elif ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
+            why = "Python crashes on it because something is nested too deeply"
+        elif os.WIFEXITED(status) and os.WEXITSTATUS(status) == TOO_MUCH_MEMORY:
+            why = f"Python needs more than {contract.MEMORY_MB} MB of memory for it"
+        else:
+            return status == 0
+        advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"
+        raise UnreadableError(f"{copy.name} cannot be read: {why}. {advice} in a shorter, simpler program.")
 
 
 def _file_in_memory() -> BinaryIO:
@@ -164,12 +194,35 @@ def _file_in_memory() -> BinaryIO:
         raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 
 
-def _checked(answer: bytes) -> Record:
-    """What a child has written."""
+def _summary(copy: Copy, answer: bytes) -> FileSummary:
+    """What a child has written, which has read what a stranger wrote."""
     try:
-        told = json.loads(answer)
-    except (ValueError, RecursionError):
-        told = None
-    if not isinstance(told, dict):
-        raise GradingError("The process that reads submissions sent an answer that makes no sense.")
-    return told
+        fields = json.loads(answer)  # not by msgspec, which takes no text with half a character
+        if fields.get("program"):
+            fields["program"].update(name=copy.name, program=_program_name(copy.name))
+        return msgspec.convert(fields, FileSummary)
+    except (ValueError, AttributeError, RecursionError):
+        raise GradingError("The process that reads submissions sent an answer that makes no sense.") from None
+
+
+def _program_name(name: str) -> str:
+    """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
+    stem = name
+    while kind_of_file(stem):  # `a.py` of `a.py.txt`, then `a`
+        stem = stem.rpartition(".")[0]
+    plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
+    return f"{plain}.py"
+
+
+def starter_identities(exercise: Exercise) -> frozenset[str]:
+    """Those of the programs that an exercise begins with: whoever hands one in as it was has not begun."""
+    paths = (exercise.folder / name for name in (exercise.starter, exercise.notebook))
+    return frozenset(filter(None, (_identity_of(path, exercise.id) for path in paths)))
+
+
+@lru_cache(maxsize=64)
+def _identity_of(path: Path, exercise_id: str) -> str:
+    """That of a file of the course; none of one that is not there, or of a notebook without a cell to fill in."""
+    with suppress(OSError, text.UnreadableTextError), path.open("rb") as file:
+        return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
+    return ""

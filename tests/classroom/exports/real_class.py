@@ -10,7 +10,7 @@ from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, Records
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.model.report import CheckReport, Report
-from course_kit.grading.model.submission import Copy
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.render.html import render_page
 from tests.classroom.exports import books

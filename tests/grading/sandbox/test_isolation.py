@@ -27,13 +27,13 @@ print(report.to_json())
 """
 GRADE_BY_A_WORKER_OF_A_CLASS = """
 from contextlib import closing
-from course_kit.grading.model import submission
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.workers.pool import Pool
 asked = load_exercise("temperature_service")
-with submission.Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Pool()) as pool:
+with Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Pool()) as pool:
     report = pool.grade(
         GradingRequest(asked, reader.read(copy, asked), "jane.py", 7, require_isolation=sys.argv[2] == "require")
     )

@@ -1,0 +1,121 @@
+"""The bytes of a .py or .ipynb file, copied and counted: they are a stranger's, and `reader` has them read."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import stat
+from typing import TYPE_CHECKING, BinaryIO
+
+from course_kit.grading.errors import GradingError
+from course_kit.grading.model.submission import UnreadableError
+from course_kit.process import Closable
+from course_kit.process.libc import make_memory_file
+from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_MB = 1 << 20
+LARGEST = _MB  # bytes of a program
+LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
+_LARGEST = {PROGRAM: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK}
+# Rights belong to whoever grades: a file that was closed to them, perhaps by another submission, is nobody's zero.
+_OF_THE_MACHINE = (
+    *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
+    *(errno.EACCES, errno.EPERM, errno.ESTALE),
+)
+
+
+class Copy(Closable):
+    """A copy of a submission's file in memory: its name, its size in bytes, and SHA-256 of its kind and bytes."""
+
+    def __init__(self, path: Path, *, whole: bool = True) -> None:
+        """Copy a file."""
+        self.name, self.size = path.name, 0
+        try:
+            self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
+            try:
+                self.digest = self._fill(path, whole=whole)
+            except BaseException:
+                self.close()
+                raise
+        except OSError as problem:  # what concerns the file itself is an UnreadableError
+            raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+
+    def fileno(self) -> int:
+        """Its descriptor."""
+        return self._file.fileno()
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._file.close()
+
+    def _fill(self, path: Path, *, whole: bool) -> str:
+        ending = kind_of_file(path.name)
+        digest = hashlib.sha256(ending.encode() + b"\0")
+        with open(_open(path), "rb", buffering=0) as source:
+            if not ending:
+                raise UnreadableError(f"{path.name} is neither a .py nor an .ipynb file. Hand in one of these.")
+            most = _LARGEST[ending]
+            while block := self._read(source, min(_MB, most + 1 - self.size), path):
+                self.size += len(block)
+                if self.size > most:
+                    if whole:
+                        raise UnreadableError(_too_large(path))
+                    break
+                digest.update(block)
+                self._file.write(block)
+            self._file.flush()
+        return digest.hexdigest()
+
+    @staticmethod
+    def _read(source: BinaryIO, most: int, path: Path) -> bytes:
+        try:
+            return source.read(most)
+        except OSError as problem:
+            raise _not_read(path, problem) from None
+
+
+def _open(path: Path) -> int:
+    """A descriptor of an ordinary file."""
+    try:
+        _require_no_way_out(path)
+        _require_a_file(path, path.stat().st_mode)
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+    except UnreadableError:
+        raise
+    except FileNotFoundError:
+        raise UnreadableError(f"There is no file {path}.") from None
+    except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, no permission, a null byte in the name
+        raise _not_read(path, problem) from None
+    try:
+        _require_a_file(path, os.fstat(descriptor).st_mode)
+    except UnreadableError:  # it was another one a moment ago
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _require_no_way_out(path: Path) -> None:
+    if path.is_symlink() and path.resolve().parent != path.parent.resolve():
+        raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
+
+
+def _require_a_file(path: Path, mode: int) -> None:
+    if stat.S_ISDIR(mode):
+        raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
+    if not stat.S_ISREG(mode):
+        raise UnreadableError(f"{path.name} is not an ordinary file. Hand in a .py or .ipynb file.")
+
+
+def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
+    fault = GradingError if getattr(problem, "errno", None) in _OF_THE_MACHINE else UnreadableError
+    return fault(f"{path.name} cannot be read: {getattr(problem, 'strerror', None) or problem}.")
+
+
+def _too_large(path: Path) -> str:
+    if kind_of_file(path.name) == PROGRAM:
+        return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in only the program."
+    return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
