@@ -45,7 +45,7 @@ text = "A sum has three parts here."
 """
 INTERFACE = "int64 a\nint64 b\nint64 c\n---\nint64 sum\n"
 CHECKS = '''\
-from course_kit.grading.checks.vocabulary import check, offered
+from course_kit.grading.checks.vocabulary import check, endpoints_offered
 
 from .samples import SAMPLES
 
@@ -57,7 +57,7 @@ def adds(node):
         node.call("/add_three", a=a, b=b, c=c).expect(sum=a + b + c, why="The sum is wrong.")
 
 
-there = offered(points=1.0, proves=["service"], title="The service is there")
+there = endpoints_offered(points=1.0, proves=["service"], title="The service is there")
 CHECKS = [there, adds]
 '''
 SAMPLES = "SAMPLES = [(1, 2, 3), (40, 1, 1)]\n"

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 
-from course_kit.grading.checks.parameters import shown
+from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
@@ -105,11 +105,11 @@ class Reaction:
         """From the messages."""
         return cls(tuple(float(getattr(getattr(twist, part), axis)) for part, axis in FIELDS), float(wheel.data))
 
-    def shown(self) -> str:
+    def describe(self) -> str:
         """As the learner is shown it."""
-        return f"/cmd_vel {self.shown_fields()}; /wheel_speed {self.wheel:.6g}"
+        return f"/cmd_vel {self.describe_fields()}; /wheel_speed {self.wheel:.6g}"
 
-    def shown_fields(self) -> str:
+    def describe_fields(self) -> str:
         """The fields of /cmd_vel that are not 0."""
         told = [f"{name}={value:.6g}" for name, value in zip(_NAMES, self.fields, strict=True) if value != 0.0]
         return ", ".join(told) or "all fields 0"
@@ -269,11 +269,9 @@ class LimiterSteps(Model):
         if change.result.successful:
             alone = node.set(wrong, of=NODE)
             alone.refused(expected="refused", breaks="refused")
-            why = (
-                f"Your node refuses {shown(wrong)} by itself, and accepts it beside another value: judge each of them."
-            )
+            why = f"Your node refuses {describe_values(wrong)} by itself, and accepts it beside others: judge all."
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
-        change.refused(expected=f"refused, and nothing changed: {shown(wrong)} is not valid")
+        change.refused(expected=f"refused, and nothing changed: {describe_values(wrong)} is not valid")
         self.refused.append(values)
         if not any(name in change.result.reason for name in wrong):
             for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
@@ -316,7 +314,7 @@ class LimiterSteps(Model):
         if all(type(read[name]) is type(value) and read[name] == value for name, value in wanted.items()):
             return
         changed = {name: value for name, value in read.items() if value != wanted[name]}
-        evidence = Evidence(sent or "get_parameters", shown(wanted), shown(read))
+        evidence = Evidence(sent or "get_parameters", describe_values(wanted), describe_values(read))
         for values in reversed(self.refused):
             if changed.items() <= values.items() or any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
@@ -341,8 +339,8 @@ class LimiterSteps(Model):
             return
         if "one_each" not in self.lost:
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
-        told = "; ".join(filter(None, (sent, f"{COMMAND}: {Reaction(tuple(fields), 0.0).shown_fields()}")))
-        evidence = Evidence(told, right.shown(), got.shown())
+        told = "; ".join(filter(None, (sent, f"{COMMAND}: {Reaction(tuple(fields), 0.0).describe_fields()}")))
+        evidence = Evidence(told, right.describe(), got.describe())
         failed = self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
         raise self.blame(node, failed, self.past[:-1], lambda model: model.drive(node, fields))
 

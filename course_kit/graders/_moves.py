@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from course_interfaces.action import MoveRobot
 
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, SUCCEEDED
-from course_kit.grading.checks.vocabulary import Evidence, Failed, drawn
+from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
 if TYPE_CHECKING:
     import random
@@ -31,8 +31,6 @@ _BARELY_BEGUN = 0.1  # the progress that the first message says at most
 _FITS = 0.05  # how well progress fits distance_remaining
 _ROUNDING = 1e-6
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
-_GOOD_PART = 0.4  # of the time of a move, from the first to the last feedback
-_TOO_LATE = 0.1  # of the time of a move, before its end, for what tells of its middle
 _CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
@@ -98,7 +96,7 @@ def ways(*lengths: Any) -> Any:
     def make(rng: random.Random) -> Way:
         return Way(rng.choice(lengths).make(rng), rng.uniform(0.0, 2.0 * math.pi))
 
-    return drawn(make)
+    return draw_by(make)
 
 
 def allowed_s(length: float) -> float:
@@ -253,33 +251,13 @@ def require_enough(move: Move) -> None:
     if move.length < LONG_M:
         return
     enough = math.floor(_A_METRE * move.length + _ROUNDING)
-    heard = move.goal.wait_for_last_feedback(lambda messages: len(messages) >= enough)
     expected = f"at least {enough} feedback messages, spread over the move of {move.length:.2g} m"
-    if len(heard) < enough:
-        count = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
-        why = f"A client saw {count} of a move of {move.length:.2g} m."
-        raise HastyError(Evidence(move.goal.shown, expected, count), why, "action.no_feedback")
-    times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
-    began, over = move.goal.began_at or times[0], move.goal.over_at or times[-1]
-    ways_left = [(one.came_s, one.feedback.distance_remaining / move.length) for one in heard if one.came_s <= over]
-    if not is_spread(ways_left, began, over):
-        got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
-        evidence = Evidence(move.goal.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
-        raise HastyError(evidence, "The messages came in one burst, not spread over the move.", "action.late_feedback")
-
-
-def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:
-    """Whether feedback, each with when it came and the part of the way that was left, took a good part of a move.
-
-    One belongs to the middle third, of that time or of the way: on a busy machine a message comes late.
-    """
-    if not heard:
-        return False
-    first, last, late = min(heard)[0], max(heard)[0], over - _TOO_LATE * (over - began)
-    third = (last - first) / 3.0
-    by_time = any(first + third <= time <= last - third for time, _ in heard)
-    by_way = any(1 / 3 <= left <= 2 / 3 and time <= late for time, left in heard)
-    return (by_time or by_way) and last - first >= _GOOD_PART * (over - began)
+    try:
+        move.goal.require_feedback(
+            enough, expected, part_left=lambda feedback: feedback.distance_remaining / move.length
+        )
+    except Failed as failed:
+        raise HastyError(failed.evidence, failed.message, failed.diagnosis) from None
 
 
 def require_truth(move: Move) -> None:

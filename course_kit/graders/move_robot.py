@@ -18,19 +18,19 @@ from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, inside
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
+    CheckPart,
     Evidence,
     Failed,
     GradedGoal,
     GradedNode,
     Model,
-    between,
     conversation,
-    drawn,
-    either,
+    draw_between,
+    draw_by,
+    draw_one_of,
+    endpoints_offered,
     node_name,
-    offered,
-    part,
-    rule,
+    step_rule,
 )
 
 if TYPE_CHECKING:
@@ -41,11 +41,14 @@ VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
-MOVES = _moves.ways(between(1.0, 1.3), between(1.0, 1.8), between(0.06, 0.2), between(0.2, 0.9))
-ANGLE, Z = between(0.0, 2.0 * math.pi), either(0.0, 0.0, -1.0, 2.5, math.nan)
+MOVES = _moves.ways(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
+ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
-STOPS, CUTS = _moves.ways(between(1.7, 2.1)), either(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
+STOPS, CUTS = (
+    _moves.ways(draw_between(1.7, 2.1)),
+    draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0),
+)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.85, 0.85), ("second", "outside", "second", "nowhere", "second", "outside")
 _ASK_AGAIN_S = 0.2
 PLAIN = ("accepted", "succeeds", *_moves.ASPECTS)
@@ -84,13 +87,13 @@ class RobotModel(Model):
 
     # --- the rules
 
-    @rule("succeeds", way=MOVES, often=5)
+    @step_rule("succeeds", way=MOVES, often=5)
     @fair
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.judge(self.drive(node, self.target_of(way)))
 
-    @rule("any_z", way=MOVES)
+    @step_rule("any_z", way=MOVES)
     @fair
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
@@ -99,7 +102,7 @@ class RobotModel(Model):
             self.special = "any_z"
             self.judge(self.drive(node, self.target_of(way), z, "any_z"))
 
-    @rule("already_there", angle=ANGLE, often=2)
+    @step_rule("already_there", angle=ANGLE, often=2)
     @fair
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
@@ -114,7 +117,7 @@ class RobotModel(Model):
         _moves.require_limits(goal)
         _moves.judge("arrives", Move(self.at, self.at, goal, ended))
 
-    @rule("outside")
+    @step_rule("outside")
     @fair
     def reach_edges(self, node: GradedNode) -> None:
         """The edges belong to the arena."""
@@ -130,7 +133,7 @@ class RobotModel(Model):
                 self.special = "outside"
                 self.finish(self.at, target, goal)
 
-    @rule("outside", targets=drawn(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
+    @step_rule("outside", targets=draw_by(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
     @fair
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
@@ -140,7 +143,7 @@ class RobotModel(Model):
             )
             self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
-    @rule("not_a_number", targets=drawn(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
+    @step_rule("not_a_number", targets=draw_by(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
     @fair
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
@@ -148,8 +151,11 @@ class RobotModel(Model):
             _moves.send_goal(node, ArenaPoint(*target), z).rejected(what="this goal, which is not a place")
             self.special = "second_goal"
 
-    @rule(
-        "second_goal", way=_moves.ways(between(1.1, 1.4)), moment=either(*zip(SHARES, KINDS, strict=True)), angle=ANGLE
+    @step_rule(
+        "second_goal",
+        way=_moves.ways(draw_between(1.1, 1.4)),
+        moment=draw_one_of(*zip(SHARES, KINDS, strict=True)),
+        angle=ANGLE,
     )
     @fair
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
@@ -162,7 +168,7 @@ class RobotModel(Model):
         self.reject_second(node, first, inside(begin, 0.6, angle + 1.0))
         self.judge(self.finish(begin, target, first))
 
-    @rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
+    @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
     @fair
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
@@ -186,7 +192,7 @@ class RobotModel(Model):
             self.targets.append(target)
             _moves.judge("arrives", self.finish(begin, target, accepted[0]))
 
-    @rule("second_goal", way=_moves.ways(between(1.0, 1.4)), angle=ANGLE)
+    @step_rule("second_goal", way=_moves.ways(draw_between(1.0, 1.4)), angle=ANGLE)
     @fair
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
@@ -212,7 +218,7 @@ class RobotModel(Model):
                 self.arrive(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
                 _moves.require_end_before(first, second, evidence)
 
-    @rule("cancel", way=STOPS, share=CUTS, disturbed=either(False, True), then=either(None, MOVES))
+    @step_rule("cancel", way=STOPS, share=CUTS, disturbed=draw_one_of(False, True), then=draw_one_of(None, MOVES))
     @fair
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
@@ -404,18 +410,18 @@ class RobotModel(Model):
         return inside(self.at, max(way.length, _moves.LONG_M) if self.at == ORIGIN else way.length, way.angle)
 
 
-after_arrival = functools.partial(part, after=["arrives"])
+after_arrival = functools.partial(CheckPart, after=["arrives"])
 CHECKS = [
-    offered(title="The action /move_robot is there, with its type",
-            points=1.0, proves=["action", "only_a_class", "a_program", "start"]),
+    endpoints_offered(title="The action /move_robot is there, with its type",
+                      points=1.0, proves=["action", "only_a_class", "a_program", "start"]),
     node_name("move_robot_server", points=0.5, proves=["node"], after=["offered"]),
     *conversation(
         RobotModel,
-        part("accepted", "A goal in the arena is accepted", points=1.0, proves=["reaches", "a_program"]),
-        part("succeeds", "A goal in the arena ends SUCCEEDED, with a result",
-             points=2.0, proves=["reaches", "in_time"], after=["accepted"]),
-        part("arrives", "The robot is at the target when the goal has succeeded",
-             points=2.0, proves=["reaches", "final_position", "position"], after=["succeeds"]),
+        CheckPart("accepted", "A goal in the arena is accepted", points=1.0, proves=["reaches", "a_program"]),
+        CheckPart("succeeds", "A goal in the arena ends SUCCEEDED, with a result",
+                  points=2.0, proves=["reaches", "in_time"], after=["accepted"]),
+        CheckPart("arrives", "The robot is at the target when the goal has succeeded",
+                  points=2.0, proves=["reaches", "final_position", "position"], after=["succeeds"]),
         after_arrival("distance", "The distance travelled is the length of this move",
                       points=1.0, proves=["distance_travelled"]),
         after_arrival("any_z", "The z of a target is ignored, whatever it is",
@@ -424,20 +430,20 @@ CHECKS = [
                       points=1.0, proves=["already_there", "progress_limits"]),
         after_arrival("feedback", "While the robot moves, at least five feedback messages a metre tell where it is",
                       points=2.0, proves=["five_a_metre", "spread", "straight"]),
-        part("progress", "Progress grows, the distance left shrinks, the position is on the straight line",
-             points=1.5, after=["feedback"],
-             proves=["straight", "position", "progress_limits", "monotonic", "distance_remaining"]),
+        CheckPart("progress", "Progress grows, the distance left shrinks, the position is on the straight line",
+                  points=1.5, after=["feedback"],
+                  proves=["straight", "position", "progress_limits", "monotonic", "distance_remaining"]),
         after_arrival("second_goal",
                       "A goal is rejected while another one runs, also when both are sent in the same instant",
                       points=1.5, proves=["second_goal", "same_instant"]),
         after_arrival("cancel", "A goal is cancelled at any moment: within 1 s, short of the target",
                       points=2.0, proves=["cancel_accepted", "cancelled", "one_thread", "position"]),
-        part("after_cancel", "After a cancelled goal the next one works, and starts where the robot stopped",
-             points=1.0, proves=["after_cancel", "cancel_accepted"], after=["cancel"]),
-        part("not_a_number", "Goals that are NaN or infinite are rejected",
-             points=1.0, proves=["not_a_number"], after=["accepted"]),
-        part("outside", "Goals outside the arena are rejected, goals on its edges are not",
-             points=1.5, proves=["edges_inside", "outside"], after=["accepted"]),
+        CheckPart("after_cancel", "After a cancelled goal the next one works, and starts where the robot stopped",
+                  points=1.0, proves=["after_cancel", "cancel_accepted"], after=["cancel"]),
+        CheckPart("not_a_number", "Goals that are NaN or infinite are rejected",
+                  points=1.0, proves=["not_a_number"], after=["accepted"]),
+        CheckPart("outside", "Goals outside the arena are rejected, goals on its edges are not",
+                  points=1.5, proves=["edges_inside", "outside"], after=["accepted"]),
         steps=36, after=["offered"], deadline_s=120.0,
     ),
 ]  # fmt: skip

@@ -26,20 +26,20 @@ from course_kit.graders._limiter import (
     command_of,
 )  # fmt: skip
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.checks.parameters import expect_served, shown, start_arguments
+from course_kit.grading.checks.parameters import describe_values, start_arguments
 from course_kit.grading.checks.vocabulary import (
     Check,
+    CheckPart,
     Evidence,
     Failed,
     GradedNode,
-    between,
     check,
     conversation,
-    drawn,
-    either,
-    offered,
-    part,
-    rule,
+    draw_between,
+    draw_by,
+    draw_one_of,
+    endpoints_offered,
+    step_rule,
 )  # fmt: skip
 from course_kit.ros.parameters import NOT_SET
 
@@ -96,24 +96,27 @@ class Limiter(LimiterSteps):
         if node.context.job.mode == "attach":
             node.set(vars(self.start), of=NODE)
 
-    @rule("reacts", command=either(*_COMMANDS, drawn(command_of)))
+    @step_rule("reacts", command=draw_one_of(*_COMMANDS, draw_by(command_of)))
     def look(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
         """A command, when all changes act; and the parameters have their values."""
         self.require_values(node)
         kind, size, others = command
         self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
 
-    @rule("change_velocity", value=either(0.05, 1.23456789, between(0.1, 5.0)))
+    @step_rule("change_velocity", value=draw_one_of(0.05, 1.23456789, draw_between(0.1, 5.0)))
     def velocity(self, node: GradedNode, value: float) -> None:
         """A valid velocity."""
         self.accept(node, {"max_velocity": value}, "change_velocity")
 
-    @rule("change_diameter", value=either(0.35, between(0.02, 0.9)))
+    @step_rule("change_diameter", value=draw_one_of(0.35, draw_between(0.02, 0.9)))
     def diameter(self, node: GradedNode, value: float) -> None:
         """A valid diameter."""
         self.accept(node, {"wheel_diameter": value}, "change_diameter")
 
-    @rule("change_velocity", values=either((5.0, 0.01), (0.001, 1.0), (0.5, 0.2), (between(2, 5), between(0.1, 0.9))))
+    @step_rule(
+        "change_velocity",
+        values=draw_one_of((5.0, 0.01), (0.001, 1.0), (0.5, 0.2), (draw_between(2, 5), draw_between(0.1, 0.9))),
+    )
     def both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
         velocity, diameter = values
@@ -122,26 +125,26 @@ class Limiter(LimiterSteps):
         self.accept(node, {"wheel_diameter": diameter}, "change_diameter")
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
-    @rule("change_enabled", value=either((True, 0.5), (False, 0.5), (False, 0.0)))
+    @step_rule("change_enabled", value=draw_one_of((True, 0.5), (False, 0.5), (False, 0.0)))
     def enable(self, node: GradedNode, value: tuple[bool, float]) -> None:
         """On and off act, on a command to stand still, too."""
         enabled, share = value
         self.accept(node, {"enabled": enabled}, "change_enabled")
         self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
 
-    @rule("change_status", value=either(*_NAMES))
+    @step_rule("change_status", value=draw_one_of(*_NAMES))
     def name(self, node: GradedNode, value: str) -> None:
         """A name, in any language."""
         self.accept(node, {"robot_name": value}, "change_status")
         if value != _NAMES[0] and not self.lost & {"status", "change_status"}:
             self.require_status(node)
 
-    @rule(
+    @step_rule(
         "atomic",
-        values=either(
-            {"max_velocity": between(0.2, 4.0), "wheel_diameter": between(0.02, 0.9)},
-            {"wheel_diameter": between(0.02, 0.9), "robot_name": "both", "enabled": True},
-            {"enabled": True, "max_velocity": between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
+        values=draw_one_of(
+            {"max_velocity": draw_between(0.2, 4.0), "wheel_diameter": draw_between(0.02, 0.9)},
+            {"wheel_diameter": draw_between(0.02, 0.9), "robot_name": "both", "enabled": True},
+            {"enabled": True, "max_velocity": draw_between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
         ),
     )
     def several(self, node: GradedNode, values: dict[str, Any]) -> None:
@@ -153,7 +156,7 @@ class Limiter(LimiterSteps):
         change.accepted(breaks="atomic")
         self.took(values)
 
-    @rule("refuses", often=2 * len(_INVALID), values=either(*_INVALID))
+    @step_rule("refuses", often=2 * len(_INVALID), values=draw_one_of(*_INVALID))
     def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
         """An invalid value."""
         name = next(iter(values))
@@ -165,7 +168,7 @@ class Limiter(LimiterSteps):
         if name == "robot_name":
             self.require_status(node)
 
-    @rule("refuses", values=either({"max_velocity": 8.0}, {"robot_name": ""}))
+    @step_rule("refuses", values=draw_one_of({"max_velocity": 8.0}, {"robot_name": ""}))
     def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
         """What is refused neither stops the robot nor lets it drive again."""
         for enabled in (False, True) if "change_enabled" not in self.lost else ():
@@ -173,7 +176,7 @@ class Limiter(LimiterSteps):
             self.refuse(node, values)
             self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
 
-    @rule("atomic", sets=either(*(_TOGETHER[place::3] for place in range(3))))
+    @step_rule("atomic", sets=draw_one_of(*(_TOGETHER[place::3] for place in range(3))))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Valid and invalid values at once; what is refused does not act."""
         if not self.settings.enabled and "change_enabled" not in self.lost:
@@ -183,7 +186,7 @@ class Limiter(LimiterSteps):
             self.refuse_set(node, values)
         self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
 
-    @rule("atomic", sets=either(_WITH_NAMES))
+    @step_rule("atomic", sets=draw_one_of(_WITH_NAMES))
     def refuse_names(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Refused names do not show."""
         self.require_status(node)
@@ -191,9 +194,9 @@ class Limiter(LimiterSteps):
             self.refuse_set(node, values)
         self.require_status(node)
 
-    @rule(
+    @step_rule(
         "wrong_type",
-        values=either(
+        values=draw_one_of(
             {"max_velocity": "fast"},
             {"max_velocity": 2},
             {"enabled": 1},
@@ -208,12 +211,12 @@ class Limiter(LimiterSteps):
         node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
         self.refused.append(values)
 
-    @rule("undeclared", values=either({"wheel_count": 4}, {"max_velocity_": 1.0}))
+    @step_rule("undeclared", values=draw_one_of({"wheel_count": 4}, {"max_velocity_": 1.0}))
     def undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
         """A parameter that is not declared."""
         node.set(values, of=NODE).refused(expected="refused: it is not declared", diagnosis="parameter.undeclared")
 
-    @rule("status")
+    @step_rule("status")
     def status(self, node: GradedNode) -> None:
         """The next line shows the name and the velocity."""
         self.require_status(node)
@@ -223,7 +226,7 @@ class Limiter(LimiterSteps):
 def node_up(node: GradedNode) -> Evidence:
     """The node velocity_limiter comes up and can be asked."""
     node.prepare()
-    return expect_served(node.context, NODE)
+    return node.parameters(NODE).expect_served()
 
 
 @check(points=0.5, after=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
@@ -256,10 +259,12 @@ def types(node: GradedNode) -> Evidence:
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
     found = {name: one.value for name, one in node.parameters(NODE).values(list(TYPES)).items()}
-    evidence = Evidence("get_parameters", shown(vars(DEFAULTS)), shown(found))
+    evidence = Evidence("get_parameters", describe_values(vars(DEFAULTS)), describe_values(found))
     others = {name: value for name, value in found.items() if value != getattr(DEFAULTS, name)}
     if others and node.context.job.mode != "attach":
-        raise Failed(evidence, f"Started without settings, your node has {shown(others)}.", "parameter.default")
+        raise Failed(
+            evidence, f"Started without settings, your node has {describe_values(others)}.", "parameter.default"
+        )
     return evidence
 
 
@@ -291,7 +296,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     context = node.context
     try:
         node.start(**start, meets=False)
-        expect_served(context, NODE)
+        node.parameters(NODE).expect_served()
         node.meet()
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
@@ -307,7 +312,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     read = node.get(*given, of=NODE)
     if read != given:
         why = "The program was started with these values, but its parameters have others."
-        raise Failed(Evidence(sent, shown(given), shown(read)), why, "parameter.override_ignored")
+        raise Failed(Evidence(sent, describe_values(given), describe_values(read)), why, "parameter.override_ignored")
     off = not model.settings.enabled
     if off and "change_enabled" in model.lost:
         return model
@@ -333,7 +338,7 @@ def start_arguments_count(node: GradedNode) -> Evidence:
     given = {"max_velocity": round(rng.uniform(2.1, 4.9), 1), "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
     sent = " ".join(start_arguments(given))
     _start(node, given, sent, parameters=given)
-    return Evidence(sent, shown(given), shown(given))
+    return Evidence(sent, describe_values(given), describe_values(given))
 
 
 @check(points=0.5, after=["limits", "status"], deadline_s=25.0, proves=["start_file"])
@@ -345,10 +350,10 @@ def start_file(node: GradedNode) -> Evidence:
         "enabled": False,
         "max_velocity": round(rng.uniform(0.2, 0.9), 1),
     }
-    sent = f"--params-file parameters.yaml, in which {shown(given)}"
+    sent = f"--params-file parameters.yaml, in which {describe_values(given)}"
     _start(node, given, sent, file=given, of=NODE)
     node.context.spoil()
-    return Evidence(sent, shown(given), shown(given))
+    return Evidence(sent, describe_values(given), describe_values(given))
 
 
 @check(points=1.0, after=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
@@ -372,7 +377,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
     try:
         node.start(parameters=values, meets=False)
         try:
-            expect_served(context, NODE)
+            node.parameters(NODE).expect_served()
             node.meet()
         except Failed as failed:
             if context.process(fresh=True).running:
@@ -384,7 +389,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
             model.drive(node, [BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
             model.require_values(node, sent)
         except Failed as failed:
-            why = f"Your node started with {shown(values)}, which it should have refused."
+            why = f"Your node started with {describe_values(values)}, which it should have refused."
             raise Failed(replace(evidence, got=failed.evidence.got), why, "validation.missing") from None
         return _require_said(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
     finally:
@@ -408,38 +413,41 @@ def _require_said(node: GradedNode, words: tuple[str, ...], evidence: Evidence) 
 
 CHECKS: list[Check] = [
     node_up,
-    offered(check_id="topics", title="The four topics are there, and a default endpoint connects to each",
-            points=0.5, proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
-            after=["node_up"]),
+    endpoints_offered(check_id="topics", title="The four topics are there, and a default endpoint connects to each",
+                      points=0.5, proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
+                      after=["node_up"]),
     declared,
     types,
     defaults,
     *conversation(
         Limiter,
-        part("reacts", "A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed",
-             points=0.5, proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]),
-        part("limits", "linear.x is limited in both directions, and nothing else is changed",
-             points=1.5, proves=["limited", "sign_and_rest"], after=["reacts"]),
-        part("wheel_speed", "/wheel_speed is the wheel's speed in rad/s for the published velocity",
-             points=1.0, proves=["wheels"]),
-        part("one_each", "Each command brings exactly one message on each topic",
-             points=0.5, proves=["one_each"], after=["reacts"]),
-        part("status", "/status shows the name and the velocity", points=1.0, proves=["status_line", "topic_status"]),
-        part("change_velocity", "A change of max_velocity affects the next command",
-             points=1.0, proves=["next_message", "ends_valid", "max_velocity"]),
-        part("change_diameter", "A change of wheel_diameter affects the next command",
-             points=1.0, proves=["next_message", "ends_valid", "wheel_diameter"]),
-        part("change_enabled", "With enabled=False the robot stands still, with enabled=True it drives again",
-             points=1.0, proves=["next_message", "disabled", "one_each_disabled"], after=["reacts"]),
-        part("change_status", "A change of robot_name and max_velocity shows in the next /status",
-             points=0.5, proves=["next_message", "change_answered", "unrounded", "status_line", "robot_name"],
-             after=["status"]),
-        part("refuses", "An invalid value is refused, and the old one stays",
-             points=2.5, proves=["refused", "ends_refused"]),
-        part("reason", "A refusal names the parameter and its range", points=1.5, proves=["reason"]),
-        part("wrong_type", "A value of another type is refused", points=0.5, proves=["other_type"]),
-        part("undeclared", "Setting a parameter that is not declared is refused", points=0.5, proves=["undeclared"]),
-        part("atomic", "A valid and an invalid value set atomically change nothing", points=1.5, proves=["atomic"]),
+        CheckPart("reacts", "A command on /cmd_vel_in brings a message on /cmd_vel and on /wheel_speed",
+                  points=0.5, proves=["within_3_s", "topic_command", "topic_velocity", "topic_wheel"]),
+        CheckPart("limits", "linear.x is limited in both directions, and nothing else is changed",
+                  points=1.5, proves=["limited", "sign_and_rest"], after=["reacts"]),
+        CheckPart("wheel_speed", "/wheel_speed is the wheel's speed in rad/s for the published velocity",
+                  points=1.0, proves=["wheels"]),
+        CheckPart("one_each", "Each command brings exactly one message on each topic",
+                  points=0.5, proves=["one_each"], after=["reacts"]),
+        CheckPart("status", "/status shows the name and the velocity",
+                  points=1.0, proves=["status_line", "topic_status"]),
+        CheckPart("change_velocity", "A change of max_velocity affects the next command",
+                  points=1.0, proves=["next_message", "ends_valid", "max_velocity"]),
+        CheckPart("change_diameter", "A change of wheel_diameter affects the next command",
+                  points=1.0, proves=["next_message", "ends_valid", "wheel_diameter"]),
+        CheckPart("change_enabled", "With enabled=False the robot stands still, with enabled=True it drives again",
+                  points=1.0, proves=["next_message", "disabled", "one_each_disabled"], after=["reacts"]),
+        CheckPart("change_status", "A change of robot_name and max_velocity shows in the next /status",
+                  points=0.5, proves=["next_message", "change_answered", "unrounded", "status_line", "robot_name"],
+                  after=["status"]),
+        CheckPart("refuses", "An invalid value is refused, and the old one stays",
+                  points=2.5, proves=["refused", "ends_refused"]),
+        CheckPart("reason", "A refusal names the parameter and its range", points=1.5, proves=["reason"]),
+        CheckPart("wrong_type", "A value of another type is refused", points=0.5, proves=["other_type"]),
+        CheckPart("undeclared", "Setting a parameter that is not declared is refused",
+                  points=0.5, proves=["undeclared"]),
+        CheckPart("atomic", "A valid and an invalid value set atomically change nothing",
+                  points=1.5, proves=["atomic"]),
         steps=1, after=["types", "topics"],
     ),
     status_rate,

@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING
 from course_interfaces.srv import ConvertTemperature
 
 from course_kit.grading.checks.vocabulary import (
+    CheckPart,
     Failed,
     GradedNode,
     Model,
-    between,
     conversation,
-    drawn,
-    either,
+    draw_between,
+    draw_by,
+    draw_one_of,
+    endpoints_offered,
     node_name,
-    offered,
-    part,
-    rule,
+    step_rule,
 )
 
 if TYPE_CHECKING:
@@ -48,7 +48,12 @@ _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better th
 _CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
 _COMPARED = (0.0, 37.0, -40.0, 123.457, 212.0)  # that are asked for beside a wrong answer, to find its cause
-_ANY = (between(-200.0, 500.0), between(-200.0, 500.0), between(-1.0, 1.0), drawn(lambda rng: 10 ** rng.uniform(2, 9)))
+_ANY = (
+    draw_between(-200.0, 500.0),
+    draw_between(-200.0, 500.0),
+    draw_between(-1.0, 1.0),
+    draw_by(lambda rng: 10 ** rng.uniform(2, 9)),
+)
 _KNOWN = (
     0.0,
     32.0,
@@ -130,38 +135,42 @@ class Temperatures(Model):
 
     history = "lives_on"
 
-    @rule("celsius_to_fahrenheit", value=either(*_KNOWN, *_ANY))
+    @step_rule("celsius_to_fahrenheit", value=draw_one_of(*_KNOWN, *_ANY))
     def to_fahrenheit(self, node: GradedNode, value: float) -> None:
         """Celsius becomes Fahrenheit."""
         self.converts(node, Sample(value, CELSIUS, FAHRENHEIT))
 
-    @rule("fahrenheit_to_celsius", value=either(*_KNOWN, *_ANY))
+    @step_rule("fahrenheit_to_celsius", value=draw_one_of(*_KNOWN, *_ANY))
     def to_celsius(self, node: GradedNode, value: float) -> None:
         """Fahrenheit becomes Celsius."""
         self.converts(node, Sample(value, FAHRENHEIT, CELSIUS))
 
-    @rule(
+    @step_rule(
         "precision",
-        case=either(*product((*_DIGITS, *_ANY), [pair for pair in _PAIRS if pair[0] != pair[1]])),
+        case=draw_one_of(*product((*_DIGITS, *_ANY), [pair for pair in _PAIRS if pair[0] != pair[1]])),
     )
     def digits(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """No digit is lost."""
         self.converts(node, Sample(case[0], *case[1]), right=exact)
 
-    @rule("same_unit", unit=either(*UNITS), value=either(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY))
+    @step_rule(
+        "same_unit",
+        unit=draw_one_of(*UNITS),
+        value=draw_one_of(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY),
+    )
     def same(self, node: GradedNode, unit: str, value: float) -> None:
         """A unit converted to itself."""
         self.converts(node, Sample(value, unit, unit), right=exact)
 
-    @rule(
+    @step_rule(
         "unknown_unit",
-        value=either(20.0, 0.0, 32.0),
-        units=either(
+        value=draw_one_of(20.0, 0.0, 32.0),
+        units=draw_one_of(
             *((word, unit) for word, unit in zip((*_ODD, *_NEAR), UNITS * 20, strict=False)),
             *((unit, word) for word, unit in zip((*_ODD, *_NEAR), UNITS * 20, strict=False)),
             *((word, word) for word in ("kelvin", "", "Celsius")),
         ),
-        times=either(1, 2),
+        times=draw_one_of(1, 2),
     )
     def unknown(self, node: GradedNode, value: float, units: tuple[str, str], times: int) -> None:
         """An unknown unit is refused, the same one twice running, too."""
@@ -170,16 +179,16 @@ class Temperatures(Model):
         for _ in range(times):
             self.refuses(node, Sample(value, *units), what)
 
-    @rule(
+    @step_rule(
         "not_a_number",
-        case=either(*((value, *pair) for value in (math.nan, math.inf, -math.inf) for pair in _PAIRS)),
+        case=draw_one_of(*((value, *pair) for value in (math.nan, math.inf, -math.inf) for pair in _PAIRS)),
     )
     def no_number(self, node: GradedNode, case: tuple[float, str, str]) -> None:
         """NaN and infinity are refused."""
         what = "NaN" if math.isnan(case[0]) else "infinity" if case[0] > 0 else "minus infinity"
         self.refuses(node, Sample(*case), what)
 
-    @rule("absolute_zero", case=either(*product((_EDGE, 1.0, 1e5, between(10.0, 1e4)), _PAIRS)))
+    @step_rule("absolute_zero", case=draw_one_of(*product((_EDGE, 1.0, 1e5, draw_between(10.0, 1e4)), _PAIRS)))
     def too_cold(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """A temperature below absolute zero is refused."""
         below, units = case
@@ -187,7 +196,7 @@ class Temperatures(Model):
         sample = Sample(ABSOLUTE_ZERO[units[0]] - below, *units)
         self.refuses(node, sample, f"a temperature below absolute zero ({zeros})")
 
-    @rule("absolute_zero", case=either(*product((0.0, _EDGE, 1.0), _PAIRS)))
+    @step_rule("absolute_zero", case=draw_one_of(*product((0.0, _EDGE, 1.0), _PAIRS)))
     def barely_valid(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """Absolute zero itself is valid, in Celsius."""
         above, units = case
@@ -199,7 +208,7 @@ class Temperatures(Model):
             return  # that is for the check of equal units to say
         self.converts(node, Sample(ABSOLUTE_ZERO[units[0]] + warmer, *units), refused="absolute_zero")
 
-    @rule("fifty_calls", often=2, values=drawn(_fifty))
+    @step_rule("fifty_calls", often=2, values=draw_by(_fifty))
     def fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
         """Fifty calls at once, each with its own value."""
         node.call(SERVICE, vars(values[0]), breaks="answers").within(_WITHIN_S, breaks="one_call")
@@ -283,7 +292,7 @@ class Temperatures(Model):
 
 
 CHECKS = [
-    offered(
+    endpoints_offered(
         points=0.5,
         proves=["service", "only_a_class", "a_program", "start"],
         title="The service /convert_temperature is there, with its type",
@@ -291,35 +300,35 @@ CHECKS = [
     node_name("temperature_service", points=0.5, proves=["node"], after=["offered"]),
     *conversation(
         Temperatures,
-        part("answers", "A request gets an answer", points=1.0, proves=["success", "one_call", "lives_on"]),
-        part("celsius_to_fahrenheit", "Celsius becomes Fahrenheit", points=1.0, proves=["both_directions"]),
-        part("fahrenheit_to_celsius", "Fahrenheit becomes Celsius", points=1.0, proves=["both_directions"]),
-        part("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"]),
-        part(
+        CheckPart("answers", "A request gets an answer", points=1.0, proves=["success", "one_call", "lives_on"]),
+        CheckPart("celsius_to_fahrenheit", "Celsius becomes Fahrenheit", points=1.0, proves=["both_directions"]),
+        CheckPart("fahrenheit_to_celsius", "Fahrenheit becomes Celsius", points=1.0, proves=["both_directions"]),
+        CheckPart("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"]),
+        CheckPart(
             "precision",
             "No digits are lost, whether the value is large, small or very cold",
             points=1.0,
             proves=["every_digit"],
         ),
-        part(
+        CheckPart(
             "unknown_unit",
             "An unknown unit is refused with a reason",
             points=1.0,
             proves=["unknown_unit", "exact_words", "says_why", "checked_first"],
         ),
-        part(
+        CheckPart(
             "not_a_number",
             "NaN and infinity are refused with a reason",
             points=1.0,
             proves=["no_number", "says_why", "checked_first"],
         ),
-        part(
+        CheckPart(
             "absolute_zero",
             "A temperature below absolute zero is refused with a reason, absolute zero itself is not",
             points=1.0,
             proves=["too_cold", "absolute_zero", "says_why", "checked_first"],
         ),
-        part(
+        CheckPart(
             "fifty_calls",
             "Fifty calls, ten at a time, each get the answer to their own value within 5 s",
             points=1.5,

@@ -10,14 +10,12 @@ from datetime import datetime, timezone
 from functools import partial
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks import graph, topics
-from course_kit.grading.checks.actions import WantedAction
+from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.endpoints import Service, Topic
+from course_kit.grading.checks.endpoints import Endpoint
 from course_kit.grading.checks.graded_node import GradedNode
-from course_kit.grading.checks.matching import interface_of
-from course_kit.grading.checks.parameters import Remote
+from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.exchange_log import GRADER
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
@@ -31,7 +29,6 @@ if TYPE_CHECKING:
 
 _APPEARS_S = 2.0  # within which what a step needs has to be on the graph
 _MOST_S = 20.0  # for all that one check asks
-_SERVERS = {"service": Service, "action": WantedAction}
 
 
 @dataclass(frozen=True)
@@ -111,18 +108,17 @@ def _require(step: LessonStep, context: CheckContext) -> None:
     """Fail with what is there instead, unless all is there that the step asks about."""
     node = context.grader_node
     for need in step.needs:
-        kind, name, *interface = need.split()
+        kind, name = need.split()[:2]
         if kind == "node":
-            remote = Remote(context, name)
-            _await(context, remote.ready, need, [one for one in node.nodes() if not is_hidden(one)])
-        elif kind in _SERVERS:
-            server = _SERVERS[kind](name, interface_of(*interface))
-            there = [f"{one.name} [{one.type}]" for one in server.offers(node)]
-            _await(context, partial(server.ready, node), need, there)
+            remote = RemoteParameters(context, name)
+            _await(context, remote.is_ready, need, [one for one in node.nodes() if not is_hidden(one)])
+            continue
+        end = Endpoint.from_record(_endpoint(need))
+        if end.is_server:
+            there = [f"{one.name} [{one.type}]" for one in end.offers(node)]
+            _await(context, partial(end.is_ready, node), need, there)
         else:
-            topic = [Topic(name, interface_of(*interface))]
-            publishes = kind == "publisher"
-            topics.expect_endpoints(context, topic if publishes else [], [] if publishes else topic)
+            discovery.expect_topics(context, [end])
 
 
 def _await(context: CheckContext, condition: Callable[[], bool], need: str, there: Sequence[str]) -> None:
@@ -131,7 +127,7 @@ def _await(context: CheckContext, condition: Callable[[], bool], need: str, ther
     kind, name, *interface = need.split()
     found = f"on the graph: {', '.join(there) or 'none'}"
     of_type = f" of type {interface[0]}" if interface else ""
-    why = f"No {kind} {name}{of_type} is there.{graph.closest(name, there)}"
+    why = f"No {kind} {name}{of_type} is there.{discovery.name_nearest(name, there)}"
     raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
 
 

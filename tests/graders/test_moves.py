@@ -16,13 +16,12 @@ from course_kit.graders._moves import (
     distance_beside,
     explain_refusal,
     find_jump,
-    is_spread,
     require_distance,
     require_end_before,
 )
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, Ended
+from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, Ended, is_spread
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.process_status import ProcessStatus

@@ -56,19 +56,19 @@ def feedback(goal: bytes, number: int) -> Any:
 
 def test_of_feedback_without_end_the_beginning_and_the_last_are_kept() -> None:
     ours, other, heard = b"a" * 16, b"b" * 16, Feedback()
-    told = heard.of(ours)
+    told = heard.of_goal(ours)
     for number in range(12_000):
         heard.take(feedback(ours, number), INFO)
         heard.take(feedback(other, number), INFO)
     assert heard.count == 24_000
     assert len(told) == 10_000
     assert [told[place].feedback.progress for place in (0, 1, -2, -1)] == [0, 1, 9998, 11_999]
-    assert heard.of(other) == []
+    assert heard.of_goal(other) == []
 
 
 def test_only_changes_of_the_status_of_our_own_goals_are_kept() -> None:
     ours, heard = bytes(range(16)), Statuses()
-    changes = heard.of(ours)
+    changes = heard.of_goal(ours)
     for status in (1, 2, 2, 2, 77, 4, 4, *range(-30, 0)):
         entries = [GoalStatus(status=status) for _ in range(1100)]
         entries[-1].goal_info.goal_id.uuid = list(ours)

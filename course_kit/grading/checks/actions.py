@@ -7,19 +7,18 @@ these themselves, not rclpy's ActionClient: that one drops feedback which arrive
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from course_kit.grading.checks.endpoints import Server
 from course_kit.grading.model.bounds import bounded
-from course_kit.ros.messages import ActionType
 from course_kit.ros.topic import Inbox
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.grader_node import GraderNode, Offer
-    from course_kit.ros.messages import Message
+    from course_kit.grading.checks.grader_node import GraderNode
+    from course_kit.ros.messages import ActionType, Message
 
+Kept = TypeVar("Kept")
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
 _FEEDBACK = QoSProfile(depth=1000)
@@ -34,35 +33,31 @@ class ReceivedFeedback:
     came_s: float
 
 
-class Feedback(Inbox):
-    """What has come as feedback about goals that are followed; of one without end the beginning and the last."""
+class _GoalInbox(Inbox, Generic[Kept]):
+    """What has come about goals that are followed."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._of_goals: dict[bytes, list[ReceivedFeedback]] = {}
+        self._of_goals: dict[bytes, list[Kept]] = {}
 
-    def of(self, goal: bytes) -> list[ReceivedFeedback]:
+    def of_goal(self, goal: bytes) -> list[Kept]:
         """All about a goal, oldest first, from the first question for it on."""
         return self._of_goals.setdefault(goal, [])
 
+
+class Feedback(_GoalInbox[ReceivedFeedback]):
+    """Feedback; of one without end the beginning and the last."""
+
     def keep(self, message: Message, received_s: float) -> None:
         """See `Inbox`."""
-        all_told = self._of_goals.get(bytes(message.goal_id.uuid))
-        if all_told is not None:
-            del all_told[_MOST_FEEDBACK - 1 :]
-            all_told.append(ReceivedFeedback(bounded(message.feedback), received_s))
+        kept = self._of_goals.get(bytes(message.goal_id.uuid))
+        if kept is not None:
+            del kept[_MOST_FEEDBACK - 1 :]
+            kept.append(ReceivedFeedback(bounded(message.feedback), received_s))
 
 
-class Statuses(Inbox):
-    """How the statuses of goals that are followed have changed."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._of_goals: dict[bytes, list[tuple[float, int]]] = {}
-
-    def of(self, goal: bytes) -> list[tuple[float, int]]:
-        """Each change, with its time on the system's clock, from the first question for the goal on."""
-        return self._of_goals.setdefault(goal, [])
+class Statuses(_GoalInbox[tuple[float, int]]):
+    """Each change of a goal's status, with its time on the system's clock."""
 
     def keep(self, message: Message, received_s: float) -> None:
         """See `Inbox`; of a message only what is news."""
@@ -75,8 +70,8 @@ class Statuses(Inbox):
 class ActionChannels:
     """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
 
-    def __init__(self, node: GraderNode, action: WantedAction) -> None:
-        parts, self._below = action.interface.Impl, f"{action.name}/_action"
+    def __init__(self, node: GraderNode, name: str, interface: ActionType) -> None:
+        parts, self._below = interface.Impl, f"{name}/_action"
         self._node = node.node
         self.goals = node.client(parts.SendGoalService, f"{self._below}/send_goal")
         self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
@@ -89,18 +84,3 @@ class ActionChannels:
         return all(client.is_ready() for client in (self.goals, self.results, self.cancels)) and all(
             self._node.count_publishers(f"{self._below}/{topic}") for topic in ("feedback", "status")
         )
-
-
-@dataclass(frozen=True)
-class WantedAction(Server[ActionType]):
-    """An action as the exercise names it."""
-
-    kind: ClassVar[str] = "action"
-
-    def ready(self, node: GraderNode) -> bool:
-        """See `Server`; everything about a goal will be heard, too."""
-        return ActionChannels(node, self).ready()
-
-    def offers(self, node: GraderNode) -> list[Offer]:
-        """See `Server`."""
-        return node.actions()

@@ -7,7 +7,7 @@ from typing import Any
 
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.matching import describe_wanted, differences
-from course_kit.grading.checks.parameters import require_proper_answer, shown
+from course_kit.grading.checks.parameters import describe_values, require_proper_answer
 
 TOO_SOON = "This came too soon: the work that takes so long was not done."
 
@@ -107,8 +107,8 @@ class Answer(Reply):
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         for path, wanted, got in differences(fields, self.response):
-            told = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
-            self.fail(told, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
+            said = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
+            self.fail(said, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
         return self
 
     def refused(
@@ -172,7 +172,7 @@ class Change(Reply):
         if not self.result.successful:
             evidence = Evidence(self.sent, "accepted: the value is valid", self.got)
             require_proper_answer(self.result, evidence)
-            why = f"Your node refused {shown(self.values)}, which is valid."
+            why = f"Your node refused {describe_values(self.values)}, which is valid."
             raise Failed(evidence, why, "validation.overzealous", breaks=breaks)
 
     def refused(self, *, expected: str = "refused", breaks: str = "", diagnosis: str = "validation.missing") -> None:
@@ -190,6 +190,6 @@ class Change(Reply):
             >>> node.set(max_speed=-1.0).refused(breaks="refused")
         """
         if self.result.successful:
-            why = f"Your node accepted {shown(self.values)}."
+            why = f"Your node accepted {describe_values(self.values)}."
             self.fail(why, expected=expected, breaks=breaks, diagnosis=diagnosis)
         require_proper_answer(self.result, Evidence(self.sent, expected, self.got))

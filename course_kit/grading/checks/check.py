@@ -76,14 +76,6 @@ class Check:
     proves: tuple[str, ...] = ()
 
 
-def require_declared(check_id: str, title: str, points: float) -> None:
-    """Raise ValueError if a check has no title, or is worth nothing."""
-    if not title:
-        raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")
-    if points <= 0:
-        raise ValueError(f"the check {check_id} needs points above 0")
-
-
 def in_order(checks: Sequence[Check]) -> list[Check]:
     """The checks such that each comes after those it depends on, otherwise as declared.
 
@@ -173,8 +165,8 @@ def _run(one: Check, context: CheckContext) -> Result:
         return Result(one.id, one.title, "error", one.points, message=text)
     else:
         status, diagnosis, message, steps = "passed", None, "", ()
-    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
-    return Result(one.id, one.title, status, one.points, *told)
+    seen_on_the_wire = (seen.sent, seen.expected, seen.got)
+    return Result(one.id, one.title, status, one.points, *seen_on_the_wire, diagnosis, message, steps)
 
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:

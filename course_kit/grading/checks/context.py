@@ -73,6 +73,7 @@ class CheckContext:
         self._queued_s = 0.0  # for a ROS domain, which is not the submission's fault
         self._used = self._used_before = Used()  # by the submission, in all and until it was started last
         self._state = Recent(self._look)
+        self._late_s = 0.0  # by which it may have been noticed late that what was waited for had come
 
     @property
     def grader_node(self) -> GraderNode:
@@ -202,6 +203,11 @@ class CheckContext:
             return self._clock_of(self._state)
         return self._clock_of(Recent(lambda: self._look(own_waiting)))
 
+    def latency_clock(self) -> FairClock:
+        """A fair clock for an answer: what the grader has waited while nothing had come is not taken off."""
+        before = scheduling.own_waiting(helpers_only=True), self._late_s
+        return self.clock(lambda: max(scheduling.own_waiting(helpers_only=True) - before[0], self._late_s - before[1]))
+
     def process(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
@@ -244,8 +250,9 @@ class CheckContext:
             SubmissionEndedError: the submission has ended meanwhile, and it is `of_the_living`.
         """
         clock = self._clock_of(self._state, most)
-        watched = 0.0
+        watched, looked = 0.0, time.monotonic()
         while not condition():
+            looked = time.monotonic()
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
                 if of_the_living:
@@ -254,6 +261,7 @@ class CheckContext:
                 if clock.past(patience) or self.time_is_up():
                     return False
             self.grader_node.spin_once(step_s)
+        self._late_s += time.monotonic() - looked
         return True
 
     def wait_for_start(self, condition: Callable[[], bool]) -> bool:

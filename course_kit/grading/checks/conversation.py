@@ -38,8 +38,8 @@ class Model:
     the model says.
 
     Attributes:
-        history: the sentence of the task that is broken when a step fails only after others; for nodes that remember
-            nothing. Empty where each rule's own sentence is the one.
+        history: the sentence of the exercise that is broken when a step fails only after others; for nodes that
+            remember nothing. Empty where each rule's own sentence is the one.
         lost: ids of the checks that are lost already: what they are about is no use looking at again.
 
     Example:
@@ -47,7 +47,7 @@ class Model:
         ...     def __init__(self):
         ...         self.count = 0
         ...
-        ...     @rule(amount=either(0, 1, between(-9, 9)))
+        ...     @step_rule(amount=draw_one_of(0, 1, draw_between(-9, 9)))
         ...     def add(self, node, amount):
         ...         self.count += amount
         ...         node.call("/add_up", amount=amount).expect(total=self.count)
@@ -64,34 +64,29 @@ class Model:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A check whose points hang on a conversation; see `part`."""
+class CheckPart:
+    """A check whose points hang on a conversation.
+
+    Attributes:
+        id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the exercise; a failure names the one it breaks.
+        after: ids of checks without which it makes no sense, beside those of the conversation.
+
+    Example:
+        >>> CheckPart("same_unit", "The same unit changes nothing", points=0.5, proves=["same_unit"])
+    """
 
     id: str
     title: str
     points: float
-    proves: tuple[str, ...]
-    after: tuple[str, ...] = ()
-
-
-def part(check_id: str, title: str, *, points: float, proves: Sequence[str], after: Sequence[str] = ()) -> Part:
-    """A check whose points hang on a conversation.
-
-    Args:
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task; a failure names the one it breaks.
-        after: ids of checks without which it makes no sense, beside those of the conversation.
-
-    Example:
-        >>> part("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"])
-    """
-    return Part(check_id, title, points, tuple(proves), tuple(after))
+    proves: Sequence[str]
+    after: Sequence[str] = ()
 
 
 def conversation(
-    model: type[Model], *parts: Part, steps: int, after: Sequence[str] = (), deadline_s: float = DEADLINE_S
+    model: type[Model], *parts: CheckPart, steps: int, after: Sequence[str] = (), deadline_s: float = DEADLINE_S
 ) -> list[Check]:
     """The checks of a conversation with a node, which is held once for all of them.
 
@@ -103,24 +98,23 @@ def conversation(
         deadline_s: seconds for all waiting, shrinking included.
 
     Example:
-        >>> counts = part("counts", "The counter counts", points=2.0, proves=["total"])
+        >>> counts = CheckPart("counts", "The counter counts", points=2.0, proves=["total"])
         >>> CHECKS += conversation(Counter, counts, steps=40)
     """
-    made = tuple(parts)
 
-    def check_of(one: Part) -> Check:
+    def check_of(one: CheckPart) -> Check:
         def run(context: CheckContext) -> Evidence:
             held = context.conversations.get(model)
             if held is None:
-                held = context.conversations[model] = Conversation(context, model, made, steps)
+                held = context.conversations[model] = Conversation(context, model, parts, steps)
                 held.hold()
                 if not model.history:
                     context.spoil()  # what the node remembers of it is nothing that a later check knows
             return held.verdict_of(one)
 
-        return Check(one.id, one.title, one.points, (*after, *one.after), deadline_s, run, one.proves)
+        return Check(one.id, one.title, one.points, (*after, *one.after), deadline_s, run, tuple(one.proves))
 
-    return [check_of(one) for one in made]
+    return [check_of(one) for one in parts]
 
 
 @dataclass
@@ -136,7 +130,7 @@ class Conversation:
 
     context: CheckContext
     model: type[Model]
-    parts: tuple[Part, ...]
+    parts: tuple[CheckPart, ...]
     steps: int
     last: Model | None = None  # the model of a conversation that has come to its end
     _tallies: dict[str, _Tally] = field(default_factory=dict)
@@ -190,7 +184,7 @@ class Conversation:
         """The ids of the checks that are lost."""
         return frozenset(name for name, tally in self._tallies.items() if tally.failed is not None)
 
-    def verdict_of(self, one: Part) -> Evidence:
+    def verdict_of(self, one: CheckPart) -> Evidence:
         """What came of it for one of its checks.
 
         Raises:
@@ -216,7 +210,7 @@ class Conversation:
         self.context.record.clear()
         return node, model, []
 
-    def _part_of(self, rule: Rule, sentence: str) -> Part:
+    def _part_of(self, rule: Rule, sentence: str) -> CheckPart:
         """The check that a broken sentence costs: the rule's own where that proves it, else the one that does.
 
         In place of the sentence a check may be named.
@@ -253,7 +247,7 @@ class Conversation:
         self._strikes[last.rule.name] = self._strikes.get(last.rule.name, 0) + 1
         self._credit(last, lost)
 
-    def _credit(self, last: Step, lost: Part) -> None:
+    def _credit(self, last: Step, lost: CheckPart) -> None:
         """A rule that has failed for another check is right for its own where the step passes by itself."""
         own = self._part_of(last.rule, "")
         if own == lost or self._tallies[own.id].done or self.context.job.first_failure:
@@ -270,11 +264,11 @@ class Conversation:
             if tally.failed is None:
                 tally.failed = gone
 
-    def _shrink(self, failed: Failed, done: list[Step], lost: Part) -> tuple[Failed, Part, int]:
+    def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:
         """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
         best: list[Step] = done
-        found: tuple[Failed, Part] | None = None
+        found: tuple[Failed, CheckPart] | None = None
         for length in sorted({*(one for one in _TAILS if one < len(done)), len(done)}):
             if length > 1 and clock.past(_SHRINK_S):
                 break
@@ -299,7 +293,7 @@ class Conversation:
             shortest.message = f"{shortest.message} It takes what was sent before to bring this about."
         return (*found, len(best))
 
-    def _fails(self, steps: Sequence[Step], lost: Part) -> tuple[Failed, Part] | None:
+    def _fails(self, steps: Sequence[Step], lost: CheckPart) -> tuple[Failed, CheckPart] | None:
         """How these steps fail on a fresh start, and what that costs; None when they do not, or cost what is lost."""
         self.context.spoil()
         try:

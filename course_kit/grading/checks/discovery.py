@@ -5,21 +5,31 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.srv import ListParameters
+from rclpy.duration import Infinite
+from rclpy.qos import (
+    DurabilityPolicy,
+    LivelinessPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+)
 
-from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
-from course_kit.grading.diagnosis import exits, hangs
-from course_kit.grading.diagnosis.exceptions import explained, of_start
+from course_kit.grading.checks.grader_node import DEPTH
+from course_kit.grading.diagnosis import exceptions, exits, hangs
+from course_kit.grading.diagnosis.exceptions import explained
+from course_kit.ros.names import nearest_name
 from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.endpoints import Interface, Server
+    from course_kit.grading.checks.endpoints import Endpoint
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.model.plain_data import Record
+    from course_kit.ros import topic
     from course_kit.ros.messages import Message
     from course_kit.ros.service import ServiceClient
 
@@ -30,9 +40,24 @@ _ASK_AGAIN_S = 0.5
 RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
+_GRAPH_S = 2.0  # how long an end of a topic is waited for, of a node that is up
+_MOST = 200  # names that are compared
+_VAGUELY = 0.3  # how alike two names are at least: whatever there is beside what was looked for is of interest
+_MOST_LISTED = 20
+_VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
+# The default profile as the graph reports it: with its unlimited times written out.
+_DEFAULT = QoSProfile(
+    depth=DEPTH,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+    liveliness=LivelinessPolicy.AUTOMATIC,
+    deadline=Infinite,
+    lifespan=Infinite,
+    liveliness_lease_duration=Infinite,
+)
 
 
-def expect_offered(context: CheckContext, server: Server[Interface]) -> Evidence:
+def expect_server(context: CheckContext, server: Endpoint) -> Evidence:
     """A service or an action is on the graph, with its type, and its program is there to be asked.
 
     That tells a server from a program that offers a service and ends at once, however fast each is discovered.
@@ -41,7 +66,17 @@ def expect_offered(context: CheckContext, server: Server[Interface]) -> Evidence
         Failed: it is not; with start.*, name.*, type.interface or limit.*.
     """
     expected = f"the {server.kind} {server.name} of type {server.type}"
-    _await_offer(context, server, expected)
+    node, clock = context.grader_node, context.clock()
+
+    def has_other_type() -> bool:
+        return clock.wall() > _OTHER_TYPE_S and any(
+            offer.name == server.name and offer.type != server.type for offer in server.offers(node)
+        )
+
+    with explained(context, Evidence("", expected), exits.of_start, ENDED):
+        context.wait_for_start(lambda: server.is_ready(node) or has_other_type() or has_settled(context, clock))
+    if not server.is_ready(node):
+        raise _not_offered(context, server, expected)
     try:
         greet(context)
     except SubmissionEndedError as ended:
@@ -50,58 +85,40 @@ def expect_offered(context: CheckContext, server: Server[Interface]) -> Evidence
     return Evidence("", expected, expected)
 
 
-def _await_offer(context: CheckContext, server: Server[Interface], expected: str) -> None:
-    node, clock = context.grader_node, context.clock()
-
-    def other_type() -> bool:
-        return clock.wall() > _OTHER_TYPE_S and any(
-            offer.name == server.name and offer.type != server.type for offer in server.offers(node)
-        )
-
-    with explained(context, Evidence("", expected), exits.of_start, ENDED):
-        context.wait_for_start(lambda: server.ready(node) or other_type() or has_settled(context, clock))
-    if not server.ready(node):
-        raise _not_offered(context, server, expected)
-
-
-def await_nodes(context: CheckContext, ends: Sequence[Record]) -> None:
-    """Wait for a program that was just started, until its topics are there or it has made all that it will make.
+def expect_topics(context: CheckContext, ends: Sequence[Endpoint]) -> Evidence:
+    """A program that was just started publishes and subscribes to these, and a default reliable endpoint connects.
 
     Raises:
-        Failed: no node has appeared, or the program has ended.
+        Failed: something is missing or does not fit; with start.*, topic.silent, type.interface or topic.qos.
     """
     clock, node = context.clock(), context.grader_node
-    found = {"publisher": node.publishers, "subscription": node.subscriptions}
+    evidence = Evidence("", f"a node with {ends[0].name}")
 
-    def there() -> bool:
-        return all(found[one["kind"]](one["name"]) for one in ends)
+    def is_there() -> bool:
+        return all(_found(context, end) for end in ends)
 
-    evidence = Evidence("", f"a node with {ends[0]['name']}")
-    with explained(context, evidence, of_start, ENDED):
-        context.wait_for_start(lambda: there() or has_settled(context, clock))
-    if not there() and not node.nodes():
+    with explained(context, evidence, exceptions.of_start, ENDED):
+        context.wait_for_start(lambda: is_there() or has_settled(context, clock))
+    if not is_there() and not node.nodes():
         context.spoil()
         evidence = Evidence("", evidence.expected, "on the graph: no node")
-        raise Failed(evidence, *graph.why_empty(context, ends[0]["name"])[::-1])
+        raise Failed(evidence, *why_empty(context, ends[0].name)[::-1])
+    ordered = sorted(ends, key=lambda end: end.kind)  # publishers first
+    expected = "; ".join(f"{_VERBS[end.kind]} {end.name} [{end.type}]" for end in ordered)
+    with explained(context, Evidence("", expected)):
+        context.wait_until(lambda: all(_fitting(context, end) for end in ends), _GRAPH_S, step_s=GRAPH_STEP_S)
+    for end in ordered:
+        _require_topic(context, end, expected)
+    return Evidence("", expected, expected)
 
 
 def has_settled(context: CheckContext, clock: FairClock) -> bool:
-    """Whether a node is up and spinning for so long that it has made all it will make.
-
-    Args:
-        context: the context of the check.
-        clock: begun when the waiting began.
-    """
+    """Whether a node is up and spinning for so long, by a clock of the waiting, that it has made all it will make."""
     return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
-    """A node of this full name is on the graph.
-
-    Args:
-        context: the context of the check.
-        name: the node's full name.
-        ensure: has the submission running, or raises Failed.
+    """A node of this full name is on the graph, after `ensure` has had the program running.
 
     Raises:
         Failed: it is not; with name.node.
@@ -113,7 +130,7 @@ def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) ->
     if found:
         return Evidence("", expected, expected)
     nodes = context.grader_node.nodes()
-    raise other_nodes(name, nodes, Evidence("", expected, f"on the graph: {', '.join(nodes) or 'no node'}"))
+    raise explain_other_nodes(name, nodes, Evidence("", expected, f"on the graph: {', '.join(nodes) or 'no node'}"))
 
 
 def first_node(context: CheckContext) -> str:
@@ -123,49 +140,49 @@ def first_node(context: CheckContext) -> str:
         Failed: no node is there.
     """
     if not context.wait_until(lambda: bool(context.grader_node.nodes()), _NODE_S, step_s=GRAPH_STEP_S):
-        raise Failed(
-            Evidence("", "a node", "no node is on the graph"), "Your program runs, but no node of it is there."
-        )
+        evidence = Evidence("", "a node", "no node is on the graph")
+        raise Failed(evidence, "Your program runs, but no node of it is there.")
     return context.grader_node.nodes()[0]
 
 
-def other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> Failed:
-    """There are nodes, but none of this name.
-
-    Args:
-        name: the full name that was wanted.
-        nodes: those there are.
-        evidence: of the check.
-    """
-    message = f"The graph has {graph.listed(nodes, 'node')}, but none is called {name}.{graph.closest(name, nodes)}"
+def explain_other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> Failed:
+    """There are nodes, but none of this full name."""
+    message = f"The graph has {list_names(nodes, 'node')}, but none is called {name}.{name_nearest(name, nodes)}"
     return Failed(evidence, message, "name.node")
 
 
-def _not_offered(context: CheckContext, wanted: Server[Interface], expected: str) -> Failed:
-    offers = wanted.offers(context.grader_node)
-    nodes = context.grader_node.nodes()
-    context.spoil()
-    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or graph.listed(nodes, "node")
-    evidence = Evidence("", expected, f"on the graph: {got}")
-    types = [offer.type for offer in offers if offer.name == wanted.name]
-    if wanted.type in types:
-        message = (
-            f"The {wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it. "
-            "Make it with the default QoS profile, and keep it as long as the node."
-        )
-        return Failed(evidence, message)
-    if types:
-        message = f"The {wanted.kind} {wanted.name} has type {types[0]}, expected {wanted.type}."
-        return Failed(evidence, message, "type.interface")
-    if offers:
-        alike = [offer for offer in offers if offer.type == wanted.type] or offers
-        message = (
-            f"No {wanted.kind} is called {wanted.name}.{graph.closest(wanted.name, [offer.name for offer in alike])}"
-        )
-        return Failed(evidence, message, f"name.{wanted.kind}")
-    if nodes:
-        return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
-    return Failed(evidence, *graph.why_empty(context, wanted.name)[::-1])
+def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
+    """Why no node has appeared, although the program runs.
+
+    Args:
+        context: the context of the check.
+        wanted: the full name of what a node was to bring: a service, an action, itself.
+    """
+    if context.job.mode == "attach":
+        return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
+    doing = hangs.doing(context)
+    where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
+    if context.computed() >= context.job.start_cpu_s:
+        computed = f"{context.job.start_cpu_s:g} s"
+        return "limit.time", f"Your program has computed for {computed} and no node has appeared.{where}"
+    start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
+    if hangs.computes(context):
+        return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"
+    return "start.nothing", f"Your program runs, but no node appeared on the graph within {start}.{where}"
+
+
+def name_nearest(wanted: str, names: Sequence[str]) -> str:
+    """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
+    near = nearest_name(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
+    return f" The closest is {near}." if near else ""
+
+
+def list_names(names: Sequence[str], what: str) -> str:
+    """`the nodes /a, /b`, or `no node`; of very many the first."""
+    some = ", ".join(names[:_MOST_LISTED])
+    if len(names) > _MOST_LISTED:
+        some += f" and {len(names) - _MOST_LISTED} more"
+    return f"the {what}{'s' if len(names) > 1 else ''} {some}" if names else f"no {what}"
 
 
 def greet(context: CheckContext) -> None:
@@ -179,13 +196,13 @@ def greet(context: CheckContext) -> None:
     if offers:
         client = node.client(ListParameters, offers[0])
         context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
-        answers(context, client, ListParameters.Request(), _GREET_S)
+        is_answered(context, client, ListParameters.Request(), _GREET_S)
     else:
         clock = context.clock()
         context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
 
 
-def answers(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
+def is_answered(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
     """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile.
 
     On a loaded machine the middleware drops a response as long as the server's process has not noticed the client
@@ -196,9 +213,86 @@ def answers(context: CheckContext, client: ServiceClient, request: Message, seco
     """
     sent, clock = client.send(request), context.clock()
 
-    def came() -> bool:
+    def has_come() -> bool:
         if sent.sent == 1 and clock.wall() > _ASK_AGAIN_S:
             sent.send_again()
         return sent.answered()
 
-    return context.wait_until(came, seconds)
+    return context.wait_until(has_come, seconds)
+
+
+def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
+    """Why nothing came on the topic `missing` within some seconds after a message on the topic `sent`."""
+    seen = hangs.doing(context)
+    if seen.callback is not None:
+        context.spoil()
+        where = exits.source_line(context.job, seen.callback.line)
+        if hangs.computes(context):
+            return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
+        return None, f"Your callback is blocked in {where}; meanwhile nothing is published."
+    if logged := exceptions.of_logged(context.process(fresh=True).stderr, context.job):
+        context.spoil()
+        return logged
+    return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."
+
+
+def _not_offered(context: CheckContext, wanted: Endpoint, expected: str) -> Failed:
+    offers = wanted.offers(context.grader_node)
+    nodes = context.grader_node.nodes()
+    context.spoil()
+    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or list_names(nodes, "node")
+    evidence = Evidence("", expected, f"on the graph: {got}")
+    types = [offer.type for offer in offers if offer.name == wanted.name]
+    if wanted.type in types:
+        message = (
+            f"The {wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it. "
+            "Make it with the default QoS profile, and keep it as long as the node."
+        )
+        return Failed(evidence, message)
+    if types:
+        message = f"The {wanted.kind} {wanted.name} has type {types[0]}, expected {wanted.type}."
+        return Failed(evidence, message, "type.interface")
+    if offers:
+        alike = [offer.name for offer in offers if offer.type == wanted.type] or [offer.name for offer in offers]
+        message = f"No {wanted.kind} is called {wanted.name}.{name_nearest(wanted.name, alike)}"
+        return Failed(evidence, message, f"name.{wanted.kind}")
+    if nodes:
+        return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
+    return Failed(evidence, *why_empty(context, wanted.name)[::-1])
+
+
+def _found(context: CheckContext, end: Endpoint) -> list[topic.Endpoint]:
+    node = context.grader_node
+    return node.publishers(end.name) if end.kind == "publisher" else node.subscriptions(end.name)
+
+
+def _fitting(context: CheckContext, end: Endpoint) -> list[topic.Endpoint]:
+    return [one for one in _found(context, end) if one.type == end.type]
+
+
+def _require_topic(context: CheckContext, end: Endpoint, expected: str) -> None:
+    verb, found, fitting = _VERBS[end.kind], _found(context, end), _fitting(context, end)
+    if not found:
+        others = context.grader_node.topics()
+        message = f"No node {verb} {end.name}.{name_nearest(end.name, others)}"
+        evidence = Evidence("", expected, f"on the graph: {list_names(others, 'topic')}")
+        raise Failed(evidence, message, "topic.silent")
+    if not fitting:
+        evidence = Evidence("", expected, f"{verb} {end.name} [{found[0].type}]")
+        message = f"Your node {verb} {end.name} with type {found[0].type}, expected {end.type}."
+        raise Failed(evidence, message, "type.interface")
+    reasons = [_mismatch(one.qos, publishes=end.kind == "publisher") for one in fitting]
+    if all(reasons):
+        evidence = Evidence("", expected, f"{verb} {end.name} with the QoS {_policies(fitting[0].qos)}")
+        message = f"Your end is {_policies(fitting[0].qos)}, the other one {_policies(_DEFAULT)}: they do not connect."
+        raise Failed(evidence, f"{message} The middleware says: {reasons[0]}", "topic.qos")
+
+
+def _mismatch(qos: QoSProfile, *, publishes: bool) -> str:
+    """Why an endpoint with the default profile at the other end does not connect; nothing when it does."""
+    compatibility, reason = qos_check_compatible(*((qos, _DEFAULT) if publishes else (_DEFAULT, qos)))
+    return str(reason) or "incompatible" if compatibility == QoSCompatibility.ERROR else ""
+
+
+def _policies(qos: QoSProfile) -> str:
+    return f"{qos.reliability.name.lower()}, {qos.durability.name.lower()}"

@@ -1,73 +1,59 @@
-"""What an exercise names: services, actions and topics, each with its interface."""
+"""What an exercise names of a program: services, actions and topics, each with its interface."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from course_kit.ros.messages import MessageType, ServiceType, type_name
+from course_kit.grading.checks.actions import ActionChannels
+from course_kit.interfaces import get_type
+from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.grader_node import GraderNode, Offer
-    from course_kit.ros.service import ServiceClient
-
-Interface = TypeVar("Interface")
+    from course_kit.grading.model.plain_data import Record
 
 
 @dataclass(frozen=True)
-class Named(Generic[Interface]):
+class Endpoint:
     """One of them.
 
     Attributes:
-        kind: "service", "action" or "topic"; also the last part of the diagnosis for a wrong name.
+        kind: what the program has: "service", "action", "publisher" or "subscription".
         name: its full name.
         interface: its class.
     """
 
-    kind: ClassVar[str]
+    kind: str
     name: str
-    interface: Interface
+    interface: Any
+
+    @classmethod
+    def from_record(cls, record: Record) -> Endpoint:
+        """As exercise.toml names it."""
+        return cls(record["kind"], record["name"], get_type(record["type"]))
 
     @property
     def type(self) -> str:
         """The interface's name, `package/srv/Name`."""
         return type_name(self.interface)
 
+    @property
+    def is_server(self) -> bool:
+        """Whether it is a service or an action, not the end of a topic."""
+        return self.kind in ("service", "action")
 
-class Server(Named[Interface], ABC):
-    """A service or an action."""
-
-    @abstractmethod
-    def ready(self, node: GraderNode) -> bool:
-        """Whether the grader's own clients are connected with it."""
-
-    @abstractmethod
-    def offers(self, node: GraderNode) -> list[Offer]:
-        """Everything of this kind on the graph."""
-
-
-@dataclass(frozen=True)
-class Service(Server[ServiceType]):
-    """A service; for an action see `WantedAction`."""
-
-    kind: ClassVar[str] = "service"
-
-    def client(self, node: GraderNode, number: int = 0) -> ServiceClient:
-        """The grader's client `number`."""
-        return node.client(self.interface, self.name, number)
-
-    def ready(self, node: GraderNode) -> bool:
-        """See `Server`."""
-        return self.client(node).is_ready()
+    def is_ready(self, node: GraderNode) -> bool:
+        """Whether the grader's own end, made on first use, is connected with it."""
+        if self.kind == "service":
+            return node.client(self.interface, self.name).is_ready()
+        if self.kind == "action":
+            return ActionChannels(node, self.name, self.interface).ready()
+        if self.kind == "publisher":
+            node.inbox(self.interface, self.name)
+            return bool(node.publishers(self.name))
+        return bool(node.publisher(self.interface, self.name).get_subscription_count())
 
     def offers(self, node: GraderNode) -> list[Offer]:
-        """See `Server`."""
-        return node.services()
-
-
-@dataclass(frozen=True)
-class Topic(Named[MessageType]):
-    """A topic."""
-
-    kind: ClassVar[str] = "topic"
+        """All servers of this kind on the graph."""
+        return node.services() if self.kind == "service" else node.actions()

@@ -23,18 +23,20 @@ from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    from course_kit.grading.checks.actions import ReceivedFeedback, WantedAction
+    from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.process_status import ProcessStatus
-    from course_kit.ros.messages import Message
+    from course_kit.ros.messages import ActionType, Message
     from course_kit.ros.service import SentRequest
 
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 END_S = 10.0
 PROMPT_S = 1.0
 _STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
+_GOOD_PART = 0.4  # of the time of a goal, from the first to the last feedback
+_TOO_LATE = 0.1  # of the time of a goal, before its end, for what tells of its middle
 _QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
@@ -60,21 +62,22 @@ class GradedGoal:
         clock: begun when it was sent.
     """
 
-    def __init__(self, context: CheckContext, action: WantedAction, message: Message) -> None:
+    def __init__(self, context: CheckContext, action: str, interface: ActionType, message: Message) -> None:
         self.shown = shown = f"a goal with {in_one_line(message)}"
         context.require_time(Evidence(shown, "an answer to the goal"))
-        self._context, self._parts = context, action.interface.Impl
-        self._line = ActionChannels(context.grader_node, action)
+        self._context, self._parts = context, interface.Impl
+        self._line = ActionChannels(context.grader_node, action, interface)
         self._stderr = context.process().stderr
         self._id = uuid.uuid4().bytes
         self._result: SentRequest | None = None
         self._all_heard = False
         self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
-        self._turn = context.record.sent(f"goal for {action.name}: {in_one_line(message)}")
+        self._turn = context.record.sent(f"goal for {action}: {in_one_line(message)}")
         self._cancelling = Exchange()
         context.record.follow(self._feedback_steps)
-        self._follow()
+        for inbox in (self._line.feedback, self._line.statuses):
+            inbox.of_goal(self._id)  # what comes about this goal is kept from now on
         self._answer = self._line.goals.send(request)
 
     @property
@@ -90,12 +93,12 @@ class GradedGoal:
     @property
     def feedback(self) -> list[ReceivedFeedback]:
         """The feedback about this goal so far, oldest first."""
-        return self._line.feedback.of(self._id)
+        return self._line.feedback.of_goal(self._id)
 
     @property
     def statuses(self) -> list[tuple[float, int]]:
         """The statuses received for this goal so far, each with its time on the system's clock."""
-        return self._line.statuses.of(self._id)
+        return self._line.statuses.of_goal(self._id)
 
     @property
     def over_at(self) -> float | None:
@@ -207,27 +210,22 @@ class GradedGoal:
             raise hangs.unanswered(self._context, self.shown, expected, clock.fair())
         waited_s, late = clock.wall(), clock.past(within_s)
         agreed = self.is_cancelled_by(answer.response())
-        if agreed and late:
+        if agreed and not late:
+            return self
+        code: str | None
+        if agreed:
+            got, code = f"accepted after {waited_s:.1f} s", "action.cancel_blocked"
             why = f"Your server answered the request to cancel only after {waited_s:.1f} s."
-            raise Failed(
-                Evidence(self.shown, expected, f"accepted after {waited_s:.1f} s"),
-                why,
-                "action.cancel_blocked",
-                breaks=breaks,
-            )
-        if not agreed and self.over_at is None:
+        elif self.over_at is None:
+            got, code = "cancelling refused", "action.cancel_refused"
             why = "Your server refused to cancel the goal, and the goal went on."
-            raise Failed(
-                Evidence(self.shown, expected, "cancelling refused"), why, "action.cancel_refused", breaks=breaks
-            )
-        if not agreed:
+        else:
             got = f"an answer after {waited_s:.1f} s, when the goal was over ({status_name(self.statuses[-1][1])})"
-            evidence = Evidence(self.shown, expected, got)
-            if running and clock.past(min(within_s, 0.3)):
+            code = "action.cancel_blocked" if running and clock.past(min(within_s, 0.3)) else None
+            why = "The goal was over before the request to cancel arrived."
+            if code:
                 why = "Your server did not answer the request to cancel before the goal was over."
-                raise Failed(evidence, why, "action.cancel_blocked", breaks=breaks)
-            raise Failed(evidence, "The goal was over before the request to cancel arrived.", breaks=breaks)
-        return self
+        raise Failed(replace(evidence, got=got), why, code, breaks=breaks)
 
     def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
         """Wait until the server has said yes or no.
@@ -307,6 +305,41 @@ class GradedGoal:
         self._all_heard = complete(self.feedback)
         return self.feedback
 
+    def require_feedback(
+        self,
+        at_least: int,
+        expected: str,
+        *,
+        complete: Callable[[list[ReceivedFeedback]], bool] = lambda _: True,
+        part_left: Callable[[Message], float] | None = None,
+    ) -> list[ReceivedFeedback]:
+        """So many messages have come while it ran, not all at once.
+
+        Args:
+            at_least: so many.
+            expected: in words.
+            complete: whether the messages look complete; if not, more are waited for.
+            part_left: the part of the work that one says is left; then one has to be of the middle third, of the time
+                or of the work: on a busy machine a message comes late.
+
+        Raises:
+            Failed: they have not, with action.no_feedback or action.late_feedback.
+        """
+        heard = self.wait_for_last_feedback(lambda messages: len(messages) >= at_least and complete(messages))
+        if len(heard) < at_least:
+            count = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
+            raise Failed(Evidence(self.shown, expected, count), f"A client saw {count}.", "action.no_feedback")
+        times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
+        began, over = self.began_at or times[0], self.over_at or times[-1]
+        left = part_left or (lambda _: 0.5)  # whoever does not tell may be at the middle
+        parts = [(one.came_s, left(one.feedback)) for one in heard if one.came_s <= over]
+        if at_least > 1 and not is_spread(parts, began, over):
+            got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
+            evidence = Evidence(self.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
+            why = "The messages came in one burst, not spread over the goal's time."
+            raise Failed(evidence, why, "action.late_feedback")
+        return heard
+
     def cancel(self) -> SentRequest:
         """Ask the server to cancel it, by an action_msgs/srv/CancelGoal."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
@@ -350,22 +383,29 @@ class GradedGoal:
 
     def _feedback_steps(self) -> list[Followed]:
         """The first and the last feedback."""
-        all_told = self.feedback
-        begin = self._turn.steps[0][0]
-        steps = []
-        for number in sorted({1, len(all_told)} if all_told else ()):
-            told = all_told[number - 1]
-            text = f"feedback {number} after {told.came_s - begin:.2f} s: {in_one_line(told.feedback)}"
-            steps.append((told.came_s, Arrow(NODE, GRADER, "message", text)))
+        heard, begin, steps = self.feedback, self._turn.steps[0][0], []
+        for number in sorted({1, len(heard)} if heard else ()):
+            one = heard[number - 1]
+            text = f"feedback {number} after {one.came_s - begin:.2f} s: {in_one_line(one.feedback)}"
+            steps.append((one.came_s, Arrow(NODE, GRADER, "message", text)))
         return steps
-
-    def _follow(self) -> None:
-        """Have what comes about this goal kept from now on."""
-        self._line.feedback.of(self._id)
-        self._line.statuses.of(self._id)
 
     def _uuid(self) -> UUID:
         return UUID(uuid=list(self._id))
 
     def _nothing_raised(self) -> bool:
         return goals.of_exception(self.process(), self._context.job) is None
+
+
+def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:
+    """Whether feedback, each with when it came and the part of the work that was left, took a good part of a goal.
+
+    One belongs to the middle third, of that time or of the work.
+    """
+    if not heard:
+        return False
+    first, last, late = min(heard)[0], max(heard)[0], over - _TOO_LATE * (over - began)
+    third = (last - first) / 3.0
+    by_time = any(first + third <= time <= last - third for time, _ in heard)
+    by_work = any(1 / 3 <= left <= 2 / 3 and time <= late for time, left in heard)
+    return (by_time or by_work) and last - first >= _GOOD_PART * (over - began)

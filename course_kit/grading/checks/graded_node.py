@@ -8,14 +8,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks import discovery, load_test, topics
-from course_kit.grading.checks.actions import WantedAction
+from course_kit.grading.checks import discovery
 from course_kit.grading.checks.answers import Answer, Change
+from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.endpoints import Service
+from course_kit.grading.checks.endpoints import Endpoint
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.matching import describe_wanted, differences, interface_of, message_of, only_field
-from course_kit.grading.checks.parameters import Remote, SetResult, parameter_file, shown, start_arguments
+from course_kit.grading.checks.matching import describe_wanted, differences, message_of, only_field
+from course_kit.grading.checks.parameters import (
+    RemoteParameters,
+    describe_result,
+    describe_values,
+    parameter_file,
+    start_arguments,
+)
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.model.bounds import bounded
 from course_kit.grading.model.exchange_log import Exchange, in_one_line
@@ -24,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.ros.messages import Message
 
 ANSWER_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
@@ -71,13 +78,13 @@ class GradedNode:
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         self.meet()
-        found = self._service(service)
-        message = message_of(found.interface.Request, request, fields)
-        told = in_one_line(message)
-        context, evidence = self.context, Evidence(told, "an answer")
+        end, context = self._end(service), self.context
+        message = message_of(end.interface.Request, request, fields)
+        sent_text = in_one_line(message)
+        evidence = Evidence(sent_text, "an answer")
         context.require_time(evidence)
-        turn = context.record.sent(f"request {service}: {told}", about=told)
-        clock, client = context.clock(), found.client(context.grader_node)
+        turn = context.record.sent(f"request {service}: {sent_text}", about=sent_text)
+        clock, client = context.latency_clock(), context.grader_node.client(end.interface, service)
         try:
             with exceptions.explained(context, evidence, exits.of_call, "no answer: the program ended"):
                 sent = client.send(message)
@@ -87,13 +94,12 @@ class GradedNode:
             raise
         if not sent.answered():
             turn.missed("no answer")
-            silent = hangs.unanswered(context, told, "an answer", clock.fair())
+            silent = hangs.unanswered(context, sent_text, "an answer", clock.fair())
             silent.breaks = breaks
             raise silent
         response = bounded(sent.response())
         turn.came(f"response: {in_one_line(response)}")
-        latency_s = clock.fair() if clock.wall() > _NUDGE_S else clock.wall()
-        return Answer(told, in_one_line(response), latency_s, response)
+        return Answer(sent_text, in_one_line(response), _latency_s(clock), response)
 
     def call_together(
         self, service: str, requests: Sequence[Any], *, at_a_time: int = 10, within_s: float = 5.0, expected: str = ""
@@ -115,12 +121,12 @@ class GradedNode:
             ...     answer.expect(sum=number + 1)
         """
         self.meet()
-        found = self._service(service)
-        messages = [message_of(found.interface.Request, one, {}) for one in requests]
+        end, node = self._end(service), self.context.grader_node
+        messages = [message_of(end.interface.Request, one, {}) for one in requests]
         sent = f"{len(messages)} requests from {at_a_time} clients, at most {at_a_time} unanswered at a time"
         evidence = Evidence(sent, expected or f"{len(messages)} answers within {within_s:g} s, each to its own request")
-        load = load_test.Load(at_a_time, at_a_time, within_s)
-        responses = load_test.call_many(self.context, found, messages, load, evidence)
+        clients = [node.client(end.interface, service, number) for number in range(at_a_time)]
+        responses = call_many(self.context, clients, messages, within_s, evidence)
         pairs = zip(messages, responses, strict=True)
         return [Answer(in_one_line(one), in_one_line(other), 0.0, other) for one, other in pairs]
 
@@ -138,12 +144,13 @@ class GradedNode:
             >>> node.send("/brightness", 0.7).expect("/lamp", True)
         """
         self.meet()
-        made = message_of(self._type(topic), message, fields)
+        interface = self._end(topic).interface
+        sent = message_of(interface, message, fields)
         for name in self._published():
             self._heard[name] = self.inbox(name).count
-        self._last_sent = f"{topic}: {in_one_line(made)}"
+        self._last_sent = f"{topic}: {in_one_line(sent)}"
         self._turn = self.context.record.sent(self._last_sent, "message")
-        self.context.grader_node.publisher(self._type(topic), topic).publish(made)
+        self.context.grader_node.publisher(interface, topic).publish(sent)
         return self
 
     def expect(  # noqa: PLR0913 - all that a check may say of a message
@@ -183,8 +190,8 @@ class GradedNode:
             evidence = Evidence(
                 self._last_sent, f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
             )
-            told = why or f"{path or topic} has to be {describe_wanted(one)}, and is {got!r}."
-            raise Failed(evidence, told, diagnosis, breaks=breaks)
+            said = why or f"{path or topic} has to be {describe_wanted(one)}, and is {got!r}."
+            raise Failed(evidence, said, diagnosis, breaks=breaks)
         return message
 
     def expect_nothing(self, *names: str, seconds: float = 0.3, why: str = "", breaks: str = "") -> None:
@@ -239,11 +246,10 @@ class GradedNode:
         """
         self.meet()
         wanted = {**(values or {}), **more}
-        remote, clock = self.parameters(of), self.context.clock()
-        result: SetResult = remote.set(*next(iter(wanted.items()))) if len(wanted) == 1 else remote.set_together(wanted)
-        self._last_sent = f"set {shown(wanted)}"
-        latency_s = clock.fair() if clock.wall() > _NUDGE_S else clock.wall()
-        return Change(self._last_sent, result.shown(), latency_s, wanted, result)
+        remote, clock = self.parameters(of), self.context.latency_clock()
+        result = remote.set_values(wanted)
+        self._last_sent = f"set {describe_values(wanted)}"
+        return Change(self._last_sent, describe_result(result), _latency_s(clock), wanted, result)
 
     def get(self, *names: str, of: str = "") -> dict[str, Any]:
         """The values of parameters; None for one that is not declared.
@@ -255,11 +261,11 @@ class GradedNode:
         self.meet()
         return {name: one.value for name, one in self.parameters(of).values(list(names)).items()}
 
-    def parameters(self, of: str = "") -> Remote:
+    def parameters(self, of: str = "") -> RemoteParameters:
         """The parameters of a node as they are asked for from outside."""
         if not of and not (of := self.context.memory.get("node", "")):
             of = self.context.memory["node"] = discovery.first_node(self.context)
-        return Remote(self.context, of)
+        return RemoteParameters(self.context, of)
 
     # --- actions
 
@@ -276,9 +282,8 @@ class GradedNode:
             >>> goal.accepted_by().ends("SUCCEEDED", sequence=[3, 2, 1])
         """
         self.meet()
-        found = WantedAction(action, self._type(action))
-        message = message_of(found.interface.Goal, goal, fields)
-        return GradedGoal(self.context, found, message)
+        interface = self._end(action).interface
+        return GradedGoal(self.context, action, interface, message_of(interface.Goal, goal, fields))
 
     # --- the program
 
@@ -330,8 +335,8 @@ class GradedNode:
         names = ", ".join(one["name"] for one in context.job.endpoints)
         evidence = Evidence("", f"a node with {names}")
         with exceptions.explained(context, evidence, exceptions.of_start, discovery.ENDED):
-            context.wait_for_start(lambda: self._connected() or discovery.has_settled(context, clock))
-            if not self._connected():
+            context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
+            if not self._is_connected():
                 context.spoil()
                 why = "Your program started once, but did not offer all of this when it was started again."
                 raise Failed(replace(evidence, got="not all of it is there"), why)
@@ -343,71 +348,44 @@ class GradedNode:
         if self.context.spoiled:
             self.context.launch()
         self._heard = self.context.memory.setdefault("heard", {})
-        self._make_ends()
+        self._is_connected()
 
-    def message(self, topic: str, given: Any) -> Message:
-        """A message for a topic, of what may be given to `send`."""
-        return message_of(self._type(topic), given, {})
+    def message_for(self, endpoint: str, given: Any) -> Message:
+        """A message for a topic, a request for a service or a goal for an action, of what may be given to its verb."""
+        end = self._end(endpoint)
+        part = {"service": "Request", "action": "Goal"}.get(end.kind)
+        return message_of(getattr(end.interface, part) if part else end.interface, given, {})
 
-    def request(self, service: str, given: Any) -> Message:
-        """A request for a service, of what may be given to `call`."""
-        return message_of(self._type(service).Request, given, {})
-
-    def goal_message(self, action: str, given: Any) -> Message:
-        """A goal for an action, of what may be given to `goal`."""
-        return message_of(self._type(action).Goal, given, {})
+    @property
+    def endpoints(self) -> list[Endpoint]:
+        """All that exercise.toml names."""
+        return [Endpoint.from_record(one) for one in self.context.job.endpoints]
 
     # --- inside
 
     def _wait(self, condition: Callable[[], bool], seconds: float) -> bool:
         if self.context.wait_until(condition, min(_NUDGE_S, seconds)):
             return True
-        with self.context.record.looking_away():
-            discovery.greet(
-                self.context
-            )  # an executor of several threads tells what a callback has raised when it has more to do
+        with self.context.record.looking_away():  # an executor of several threads tells what a callback
+            discovery.greet(self.context)  # has raised when it has more to do
         return self.context.wait_until(condition, seconds - _NUDGE_S)
 
-    def _make_ends(self) -> None:
-        node = self.context.grader_node
-        for one in self.context.job.endpoints:
-            interface, name = interface_of(one["type"]), one["name"]
-            if one["kind"] == "service":
-                node.client(interface, name)
-            elif one["kind"] == "publisher":
-                node.inbox(interface, name)
-            elif one["kind"] == "subscription":
-                node.publisher(interface, name)
+    def _is_connected(self) -> bool:
+        return all([end.is_ready(self.context.grader_node) for end in self.endpoints])  # noqa: C419 - each makes its end
 
-    def _connected(self) -> bool:
-        return all(self._is_there(**one) for one in self.context.job.endpoints)
-
-    def _is_there(self, kind: str, name: str, type: str) -> bool:  # noqa: A002 - as exercise.toml calls it
-        node, interface = self.context.grader_node, interface_of(type)
-        if kind == "service":
-            return node.client(interface, name).is_ready()
-        if kind == "action":
-            return WantedAction(name, interface).ready(node)
-        if kind == "publisher":
-            return bool(node.publishers(name))
-        return bool(node.publisher(interface, name).get_subscription_count())
-
-    def _type(self, name: str) -> Any:
-        for one in self.context.job.endpoints:
-            if one["name"] == name:
-                return interface_of(one["type"])
-        known = ", ".join(one["name"] for one in self.context.job.endpoints)
+    def _end(self, name: str) -> Endpoint:
+        for end in self.endpoints:
+            if end.name == name:
+                return end
+        known = ", ".join(end.name for end in self.endpoints)
         raise ValueError(f"exercise.toml has no endpoint {name}; it has {known}")
 
-    def _service(self, name: str) -> Service:
-        return Service(name, self._type(name))
-
     def _published(self) -> list[str]:
-        return [one["name"] for one in self.context.job.endpoints if one["kind"] == "publisher"]
+        return [end.name for end in self.endpoints if end.kind == "publisher"]
 
     def inbox(self, topic: str) -> Any:
         """What has come on a topic so far."""
-        return self.context.grader_node.inbox(self._type(topic), topic)
+        return self.context.grader_node.inbox(self._end(topic).interface, topic)
 
     def _exchange(self) -> Exchange:
         return self._turn or self.context.record.sent("(nothing)", minor=True)
@@ -427,8 +405,14 @@ class GradedNode:
             self._exchange().missed(f"within {seconds} s nothing on {topic}")
             evidence = replace(evidence, got=f"within {seconds} s nothing on {topic}")
             sent = self._last_sent.partition(":")[0]
-            raise Failed(evidence, *topics.why_nothing(self.context, sent, topic, seconds)[::-1], breaks=breaks)
+            cause = discovery.explain_silent_topic(self.context, sent, topic, seconds)
+            raise Failed(evidence, *cause[::-1], breaks=breaks)
         message = inbox.since(place)[0]
         self._heard[topic] = place + 1
         self._exchange().came(f"{topic}: {in_one_line(message)}", "message")
         return message
+
+
+def _latency_s(clock: FairClock) -> float:
+    """After how many seconds an answer came; of a quick one nobody counts what others have taken away."""
+    return clock.fair() if clock.wall() > _NUDGE_S else clock.wall()

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model.exchange_log import in_one_line
-from course_kit.interfaces import get_type
 from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name
 
@@ -20,8 +19,17 @@ _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of t
 
 
 @dataclass(frozen=True)
-class Close:
-    """A number that may be off by so much, the larger of the two counts."""
+class Approximation:
+    """A number that is expected with another accuracy than 1e-6 relative or 1e-9 absolute.
+
+    Attributes:
+        value: the number.
+        relative: how far off it may be, as a share of the value.
+        absolute: the same in the value's unit; the larger one counts.
+
+    Example:
+        >>> node.call("/area", radius=2.0).expect(area=Approximation(12.566, absolute=0.01))
+    """
 
     value: float
     relative: float = 0.0
@@ -30,20 +38,6 @@ class Close:
     def __call__(self, got: Any) -> bool:
         """Whether a number is close enough."""
         return math.isclose(got, self.value, rel_tol=self.relative, abs_tol=self.absolute)
-
-
-def close(value: float, *, relative: float = 0.0, absolute: float = 0.0) -> Close:
-    """A number that is expected with another accuracy than 1e-6 relative or 1e-9 absolute.
-
-    Args:
-        value: the number.
-        relative: how far off it may be, as a share of the value.
-        absolute: the same in the value's unit; the larger one counts.
-
-    Example:
-        >>> node.call("/area", radius=2.0).expect(area=close(12.566, absolute=0.01))
-    """
-    return Close(value, relative, absolute)
 
 
 def differences(wanted: Any, got: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
@@ -82,14 +76,9 @@ def describe_wanted(wanted: Any) -> str:
         return in_one_line(wanted)
     if isinstance(wanted, dict):
         return ", ".join(f"{name}={describe_wanted(value)}" for name, value in wanted.items())
-    if isinstance(wanted, Close):
+    if isinstance(wanted, Approximation):
         return repr(wanted.value)
     return "what the task says" if callable(wanted) else repr(wanted)
-
-
-def interface_of(name: str) -> Any:
-    """The class of an interface, by its name in ROS."""
-    return get_type(name)
 
 
 def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message:
@@ -116,7 +105,7 @@ def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message
 def only_field(message: Message, wanted: Any) -> Any:
     """What is expected of a message, written as the value of its only field or not."""
     names = list(message.get_fields_and_field_types())
-    whole = callable(wanted) and not isinstance(wanted, Close)
+    whole = callable(wanted) and not isinstance(wanted, Approximation)
     if isinstance(wanted, dict) or whole or is_message_type(type(wanted)) or len(names) != 1:
         return wanted
     return {names[0]: wanted}

@@ -5,14 +5,20 @@ See rcl_interfaces/srv/ListParameters, GetParameters, SetParameters and SetParam
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
-from course_kit.grading.checks import graph
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.discovery import ENDED, answers, has_settled, other_nodes
+from course_kit.grading.checks.discovery import (
+    ENDED,
+    explain_other_nodes,
+    has_settled,
+    is_answered,
+    list_names,
+    why_empty,
+)
 from course_kit.grading.diagnosis import exceptions, hangs
 from course_kit.grading.model.bounds import bounded
 from course_kit.ros import parameters
@@ -20,7 +26,7 @@ from course_kit.ros import parameters
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from rcl_interfaces.msg import ParameterValue, SetParametersResult
+    from rcl_interfaces.msg import ParameterValue
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.ros.messages import Message
@@ -28,43 +34,32 @@ if TYPE_CHECKING:
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
-_QUESTIONS = _VERBS[:2]
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Value:
+class Value(NamedTuple):
     """A parameter's value and its type, by the name ROS 2 has for it (`double`), or `not set`."""
 
     type: str
     value: Any
 
-
-@dataclass(frozen=True)
-class SetResult:
-    """How an attempt to set went: rcl_interfaces/msg/SetParametersResult."""
-
-    successful: bool
-    reason: str
-
-    def shown(self) -> str:
-        """As the learner is shown it."""
-        return "accepted" if self.successful else f"refused, with the reason {self.reason!r}"
+    @classmethod
+    def from_message(cls, message: ParameterValue) -> Value:
+        """Out of what a node answers."""
+        return cls(parameters.type_of(message), parameters.from_message(message))
 
 
-class Remote:
+class RemoteParameters:
     """The parameters of one node, asked from outside. Each verb may raise Failed when no answer comes."""
 
     def __init__(self, context: CheckContext, node: str) -> None:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
         self._context = context
-        self._clients = {
-            verb: context.grader_node.client(interface, f"{node}/{verb}")
-            for verb, interface in reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))
-        }
+        pairs = reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))  # a node makes list_parameters last
+        self._clients = {verb: context.grader_node.client(interface, f"{node}/{verb}") for verb, interface in pairs}
 
-    def ready(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether all its parameter services can be called."""
         return all(client.is_ready() for client in self._clients.values())
 
@@ -74,17 +69,46 @@ class Remote:
 
     def values(self, names: Sequence[str]) -> dict[str, Value]:
         """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
-        return dict(zip(names, map(_value, self._ask(parameters.ask_values(names))), strict=True))
+        return dict(zip(names, map(Value.from_message, self._ask(parameters.ask_values(names))), strict=True))
 
-    def set(self, name: str, value: object) -> SetResult:
-        """Set one parameter."""
-        results = self._ask(parameters.set_each([parameters.to_message(name, value)]))
-        return _result(results[0]) if results else SetResult(successful=False, reason="")
-
-    def set_together(self, values: Mapping[str, object]) -> SetResult:
-        """Set several at once, all or none, in this order."""
+    def set_values(self, values: Mapping[str, object]) -> SetParametersResult:
+        """Set one parameter, or several at once: all or none, in this order."""
         messages = [parameters.to_message(*pair) for pair in values.items()]
-        return _result(self._ask(parameters.set_together(messages)))
+        if len(messages) > 1:
+            return self._ask(parameters.set_together(messages))
+        return next(iter(self._ask(parameters.set_each(messages))), SetParametersResult())
+
+    def expect_served(self) -> Evidence:
+        """The node, of a program that was just started, is up and answers when it is asked for its parameters.
+
+        Raises:
+            Failed: it does not; with start.*, name.node, limit.* or parameter.*.
+        """
+        context, expected = self._context, f"a node called {self.node}"
+        clock = context.clock()
+
+        with exceptions.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
+            context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
+            if not self.is_ready():
+                raise self._explain_absence(expected)
+            clock = context.clock()
+            if not is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
+                raise exceptions.unanswered(context, Evidence(_VERBS[0], expected), clock.fair())
+        return Evidence("", expected, expected)
+
+    def _explain_absence(self, expected: str) -> Failed:
+        context, nodes = self._context, self._context.grader_node.nodes()
+        context.spoil()
+        evidence = Evidence("", expected, f"on the graph: {list_names(nodes, 'node')}")
+        if self.node in nodes:
+            message = (
+                f"The node {self.node} is running but has no parameter services (was it made with "
+                "start_parameter_services=False?)."
+            )
+            return Failed(evidence, message)
+        if nodes:
+            return explain_other_nodes(self.node, nodes, evidence)
+        return Failed(evidence, *why_empty(context, self.node)[::-1])
 
     def _ask(self, steps: Steps[T]) -> T:
         return parameters.run_steps(steps, self._answer)
@@ -93,86 +117,53 @@ class Remote:
         context, request = self._context, question.request
         evidence = _evidence(question)
         context.require_time(evidence)
-        turn = context.record.sent(evidence.sent, minor=question.service in _QUESTIONS)
+        turn = context.record.sent(evidence.sent, minor=question.service in _VERBS[:2])
         clock = context.clock()
         with exceptions.explained(context, evidence):
             sent = self._clients[question.service].send(request)
             if context.wait_until(sent.answered, hangs.ANSWER_S):
                 response = bounded(sent.response())
-                turn.came(_told(request, response))
+                turn.came(_describe_response(request, response))
                 return response
             raise exceptions.unanswered(context, evidence, clock.fair())
 
 
-def require_proper_answer(outcome: SetResult, evidence: Evidence) -> None:
+def describe_result(result: SetParametersResult) -> str:
+    """How an attempt to set went, as the learner is shown it."""
+    return "accepted" if result.successful else f"refused, with the reason {result.reason!r}"
+
+
+def require_proper_answer(result: SetParametersResult, evidence: Evidence) -> None:
     """A refusal is the learner's own, not rclpy's for a callback that returned something else.
 
     Raises:
         Failed: with parameter.bad_callback.
     """
-    if exceptions.INVALID_RESULT in outcome.reason:
+    if exceptions.INVALID_RESULT in result.reason:
         message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
         raise Failed(evidence, message, "parameter.bad_callback")
 
 
-def shown(values: Mapping[str, object]) -> str:
+def describe_values(values: Mapping[str, object]) -> str:
     """`max_velocity=2.5, enabled=False`."""
     return ", ".join(f"{name}={value!r}" for name, value in values.items())
 
 
-def yaml(value: object) -> str:
-    """A value as YAML, for files and for `-p name:=value`."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else repr(value)
-
-
 def start_arguments(values: Mapping[str, object]) -> list[str]:
     """The arguments that start a program with these values, `--ros-args -p name:=value`."""
-    return ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={yaml(value)}"))]
+    return ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={_to_yaml(value)}"))]
 
 
 def parameter_file(values: Mapping[str, object], node: str) -> str:
     """A parameter file with these values, for a node of this full name or, when it is empty, for any."""
-    lines = [f"    {name}: {yaml(value)}" for name, value in values.items()]
+    lines = [f"    {name}: {_to_yaml(value)}" for name, value in values.items()]
     return "\n".join([f"{node.lstrip('/') or '/**'}:", "  ros__parameters:", *lines]) + "\n"
 
 
-def expect_served(context: CheckContext, node: str) -> Evidence:
-    """A node of this full name is up, and answers when it is asked for its parameters.
-
-    Raises:
-        Failed: it is not; with start.*, name.node, limit.* or parameter.*.
-    """
-    expected = f"a node called {node}"
-    remote = Remote(context, node)
-    clock = context.clock()
-    with exceptions.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
-        context.wait_for_start(lambda: remote.ready() or has_settled(context, clock))
-        if not remote.ready():
-            raise _not_served(context, node, expected)
-        client = context.grader_node.client(
-            ListParameters, f"{node}/list_parameters"
-        )  # the last that `remote` has made
-        clock = context.clock()
-        if not answers(context, client, ListParameters.Request(), hangs.ANSWER_S):
-            raise exceptions.unanswered(context, Evidence("list_parameters", expected), clock.fair())
-    return Evidence("", expected, expected)
-
-
-def _not_served(context: CheckContext, node: str, expected: str) -> Failed:
-    nodes = context.grader_node.nodes()
-    context.spoil()
-    evidence = Evidence("", expected, f"on the graph: {graph.listed(nodes, 'node')}")
-    if node in nodes:
-        message = (
-            f"The node {node} is running but has no parameter services (was it made with "
-            "start_parameter_services=False?)."
-        )
-        return Failed(evidence, message)
-    if nodes:
-        return other_nodes(node, nodes, evidence)
-    return Failed(evidence, *graph.why_empty(context, node)[::-1])
+def _to_yaml(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"'{value}'" if isinstance(value, str) else repr(value)
 
 
 def _evidence(question: Question) -> Evidence:
@@ -182,25 +173,16 @@ def _evidence(question: Question) -> Evidence:
     if question.service == "get_parameters":
         return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
     values = {one.name: parameters.from_message(one.value) for one in question.fields["parameters"]}
-    return Evidence(f"{question.service}: {shown(values)}", "an answer: accepted, or refused and why")
+    return Evidence(f"{question.service}: {describe_values(values)}", "an answer: accepted, or refused and why")
 
 
-def _told(request: Message, response: Message) -> str:
-    """A response of one of the services as the learner is shown it."""
+def _describe_response(request: Message, response: Message) -> str:
     if isinstance(response, ListParameters.Response):
         return f"names: {', '.join(response.result.names)}"
     if isinstance(response, GetParameters.Response):
-        values = [_value(value).value for value in response.values]
-        if len(values) != len(request.names):
+        if len(response.values) != len(request.names):
             return "no values: one of these parameters is not declared, or has no value"
-        return shown(dict(zip(request.names, values, strict=True)))
+        values = [parameters.from_message(value) for value in response.values]
+        return describe_values(dict(zip(request.names, values, strict=True)))
     results = response.results if isinstance(response, SetParameters.Response) else [response.result]
-    return "; ".join(_result(one).shown() for one in results)
-
-
-def _result(message: SetParametersResult) -> SetResult:
-    return SetResult(message.successful, message.reason)
-
-
-def _value(message: ParameterValue) -> Value:
-    return Value(parameters.type_of(message), parameters.from_message(message))
+    return "; ".join(map(describe_result, results))

@@ -1,22 +1,24 @@
-"""Ready-made checks: functions that return a check. What they look at is named in exercise.toml, `[[endpoints]]`."""
+"""Ready-made checks: functions that return a check. What they look at is named in exercise.toml, `[[endpoints]]`.
+
+Each takes its declaration, the fields of `CheckFields`, as keywords.
+"""
 
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from course_kit.grading.checks import discovery
-from course_kit.grading.checks.actions import WantedAction
-from course_kit.grading.checks.check import Check, Evidence, Failed, require_declared
-from course_kit.grading.checks.drawing import drawn_values
-from course_kit.grading.checks.endpoints import Service, Topic
+from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
-from course_kit.grading.checks.matching import Close, differences, interface_of, only_field
-from course_kit.grading.checks.topics import expect_endpoints
+from course_kit.grading.checks.matching import Approximation, differences, only_field
+from course_kit.grading.checks.steps import draw_values
 from course_kit.grading.diagnosis import hangs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+    from typing_extensions import Required, Unpack
 
     from course_kit.grading.checks.context import CheckContext
 
@@ -25,7 +27,26 @@ _TOGETHER_S = 5.0
 _AT_ONCE_S = 0.05  # in which a second message of the same callback comes
 _FEWEST = 3  # messages; enough to forget one that a busy machine has delayed
 _SILENT_S = 2.0
-_ENDS = ("publisher", "subscription")
+
+
+class CheckFields(TypedDict, total=False):
+    """What every ready-made check is declared with.
+
+    Attributes:
+        check_id: its id.
+        title: one line for the learner.
+        points: what it is worth.
+        proves: ids of the sentences of the exercise.
+        after: ids of checks that have to pass before.
+        deadline_s: seconds for all its waiting together.
+    """
+
+    check_id: Required[str]
+    title: Required[str]
+    points: Required[float]
+    proves: Required[Sequence[str]]
+    after: Sequence[str]
+    deadline_s: float
 
 
 def check(
@@ -38,7 +59,7 @@ def check(
     Args:
         points: what it is worth.
         after: ids of checks without which it makes no sense: it is skipped unless they passed.
-        proves: ids of the sentences of the task that it proves.
+        proves: ids of the sentences of the exercise that it proves.
         deadline_s: seconds for all its waiting together.
 
     Raises:
@@ -52,28 +73,25 @@ def check(
         ...     node.call("/reset").refused()
     """
 
-    def declare(function: Callable[[GradedNode], object]) -> Check:
-        title = (inspect.getdoc(function) or "").partition("\n")[0].rstrip(".")
-        return made(function.__name__, title, points, function, after, proves, deadline_s)
+    def declare(talk: Callable[[GradedNode], object]) -> Check:
+        title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
+        fields = {"points": points, "after": after, "proves": proves, "deadline_s": deadline_s}
+        return make_check(talk, check_id=talk.__name__, title=title, **fields)  # type: ignore[arg-type] # of four types
 
     return declare
 
 
-def made(  # noqa: PLR0913, PLR0917 - the fields of a check
-    check_id: str,
-    title: str,
-    points: float,
-    talk: Callable[[GradedNode], object],
-    after: Sequence[str],
-    proves: Sequence[str],
-    deadline_s: float = DEADLINE_S,
-) -> Check:
+def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
     """A check of what a function does with a node; see `check`.
 
     Raises:
         ValueError: it has no title, or is worth nothing.
     """
-    require_declared(check_id, title, points)
+    check_id, title, points = declared["check_id"], declared["title"], declared["points"]
+    if not title:
+        raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")
+    if points <= 0:
+        raise ValueError(f"the check {check_id} needs points above 0")
 
     def run(context: CheckContext) -> Evidence:
         seen = talk(GradedNode(context))
@@ -82,14 +100,15 @@ def made(  # noqa: PLR0913, PLR0917 - the fields of a check
         sent, got = context.record.last_exchange()
         return Evidence(sent, title, got)
 
-    return Check(check_id, title, float(points), tuple(after), deadline_s, run, tuple(proves))
+    after, deadline_s = tuple(declared.get("after", ())), declared.get("deadline_s", DEADLINE_S)
+    return Check(check_id, title, float(points), after, deadline_s, run, tuple(declared["proves"]))
 
 
-def offered(
+def endpoints_offered(
     *names: str,
     points: float,
     proves: Sequence[str],
-    title: str = "",
+    title: str = "All of its endpoints are there, with their types",
     check_id: str = "offered",
     after: Sequence[str] = (),
 ) -> Check:
@@ -98,45 +117,29 @@ def offered(
     Args:
         names: some of the endpoints; all of them when none is named.
         points: what it is worth.
-        proves: ids of the sentences of the task.
+        proves: ids of the sentences of the exercise.
         title: one line for the learner.
         check_id: its id.
         after: ids of checks that have to pass before.
 
     Example:
-        >>> offered(points=1.0, proves=["topics"], title="Both topics are there")
+        >>> endpoints_offered(points=1.0, proves=["topics"], title="Both topics are there")
     """
 
     def talk(node: GradedNode) -> Evidence:
-        context = node.context
-        ends = [one for one in context.job.endpoints if not names or one["name"] in names]
-        told = []
         node.prepare()
-        for one in ends:
-            if one["kind"] in ("service", "action"):
-                kind: Any = Service if one["kind"] == "service" else WantedAction
-                told.append(discovery.expect_offered(context, kind(one["name"], interface_of(one["type"]))))
-        topics = {
-            kind: [Topic(one["name"], interface_of(one["type"])) for one in ends if one["kind"] == kind]
-            for kind in _ENDS
-        }
-        if any(topics.values()):
-            discovery.await_nodes(context, [one for one in ends if one["kind"] in _ENDS])
-            told.append(expect_endpoints(context, topics["publisher"], topics["subscription"]))
-        expected = "; ".join(one.expected for one in told)
+        ends = [end for end in node.endpoints if not names or end.name in names]
+        seen = [discovery.expect_server(node.context, end) for end in ends if end.is_server]
+        if topics := [end for end in ends if not end.is_server]:
+            seen.append(discovery.expect_topics(node.context, topics))
+        expected = "; ".join(one.expected for one in seen)
         return Evidence("", expected, expected)
 
-    return made(check_id, title or "All of its endpoints are there, with their types", points, talk, after, proves)
+    return make_check(talk, check_id=check_id, title=title, points=points, proves=proves, after=after)
 
 
 def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequence[str] = ()) -> Check:
-    """A check that the node has its name.
-
-    Args:
-        name: of the node, without a slash.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
+    """A check that the node has its name, given without a slash; its other fields are those of `CheckFields`.
 
     Example:
         >>> node_name("battery_monitor", points=0.5, proves=["node"], after=["offered"])
@@ -145,7 +148,8 @@ def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequenc
     def talk(node: GradedNode) -> Evidence:
         return discovery.expect_node(node.context, f"/{name}", node.meet)
 
-    return made("node_name", f"The node is called {name}", points, talk, after, proves)
+    title = f"The node is called {name}"
+    return make_check(talk, check_id="node_name", title=title, points=points, proves=proves, after=after)
 
 
 def service_answers(  # noqa: PLR0913 - what an author may say of it
@@ -153,38 +157,30 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     requests: Sequence[dict[str, Any]],
     expect: Callable[[Any], dict[str, Any]],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     within_s: float | None = None,
     not_before_s: float = 0.0,
     at_a_time: int = 0,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that a service answers some requests.
 
     Args:
         service: its name.
-        requests: fields of each; a value may be a drawing, such as `between(1, 99)`.
+        requests: fields of each; a value may be a drawing, such as `draw_between(1, 99)`.
         expect: gives the fields of the right response for a request.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         within_s: seconds in which an answer comes; with `at_a_time`, in which all do.
         not_before_s: seconds before which none comes, where the work takes its time.
         at_a_time: ask so many at the same time, each by another client; one after the other when 0.
+        declared: see `CheckFields`.
 
     Example:
-        >>> service_answers("/add", [{"a": 1, "b": between(-9, 9)}] * 3, lambda request: {"sum": request.a + request.b},
+        >>> service_answers("/add", [{"a": 1, "b": draw_between(-9, 9)}] * 3, lambda asked: {"sum": asked.a + asked.b},
         ...                 check_id="sum", title="/add answers with the sum", points=1.0, proves=["sum"])
     """
 
     def talk(node: GradedNode) -> None:
-        several = drawn_values(requests, node.context.random)
-        wanted = [expect(node.request(service, fields)) for fields in several]
+        several = draw_values(requests, node.context.random)
+        wanted = [expect(node.message_for(service, fields)) for fields in several]
         if at_a_time:
             seconds = _TOGETHER_S if within_s is None else within_s
             answers = node.call_together(service, several, at_a_time=at_a_time, within_s=seconds)
@@ -202,69 +198,57 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
                 why = "This is the answer to another client's request: your callback mixes up values of two calls."
             answer.expect(**fields, diagnosis=code, why=why)
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
 def service_refuses(  # noqa: PLR0913 - what an author may say of it
     service: str,
     requests: Sequence[dict[str, Any]],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     refused: dict[str, Any] | None = None,
     reason: str = "message",
     what: str = "a request that it has to refuse",
     valid: dict[str, Any] | None = None,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that a service refuses some requests, says why, and lives on.
 
     Args:
         service: its name.
         requests: fields of each; a value may be a drawing.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         refused: the fields by which a refusal is known; `success=False` when left out.
-        reason: the field that says why, "" where the task asks for no reason.
+        reason: the field that says why, "" where the exercise asks for no reason.
         what: is wrong with these requests, for the learner.
         valid: a request that is asked afterwards, and must not be refused.
+        declared: see `CheckFields`.
 
     Example:
-        >>> service_refuses("/divide", [{"a": between(1, 9), "b": 0}], valid={"a": 4, "b": 2}, what="a division by 0",
-        ...                 check_id="by_zero", title="A division by 0 is refused", points=1.0, proves=["by_zero"])
+        >>> service_refuses("/divide", [{"a": draw_between(1, 9), "b": 0}], valid={"a": 4, "b": 2},
+        ...                 what="a division by 0", check_id="by_zero", title="A division by 0 is refused",
+        ...                 points=1.0, proves=["by_zero"])
     """
 
     def talk(node: GradedNode) -> None:
         wanted = refused or {"success": False}
-        for fields in drawn_values(requests, node.context.random):
+        for fields in draw_values(requests, node.context.random):
             node.call(service, fields).refused(reason=reason, what=what, **wanted)
         if valid is not None:
             answer = node.call(service, valid)
             if not list(differences(wanted, answer.response)):
-                answer.fail(
-                    "Your service refused a valid request.", expected="no refusal", diagnosis="validation.overzealous"
-                )
+                why = "Your service refused a valid request."
+                answer.fail(why, expected="no refusal", diagnosis="validation.overzealous")
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
-def topic_answers(  # noqa: PLR0913 - what an author may say of it
+def topic_answers(
     subscription: str,
     publisher: str,
     messages: Sequence[Any],
     expect: Callable[[Any], Any],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     within_s: float = ANSWER_S,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that each message on one topic is answered by exactly one on another.
 
@@ -273,21 +257,17 @@ def topic_answers(  # noqa: PLR0913 - what an author may say of it
         publisher: the topic of the answers.
         messages: what is sent: a value of the only field, a dict, or a drawing.
         expect: gives what a right answer is for a message.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         within_s: seconds in which the answer comes.
+        declared: see `CheckFields`.
 
     Example:
-        >>> topic_answers("/brightness", "/lamp", [0.5, 0.500001, between(0.0, 0.499), 1.0], lambda m: m.data > 0.5,
+        >>> topic_answers("/brightness", "/lamp", [0.5, 0.500001, draw_between(0.0, 0.499)], lambda m: m.data > 0.5,
         ...               check_id="switches", title="The lamp is on above 0.5", points=1.0, proves=["threshold"])
     """
 
     def talk(node: GradedNode) -> None:
-        for one in drawn_values(messages, node.context.random):
-            message = node.message(subscription, one)
+        for one in draw_values(messages, node.context.random):
+            message = node.message_for(subscription, one)
             wanted = expect(message)
             try:
                 node.send(subscription, message).expect(publisher, wanted, within_s=within_s)
@@ -299,57 +279,31 @@ def topic_answers(  # noqa: PLR0913 - what an author may say of it
         node.expect_nothing(publisher, why=once)
 
     once = f"Publish once on {publisher} for each message."
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
-def topic_silent(  # noqa: PLR0913 - what an author may say of it
-    *topics: str,
-    seconds: float = 1.0,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
-) -> Check:
+def topic_silent(*topics: str, seconds: float = 1.0, **declared: Unpack[CheckFields]) -> Check:
     """A check that nothing comes on some topics while nothing is sent.
 
     Args:
         topics: their names.
         seconds: for how long.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
+        declared: see `CheckFields`.
 
     Example:
         >>> topic_silent("/alarm", check_id="quiet", title="No alarm without a cause", points=1.0, proves=["quiet"])
     """
-    return made(check_id, title, points, lambda node: node.expect_nothing(*topics, seconds=seconds), after, proves)
+    return make_check(lambda node: node.expect_nothing(*topics, seconds=seconds), **declared)
 
 
-def topic_rate(  # noqa: PLR0913 - what an author may say of it
-    topic: str,
-    hz: float,
-    *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
-    off_by: float = 0.2,
-) -> Check:
+def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack[CheckFields]) -> Check:
     """A check that messages come at a rate.
 
     Args:
         topic: its name.
         hz: messages in a second.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         off_by: the share of the period by which it may be off; a machine is now and then busy.
+        declared: see `CheckFields`.
 
     Example:
         >>> topic_rate("/heartbeat", 10.0, check_id="rate", title="Ten a second", points=1.0, proves=["rate"])
@@ -374,13 +328,13 @@ def topic_rate(  # noqa: PLR0913 - what an author may say of it
             raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
         raise Failed(Evidence("", expected, f"one every {found:.3g} s"), why)
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
 def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
     """The diagnosis of a wrong number: another formula, or // where the number is off by less than one."""
     for _, right, other in differences(wanted, got):
-        one = right.value if isinstance(right, Close) else right
+        one = right.value if isinstance(right, Approximation) else right
         if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (one, other)):
             near = node.context.job.facts.floor_divides and abs(one - other) < 1
             return "math.integer_division" if near else "math.formula"

@@ -4,36 +4,34 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks import ready_made
 from course_kit.grading.checks.answers import TOO_SOON
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences
+from course_kit.grading.checks.ready_made import make_check
+from course_kit.grading.checks.steps import draw_values
 from course_kit.grading.model.exchange_log import in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from typing_extensions import Unpack
+
     from course_kit.grading.checks.graded_node import GradedNode
+    from course_kit.grading.checks.ready_made import CheckFields
 
 _DEADLINE_S = 30.0
 _UNDER_WAY_S = 0.3  # after which a goal is cancelled that gives no feedback
-_GOOD_PART = 0.4  # of a goal's time, over which feedback comes that is not all at once
 
 
-def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
+def goal_succeeds(
     action: str,
     goals: Sequence[dict[str, Any]],
     expect: Callable[[Any], dict[str, Any]] = lambda _: {},
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     within_s: float = END_S,
     not_before_s: float = 0.0,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that goals are accepted and end SUCCEEDED, with a result.
 
@@ -41,13 +39,9 @@ def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
         action: its name.
         goals: fields of each; a value may be a drawing.
         expect: gives the fields of the right result for a goal.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         within_s: seconds for each goal.
         not_before_s: seconds before which none ends, where the work takes its time.
+        declared: see `CheckFields`.
 
     Example:
         >>> goal_succeeds("/count_down", [{"order": 3}], lambda goal: {"sequence": list(range(goal.order, 0, -1))},
@@ -55,48 +49,40 @@ def goal_succeeds(  # noqa: PLR0913 - what an author may say of it
     """
 
     def talk(node: GradedNode) -> None:
-        several = drawn_values(goals, node.context.random)
+        several = draw_values(goals, node.context.random)
         for number, fields in enumerate(several):
             clock = node.context.clock()  # before the goal: the node may begin while we still wait for our turn
             goal = node.goal(action, fields)
             if number == 0:
                 _require_some_accepted(node, action, goal, several[1:])
-            goal.accepted_by().ends(within_s=within_s, **expect(node.goal_message(action, fields)))
+            goal.accepted_by().ends(within_s=within_s, **expect(node.message_for(action, fields)))
             if clock.wall() < not_before_s:
                 evidence = Evidence(
                     goal.shown, f"not before {not_before_s:g} s", f"it ended after {clock.wall():.2f} s"
                 )
                 raise Failed(evidence, TOO_SOON)
 
-    return _made(check_id, title, points, talk, after, proves)
+    return _make_check(talk, **declared)
 
 
-def goal_feedback(  # noqa: PLR0913 - what an author may say of it
+def goal_feedback(
     action: str,
     goals: Sequence[dict[str, Any]],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     at_least: int = 1,
     first: Callable[[Any], dict[str, Any]] = lambda _: {},
     last: Callable[[Any], dict[str, Any]] = lambda _: {},
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that feedback comes while goals run, not all of it at once.
 
     Args:
         action: its name.
         goals: fields of each; a value may be a drawing.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         at_least: so many messages for each goal; from two on they have to be spread over its time.
         first: gives the fields of the first message for a goal.
         last: gives those of the last one.
+        declared: see `CheckFields`.
 
     Example:
         >>> goal_feedback("/count_down", [{"order": 4}], at_least=4, first=lambda goal: {"sequence": [goal.order]},
@@ -104,65 +90,50 @@ def goal_feedback(  # noqa: PLR0913 - what an author may say of it
     """
 
     def talk(node: GradedNode) -> None:
-        for fields in drawn_values(goals, node.context.random):
-            message = node.goal_message(action, fields)
+        for fields in draw_values(goals, node.context.random):
+            message = node.message_for(action, fields)
             wanted = first(message), last(message)
             goal = node.goal(action, fields).accepted_by()
             goal.ends()
-            heard = goal.wait_for_last_feedback(
-                lambda told, end=wanted[1]: (
-                    len(told) >= at_least  # type: ignore[misc] # of one argument
-                    and not list(differences(end, told[-1].feedback))
-                )
+            heard = goal.require_feedback(
+                at_least,
+                f"at least {at_least} feedback messages, spread over the goal's time",
+                complete=lambda messages, end=wanted[1]: not list(differences(end, messages[-1].feedback)),  # type: ignore[misc] # of one argument
             )
-            evidence = Evidence(goal.shown, f"at least {at_least} feedback messages", f"{len(heard)} feedback messages")
-            if len(heard) < at_least:
-                raise Failed(evidence, f"A client saw {evidence.got} of this goal.", "action.no_feedback")
-            if at_least > 1:
-                _require_spread(goal)
             for which, fields_of, one in zip(("first", "last"), wanted, (heard[0], heard[-1]), strict=True):
                 for path, value, got in differences(fields_of, one.feedback):
-                    told = Evidence(
-                        goal.shown, f"the {which} feedback with {describe_wanted(fields_of)}", in_one_line(one.feedback)
-                    )
-                    raise Failed(told, f"{path} of the {which} feedback has to be {value!r}, and is {got!r}.")
+                    expected = f"the {which} feedback with {describe_wanted(fields_of)}"
+                    evidence = Evidence(goal.shown, expected, in_one_line(one.feedback))
+                    raise Failed(evidence, f"{path} of the {which} feedback has to be {value!r}, and is {got!r}.")
 
-    return _made(check_id, title, points, talk, after, proves)
+    return _make_check(talk, **declared)
 
 
-def goal_refused(  # noqa: PLR0913 - what an author may say of it
+def goal_refused(
     action: str,
     goals: Sequence[dict[str, Any]],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     what: str = "a goal that it has to reject",
     while_running: dict[str, Any] | None = None,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that goals are rejected, or rejected while another one runs.
 
     Args:
         action: its name.
         goals: fields of each; a value may be a drawing.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         what: is wrong with these goals, for the learner.
         while_running: a goal that is sent before, runs meanwhile, and succeeds all the same.
+        declared: see `CheckFields`.
 
     Example:
-        >>> goal_refused("/count_down", [{"order": between(-9, -1)}], what="a negative number", check_id="refused",
-        ...              title="A negative order is rejected", points=1.0, proves=["refused"])
+        >>> goal_refused("/count_down", [{"order": draw_between(-9, -1)}], what="a negative number",
+        ...              check_id="refused", title="A negative order is rejected", points=1.0, proves=["refused"])
     """
 
     def talk(node: GradedNode) -> None:
         running = node.goal(action, while_running).accepted_by() if while_running is not None else None
-        for fields in drawn_values(goals, node.context.random):
+        for fields in draw_values(goals, node.context.random):
             goal = node.goal(action, fields)
             if running is None:
                 goal.rejected(what=what)
@@ -178,7 +149,7 @@ def goal_refused(  # noqa: PLR0913 - what an author may say of it
         if running is not None:
             running.ends()
 
-    return _made(check_id, title, points, talk, after, proves)
+    return _make_check(talk, **declared)
 
 
 def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
@@ -186,14 +157,10 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
     goals: Sequence[dict[str, Any]],
     expect: Callable[[Any], dict[str, Any]] = lambda _: {},
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     after_s: float | None = None,
     within_s: float = PROMPT_S,
     then: dict[str, Any] | None = None,
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that a goal that runs can be cancelled: that is accepted in time, and it ends CANCELED.
 
@@ -201,14 +168,10 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
         action: its name.
         goals: fields of each; a value may be a drawing.
         expect: gives the fields of the result for a goal.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         after_s: when the cancel is sent; with the first feedback, or after 0.3 s, when left out.
         within_s: seconds for the answer to the request to cancel.
         then: a goal that succeeds afterwards.
+        declared: see `CheckFields`.
 
     Example:
         >>> goal_cancelled("/count_down", [{"order": 20}], then={"order": 2}, check_id="cancel",
@@ -216,24 +179,17 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
     """
 
     def talk(node: GradedNode) -> None:
-        for fields in drawn_values(goals, node.context.random):
+        for fields in draw_values(goals, node.context.random):
             goal = node.goal(action, fields).accepted_by()
             node.context.wait_until(lambda goal=goal: _under_way(goal, after_s), END_S)  # type: ignore[misc] # of none
-            goal.cancelled(within_s=within_s).ends("CANCELED", **expect(node.goal_message(action, fields)))
+            goal.cancelled(within_s=within_s).ends("CANCELED", **expect(node.message_for(action, fields)))
         if then is not None:
             node.goal(action, then).accepted_by(expected="the goal after a cancelled one accepted").ends()
 
-    return _made(check_id, title, points, talk, after, proves)
+    return _make_check(talk, **declared)
 
 
-def _made(  # noqa: PLR0913, PLR0917 - the fields of a check
-    check_id: str,
-    title: str,
-    points: float,
-    talk: Callable[[GradedNode], object],
-    after: Sequence[str],
-    proves: Sequence[str],
-) -> Check:
+def _make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
     """A check after whose failure the program is started afresh: a goal may still run."""
 
     def run(node: GradedNode) -> None:
@@ -243,7 +199,8 @@ def _made(  # noqa: PLR0913, PLR0917 - the fields of a check
             node.context.spoil()
             raise
 
-    return ready_made.made(check_id, title, points, run, after, proves, _DEADLINE_S)
+    declared.setdefault("deadline_s", _DEADLINE_S)
+    return make_check(run, **declared)
 
 
 def _require_some_accepted(node: GradedNode, action: str, goal: GradedGoal, others: Sequence[dict[str, Any]]) -> None:
@@ -258,20 +215,6 @@ def _require_some_accepted(node: GradedNode, action: str, goal: GradedGoal, othe
             return
     evidence = Evidence(goal.shown, "the goal accepted", "the goal rejected")
     raise Failed(evidence, f"Each of {len(others) + 1} valid goals was rejected.", "action.rejects_all")
-
-
-def _require_spread(goal: GradedGoal) -> None:
-    """It came while the goal ran, not all at once."""
-    times = sorted(one.came_s for one in goal.feedback)
-    began, over = goal.began_at or times[0], goal.over_at or times[-1]
-    within = [time for time in times if time <= over]
-    if not within or within[-1] - within[0] < _GOOD_PART * (over - began):
-        got = (
-            f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start; "
-            f"the goal ended after {over - began:.2f} s"
-        )
-        evidence = Evidence(goal.shown, "feedback spread over the goal's time", got)
-        raise Failed(evidence, "The messages came in one burst, not while the goal ran.", "action.late_feedback")
 
 
 def _under_way(goal: GradedGoal, after_s: float | None) -> bool:

@@ -5,40 +5,35 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.drawing import drawn_values
 from course_kit.grading.checks.matching import describe_wanted, differences, only_field
-from course_kit.grading.checks.parameters import shown
-from course_kit.grading.checks.ready_made import made
+from course_kit.grading.checks.parameters import describe_values
+from course_kit.grading.checks.ready_made import make_check
+from course_kit.grading.checks.steps import draw_values
 from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from typing_extensions import Unpack
+
     from course_kit.grading.checks.graded_node import GradedNode
+    from course_kit.grading.checks.ready_made import CheckFields
 
 _EFFECT_S = 0.2  # rclpy may tell the callbacks of a change after it has answered
 
 
-def parameter_declared(  # noqa: PLR0913 - what an author may say of it
+def parameter_declared(
     defaults: dict[str, Any],
     *,
     node: str,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that a node has parameters, with these values at the start, and so with their types.
 
     Args:
         defaults: by the parameters' names.
         node: its full name.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
+        declared: see `CheckFields`.
 
     Example:
         >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
@@ -64,21 +59,16 @@ def parameter_declared(  # noqa: PLR0913 - what an author may say of it
             )
         return evidence
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
-def parameter_acts(  # noqa: PLR0913 - what an author may say of it
+def parameter_acts(
     settings: Sequence[dict[str, Any]],
     subscription: str,
     publisher: str,
     messages: Sequence[Any],
     expect: Callable[[Any, dict[str, Any]], Any],
-    *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that parameters which are set change what a node answers. Afterwards they are what they were.
 
@@ -88,11 +78,7 @@ def parameter_acts(  # noqa: PLR0913 - what an author may say of it
         publisher: the topic of the answers.
         messages: what is sent, before and after each change.
         expect: gives what a right answer is for a message and a setting.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
+        declared: see `CheckFields`.
 
     Example:
         >>> parameter_acts([{"max_speed": 0.5}, {"max_speed": 2.0}], "/speed_in", "/speed", [3.0, 0.25],
@@ -109,36 +95,34 @@ def parameter_acts(  # noqa: PLR0913 - what an author may say of it
         node.context.wait_until(lambda: False, _EFFECT_S)
         new = answers(node)
         for one, before, got in zip(sent, old, new, strict=True):
-            wanted = only_field(got, expect(node.message(subscription, one), setting))
+            wanted = only_field(got, expect(node.message_for(subscription, one), setting))
             for path, value, found in differences(wanted, got):
                 same = all(was == now for was, now in zip(old, new, strict=True))
                 why = f"{path} has to be {describe_wanted(value)} now, and is {found!r}."
                 if same and before == got:
                     why = "Your node accepted the change, but what comes out is the same as before."
-                evidence = Evidence(f"set {shown(setting)}; {subscription}: {one}", describe_wanted(wanted), str(found))
+                evidence = Evidence(
+                    f"set {describe_values(setting)}; {subscription}: {one}", describe_wanted(wanted), str(found)
+                )
                 raise Failed(evidence, why, "parameter.read_once" if same else "math.formula")
 
     sent: list[Any] = []
 
     def talk(node: GradedNode) -> None:
-        sent[:] = [node.message(subscription, one) for one in drawn_values(messages, node.context.random)]
-        for setting in drawn_values(settings, node.context.random):
+        sent[:] = [node.message_for(subscription, one) for one in draw_values(messages, node.context.random)]
+        for setting in draw_values(settings, node.context.random):
             before = node.get(*setting)
             acts(node, setting)
             node.set(before).accepted()
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
-def parameter_refuses(  # noqa: PLR0913 - what an author may say of it
+def parameter_refuses(
     settings: Sequence[dict[str, Any]],
     *,
-    check_id: str,
-    title: str,
-    points: float,
-    proves: Sequence[str],
-    after: Sequence[str] = (),
     reason: Sequence[str] = (),
+    **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that a node refuses changes of parameters with a reason, and that their values stay.
 
@@ -146,12 +130,8 @@ def parameter_refuses(  # noqa: PLR0913 - what an author may say of it
 
     Args:
         settings: values by the parameters' names; several in one are set at once, all or none.
-        check_id: its id.
-        title: one line for the learner.
-        points: what it is worth.
-        proves: ids of the sentences of the task.
-        after: ids of checks that have to pass before.
         reason: words that the reason has to contain; any reason will do when there are none.
+        declared: see `CheckFields`.
 
     Example:
         >>> parameter_refuses([{"max_speed": -1.0}, {"max_speed": 0.5, "name": ""}], reason=["max_speed"],
@@ -159,7 +139,7 @@ def parameter_refuses(  # noqa: PLR0913 - what an author may say of it
     """
 
     def talk(node: GradedNode) -> None:
-        for setting in drawn_values(settings, node.context.random):
+        for setting in draw_values(settings, node.context.random):
             node.meet()
             remote = node.parameters()
             before = remote.values(list(setting))
@@ -182,7 +162,7 @@ def parameter_refuses(  # noqa: PLR0913 - what an author may say of it
                     diagnosis="parameter.not_atomic",
                 )
 
-    return made(check_id, title, points, talk, after, proves)
+    return make_check(talk, **declared)
 
 
 def _code_of(setting: dict[str, Any], before: dict[str, Any]) -> str:

@@ -1,11 +1,9 @@
-"""The steps of a conversation: rules, each a kind of step, and the order in which they are drawn."""
+"""The steps of a conversation: rules, each a kind of step, what is drawn for them, and in which order."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
-
-from course_kit.grading.checks.drawing import Draw, drawn_values
 
 if TYPE_CHECKING:
     import random
@@ -19,17 +17,61 @@ _RULE = "_course_kit_rule"
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A kind of step of a model.
+class Draw:
+    """A value that is drawn for each step."""
 
-    Attributes:
-        name: of the method.
-        check: the id of the check that a failure costs, unless the sentence that it names belongs to another.
-        draws: by argument.
-        when: whether it may be done, asked of the model.
-        often: in how many steps of a round it is done.
-        run: the method.
+    options: tuple[Any, ...]
+    make: Callable[[random.Random], Any] | None = None
+
+
+def draw_one_of(*options: Any) -> Draw:
+    """One of these: each comes once before one comes a second time, so that no edge is left to chance.
+
+    Args:
+        options: values, or other drawings.
+
+    Example:
+        >>> @step_rule(value=draw_one_of(0.0, 32.0, math.nan, draw_between(-200.0, 500.0)))
+        ... def convert(self, node, value): ...
     """
+    return Draw(options)
+
+
+def draw_between(low: float, high: float) -> Draw:
+    """A number in a range, both ends included; a whole one for two whole ends.
+
+    Example:
+        >>> @step_rule(order=draw_between(1, 9))
+        ... def count(self, node, order): ...
+    """
+    whole = isinstance(low, int) and isinstance(high, int)
+    return Draw((), lambda rng: rng.randint(int(low), int(high)) if whole else rng.uniform(low, high))
+
+
+def draw_by(make: Callable[[random.Random], Any]) -> Draw:
+    """What a function makes of a random.Random.
+
+    Example:
+        >>> @step_rule(values=draw_by(lambda rng: [rng.uniform(-1, 1) for _ in range(3)]))
+        ... def several(self, node, values): ...
+    """
+    return Draw((), make)
+
+
+def draw_values(value: Any, rng: random.Random) -> Any:
+    """A list, a dict or a value in which each drawing is replaced by what it gives."""
+    if isinstance(value, dict):
+        return {name: draw_values(one, rng) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [draw_values(one, rng) for one in value]
+    if not isinstance(value, Draw):
+        return value
+    return value.make(rng) if value.make else draw_values(rng.choice(value.options), rng)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A kind of step of a model; see `step_rule`."""
 
     name: str
     check: str
@@ -38,8 +80,24 @@ class Rule:
     often: int
     run: Callable[..., None]
 
+    def is_allowed(self, model: Any) -> bool:
+        """Whether such a step may be done now."""
+        return self.when is None or self.when(model)
 
-def rule(
+    def options(self) -> list[_Option]:
+        """What can be drawn for it; the rule itself where nothing is to choose."""
+        several = [(name, draw) for name, draw in self.draws.items() if isinstance(draw, Draw)]
+        found = [_Option(self.name, name, place) for name, draw in several for place in range(len(draw.options))]
+        return found or [_Option(self.name)]
+
+
+class _Option(NamedTuple):
+    rule: str
+    argument: str = ""
+    place: int = 0
+
+
+def step_rule(
     check: str = "", *, when: Callable[[Any], bool] | None = None, often: int = 0, **draws: Any
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Decorator that makes a method of a `Model` a kind of step.
@@ -48,11 +106,11 @@ def rule(
         check: the id of the check that a failure costs, where the conversation has several.
         when: says of the model whether the step may be done now.
         often: how often it is done while each other rule goes through its options once; as many times as its longest
-            `either` has options when 0.
+            `draw_one_of` has options when 0.
         draws: a drawing or a constant for each argument of the method after `node`.
 
     Example:
-        >>> @rule(when=lambda model: model.critical)
+        >>> @step_rule(when=lambda model: model.critical)
         ... def reset(self, node):
         ...     node.call("/reset").refused()
     """
@@ -63,6 +121,11 @@ def rule(
         return function
 
     return declare
+
+
+def rules_of(model: type) -> list[Rule]:
+    """The rules of a model's class, by name."""
+    return [found for name in dir(model) if (found := getattr(getattr(model, name), _RULE, None))]
 
 
 @dataclass(frozen=True)
@@ -78,7 +141,7 @@ class Step:
         Raises:
             Failed: the node disagrees with the model.
         """
-        if self.rule.when is None or self.rule.when(model):
+        if self.rule.is_allowed(model):
             self.rule.run(model, node, **self.arguments)
 
 
@@ -97,17 +160,17 @@ class Steps:
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
 
     def next(self, model: Any, *, apart: bool) -> Step:
-        """The next step."""
+        """The next step; `apart`, all of one rule come one after the other."""
         state = _state_of(model)
         seen = self._seen.get(state)
         self._drawn += 1
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
         if by_state and seen is not None and len(self._seen) <= _FEW_STATES:
-            allowed = [one for one in self._rules if one.when is None or one.when(model)]
-            untried = [option for one in allowed for option in _options_of(one) if option not in seen]
+            allowed = [one for one in self._rules if one.is_allowed(model)]
+            untried = [(one, option) for one in allowed for option in one.options() if option not in seen]
             if untried:
-                chosen = self._rng.choice(untried)
-                return self._step(next(one for one in allowed if one.name == chosen.rule), state, chosen)
+                rule, chosen = self._rng.choice(untried)
+                return self._step(rule, state, chosen)
         if not self._waiting:
             self._waiting = [one for one in self._rules for _ in range(one.often - 1)]
             self._rng.shuffle(self._waiting)
@@ -120,11 +183,11 @@ class Steps:
         arguments, tried = {}, self._seen.setdefault(state, set())
         for name, draw in rule.draws.items():
             if not isinstance(draw, Draw) or not draw.options:
-                arguments[name] = drawn_values(draw, self._rng)
+                arguments[name] = draw_values(draw, self._rng)
                 continue
             place = wanted.place if wanted and wanted.argument == name else self._dealt(draw)
             tried.add(_Option(rule.name, name, place))
-            arguments[name] = drawn_values(draw.options[place], self._rng)
+            arguments[name] = draw_values(draw.options[place], self._rng)
         tried.add(_Option(rule.name))
         return Step(rule, arguments)
 
@@ -136,29 +199,6 @@ class Steps:
         return hand.pop()
 
 
-class _Option(NamedTuple):
-    """An option of a rule's argument; of a rule without options the rule itself."""
-
-    rule: str
-    argument: str = ""
-    place: int = 0
-
-
-def _options_of(rule: Rule) -> list[_Option]:
-    found = [
-        _Option(rule.name, name, place)
-        for name, draw in rule.draws.items()
-        if isinstance(draw, Draw)
-        for place in range(len(draw.options))
-    ]
-    return found or [_Option(rule.name)]
-
-
 def _state_of(model: Any) -> str:
     kept = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
     return repr({name: value for name, value in kept.items() if not callable(value)})
-
-
-def rules_of(model: type) -> list[Rule]:
-    """The rules of a model's class, by name."""
-    return [found for name in dir(model) if (found := getattr(getattr(model, name), _RULE, None))]

@@ -1,14 +1,14 @@
 """What has to work in the drill deaf_to_cancel."""
 
 from course_kit.grading.checks.vocabulary import (
+    endpoints_offered,
     goal_cancelled,
     goal_feedback,
     goal_succeeds,
-    offered,
 )
 
 CHECKS = [
-    offered(title="The action /count_down is there", points=1.0, proves=["action"]),
+    endpoints_offered(title="The action /count_down is there", points=1.0, proves=["action"]),
     goal_succeeds(
         "/count_down",
         [{"order": 3}, {"order": 5}],

@@ -1,9 +1,9 @@
 """What has to work in the drill good_but_aborted."""
 
-from course_kit.grading.checks.vocabulary import goal_feedback, goal_succeeds, offered
+from course_kit.grading.checks.vocabulary import endpoints_offered, goal_feedback, goal_succeeds
 
 CHECKS = [
-    offered(title="The action /bake is there", points=1.0, proves=["action"]),
+    endpoints_offered(title="The action /bake is there", points=1.0, proves=["action"]),
     goal_succeeds(
         "/bake",
         [{"order": 2}, {"order": 5}],

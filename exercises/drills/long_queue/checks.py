@@ -1,11 +1,11 @@
 """What has to work in the drill long_queue."""
 
-from course_kit.grading.checks.vocabulary import between, offered, service_answers
+from course_kit.grading.checks.vocabulary import draw_between, endpoints_offered, service_answers
 
-WEIGHTS = {"a": between(1, 99), "b": between(1, 99)}
+WEIGHTS = {"a": draw_between(1, 99), "b": draw_between(1, 99)}
 
 CHECKS = [
-    offered(title="The service /weigh is there", points=1.0, proves=["service"]),
+    endpoints_offered(title="The service /weigh is there", points=1.0, proves=["service"]),
     service_answers(
         "/weigh",
         [WEIGHTS] * 2,

@@ -1,9 +1,15 @@
 """What has to work in the drill stubborn_limit."""
 
-from course_kit.grading.checks.vocabulary import between, offered, parameter_acts, parameter_declared, topic_answers
+from course_kit.grading.checks.vocabulary import (
+    draw_between,
+    endpoints_offered,
+    parameter_acts,
+    parameter_declared,
+    topic_answers,
+)
 
 CHECKS = [
-    offered(title="Both topics are there", points=1.0, proves=["topics"]),
+    endpoints_offered(title="Both topics are there", points=1.0, proves=["topics"]),
     parameter_declared(
         {"max_speed": 1.0},
         node="/speed_limiter",
@@ -16,7 +22,7 @@ CHECKS = [
     topic_answers(
         "/speed_in",
         "/speed",
-        [between(-3.0, -0.6), between(0.1, 0.9), between(1.1, 3.0), between(1.1, 3.0)],
+        [draw_between(-3.0, -0.6), draw_between(0.1, 0.9), draw_between(1.1, 3.0), draw_between(1.1, 3.0)],
         lambda speed: min(speed.data, 1.0),
         check_id="limit",
         title="Speeds above max_speed become max_speed",

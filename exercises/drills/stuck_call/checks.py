@@ -1,11 +1,11 @@
 """What has to work in the drill stuck_call."""
 
-from course_kit.grading.checks.vocabulary import between, offered, service_answers
+from course_kit.grading.checks.vocabulary import draw_between, endpoints_offered, service_answers
 
-NUMBERS = {"a": between(-99, 99), "b": between(-99, 99)}
+NUMBERS = {"a": draw_between(-99, 99), "b": draw_between(-99, 99)}
 
 CHECKS = [
-    offered("/add", title="Both services are there", points=1.0, proves=["services"]),
+    endpoints_offered("/add", title="Both services are there", points=1.0, proves=["services"]),
     service_answers(
         "/add",
         [NUMBERS] * 3,

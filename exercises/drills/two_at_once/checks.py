@@ -1,9 +1,9 @@
 """What has to work in the drill two_at_once."""
 
-from course_kit.grading.checks.vocabulary import goal_refused, goal_succeeds, offered
+from course_kit.grading.checks.vocabulary import endpoints_offered, goal_refused, goal_succeeds
 
 CHECKS = [
-    offered(title="The action /paint is there", points=1.0, proves=["action"]),
+    endpoints_offered(title="The action /paint is there", points=1.0, proves=["action"]),
     goal_succeeds(
         "/paint",
         [{"order": 2}, {"order": 3}],

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
-from course_kit.grading.checks.vocabulary import Model, conversation, either, part, rule
+from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
 from course_kit.grading.model.exchange_log import ExchangeLog
 
 if TYPE_CHECKING:
@@ -72,23 +72,23 @@ def outcome_of(check: Check, context: StandIn) -> str:
 class Letters(Model):
     """Three kinds of steps; a program is right when it was never asked for c after a."""
 
-    @rule("a", times=either(1, 2))
+    @step_rule("a", times=draw_one_of(1, 2))
     def ask_a(self, node: GradedNode, times: int) -> None:
         for _ in range(times):
             node.context.ask("a")  # type: ignore[attr-defined]
 
-    @rule("b", often=8)
+    @step_rule("b", often=8)
     def ask_b(self, node: GradedNode) -> None:
         node.context.ask("b")  # type: ignore[attr-defined]
 
-    @rule("c", often=3)
+    @step_rule("c", often=3)
     def ask_c(self, node: GradedNode) -> None:
         if "a" in node.context.ask("c"):  # type: ignore[attr-defined]
             fail("c")
 
 
 def checks_of(model: type[Model]) -> list[Check]:
-    return conversation(model, *(part(name, name, points=1.0, proves=[f"on_{name}"]) for name in "abc"), steps=40)
+    return conversation(model, *(CheckPart(name, name, points=1.0, proves=[f"on_{name}"]) for name in "abc"), steps=40)
 
 
 def test_a_failure_costs_its_own_check_and_is_shrunk_to_the_steps_that_it_takes() -> None:
@@ -103,7 +103,7 @@ def test_a_failure_costs_its_own_check_and_is_shrunk_to_the_steps_that_it_takes(
 
 def test_a_failure_that_names_a_sentence_costs_the_check_that_proves_it() -> None:
     class Elsewhere(Letters):
-        @rule("c")
+        @step_rule("c")
         def ask_c(self, node: GradedNode) -> None:
             if len(node.context.ask("c")) > 1:  # type: ignore[attr-defined]
                 fail("c", breaks="on_b")
@@ -114,7 +114,7 @@ def test_a_failure_that_names_a_sentence_costs_the_check_that_proves_it() -> Non
 
 def test_an_endless_loop_is_met_once() -> None:
     class Endless(Letters):
-        @rule("c", often=3)
+        @step_rule("c", often=3)
         def ask_c(self, node: GradedNode) -> None:
             node.context.ask("c")  # type: ignore[attr-defined]
             fail("c", "limit.time")

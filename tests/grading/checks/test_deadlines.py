@@ -15,16 +15,13 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.checks.actions import WantedAction
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.discovery import expect_node, expect_offered
-from course_kit.grading.checks.endpoints import Service, Topic
+from course_kit.grading.checks.discovery import expect_node, expect_server, expect_topics
+from course_kit.grading.checks.endpoints import Endpoint
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
-from course_kit.grading.checks.load_test import Load, call_many
-from course_kit.grading.checks.parameters import Remote, expect_served
-from course_kit.grading.checks.topics import expect_endpoints
+from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
@@ -35,11 +32,9 @@ if TYPE_CHECKING:
 
 DEADLINE_S = 0.4
 START_S = PATIENCE_S = 200.0  # against hanging only
-SERVICE = Service("/convert_temperature", ConvertTemperature)
-MISSING = Service("/not_there", ConvertTemperature)
-ACTION = WantedAction("/move_robot", MoveRobot)
-NO_ACTION = WantedAction("/no_action", MoveRobot)
-OTHER = Topic("/other", Twist)
+SERVICE = Endpoint("service", "/convert_temperature", ConvertTemperature)
+MISSING = Endpoint("service", "/not_there", ConvertTemperature)
+OTHER = Endpoint("publisher", "/other", Twist)
 NODE = "/silent"
 REQUEST = ConvertTemperature.Request()
 EVIDENCE = Evidence("something", "an answer")
@@ -88,7 +83,7 @@ def context(silent_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Che
 
 
 def send(context: CheckContext) -> GradedGoal:
-    return GradedGoal(context, ACTION, MoveRobot.Goal())
+    return GradedGoal(context, "/move_robot", MoveRobot, MoveRobot.Goal())
 
 
 def cancel(context: CheckContext) -> None:
@@ -98,15 +93,15 @@ def cancel(context: CheckContext) -> None:
 # Each asks the silent node for something, and how long it would wait by itself.
 VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "call": (lambda context: GradedNode(context).call(SERVICE.name, REQUEST), ANSWER_S),
-    "call_many": (lambda context: call_many(context, SERVICE, [REQUEST] * 20, Load(10, 10, 10.0), EVIDENCE), ANSWER_S),
+    "call together": (lambda context: GradedNode(context).call_together(SERVICE.name, [REQUEST] * 20), ANSWER_S),
     "cancel": (cancel, ANSWER_S),
     "result": (lambda context: send(context).wait_for_end(ANSWER_S, "an end"), ANSWER_S),
     "last feedback": (lambda context: send(context).wait_for_last_feedback(lambda _: False), 3.5),
-    "parameter values": (lambda context: Remote(context, NODE).values(["x"]), ANSWER_S),
-    "set": (lambda context: Remote(context, NODE).set("x", 1.0), ANSWER_S),
-    "node that serves its parameters": (lambda context: expect_served(context, NODE), ANSWER_S),
-    "endpoints": (lambda context: expect_endpoints(context, [OTHER], []), 2.0),
-    "service that is missing": (lambda context: expect_offered(context, MISSING), 2.0),
+    "parameter values": (lambda context: RemoteParameters(context, NODE).values(["x"]), ANSWER_S),
+    "set": (lambda context: RemoteParameters(context, NODE).set_values({"x": 1.0}), ANSWER_S),
+    "node that serves its parameters": (lambda context: RemoteParameters(context, NODE).expect_served(), ANSWER_S),
+    "endpoints": (lambda context: expect_topics(context, [OTHER]), 2.0),
+    "service that is missing": (lambda context: expect_server(context, MISSING), 2.0),
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),
 }

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from std_msgs.msg import Float64
 
-from course_kit.grading.checks import fair_clock, load_test
+from course_kit.grading.checks import call_batch, fair_clock
+from course_kit.grading.checks.call_batch import CallBatch
 from course_kit.grading.checks.fair_clock import FairClock, Recent, State, Used
 from course_kit.grading.sandbox import scheduling
 
@@ -25,7 +28,7 @@ class Time:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     made = Time()
     monkeypatch.setattr(fair_clock, "time", made)
-    monkeypatch.setattr(load_test, "time", made)
+    monkeypatch.setattr(call_batch, "time", made)
     return made
 
 
@@ -158,12 +161,19 @@ def test_a_program_without_a_node_is_given_up_when_it_has_computed_enough(
     assert clock.now == 106.0
 
 
-def test_time_in_which_nothing_came_is_not_lost(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_client_that_suffered_most_was_kept_waiting(clock: Time, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A server that answers one after the other gets no time for each answer that was noticed late."""
     monkeypatch.setattr(scheduling, "own_waiting", lambda **_: 7.0)
-    late = load_test.Lateness()
+    sent = [SimpleNamespace(answered=lambda: False, sent=2) for _ in range(4)]
+    clients = [SimpleNamespace(send=lambda _, one=one: one) for one in sent]
+    batch = CallBatch(clients, [None] * 4)  # type: ignore[arg-type, list-item]
+    assert not batch.exchange()
     clock.now += 3.0  # the grader waits long for a processor, and nothing has come
-    late.look(found=False)
-    assert late.seconds() == 0.0
-    clock.now += 0.5
-    late.look(found=True)
-    assert late.seconds() == 0.5
+    batch.exchange()
+    assert batch.lateness() == 0.0
+    for one in sent:
+        clock.now += 0.5
+        one.answered, one.response = lambda: True, Float64
+        batch.exchange()
+    assert batch.answered == 4
+    assert batch.lateness() == 0.5

@@ -12,7 +12,6 @@ from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
 from course_kit.grading.checks import grader_node as graders
-from course_kit.grading.checks import receiving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -38,13 +37,8 @@ def peer(domain: int) -> Iterator[Any]:
     rclpy.shutdown(context=context)
 
 
-@pytest.fixture(params=["by its own wait set", "by an executor of rclpy's"])
-def grader_node(
-    request: pytest.FixtureRequest, domain: int, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[graders.GraderNode]:
-    """The grader's node as it is, and as it is where rclpy has no wait sets to use."""
-    if request.param == "by an executor of rclpy's":
-        monkeypatch.setattr(receiving, "WaitSetReceiver", receiving.ExecutorReceiver)
+@pytest.fixture
+def grader_node(domain: int) -> Iterator[graders.GraderNode]:
     made = graders.GraderNode(domain)
     yield made
     made.close()

@@ -6,7 +6,7 @@ import random
 from typing import Any
 
 from course_kit.grading.checks.steps import Step, Steps, rules_of
-from course_kit.grading.checks.vocabulary import Model, either, rule
+from course_kit.grading.checks.vocabulary import Model, draw_one_of, step_rule
 
 VOLTS = (9.0, 10.0, 10.2, 10.5)
 STATES = ("ok", "critical", "recovered")
@@ -15,12 +15,12 @@ STATES = ("ok", "critical", "recovered")
 class Battery(Model):
     state = "ok"
 
-    @rule(volts=either(*VOLTS))
+    @step_rule(volts=draw_one_of(*VOLTS))
     def measure(self, _node: object, volts: float) -> None:
         recovers = self.state == "critical" and volts >= 10.5
         self.state = "critical" if volts < 10.0 else "recovered" if recovers else self.state
 
-    @rule(when=lambda model: model.state != "critical")
+    @step_rule(when=lambda model: model.state != "critical")
     def reset(self, _node: object) -> None:
         self.state = "ok"
 
@@ -31,11 +31,11 @@ class Counter(Model):
     def __init__(self) -> None:
         self.count = 0
 
-    @rule(amount=either(1, 2, 3))
+    @step_rule(amount=draw_one_of(1, 2, 3))
     def add(self, _node: object, amount: int) -> None:
         self.count += amount
 
-    @rule(often=2)
+    @step_rule(often=2)
     def skip(self, _node: object) -> None:
         self.count += 10
 

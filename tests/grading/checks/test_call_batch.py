@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 from course_kit import environment
-from course_kit.grading.checks.load_test import Lateness, LoadRequest
+from course_kit.grading.checks.call_batch import CallBatch
 from course_kit.ros.service import ServiceClient
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ def executor() -> Iterator[SingleThreadedExecutor]:
         rclpy.shutdown(context=context)
 
 
-def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[LoadRequest, Forgetful]:
-    """An exchange with a server that forgets this request, as far as it goes without waiting for nothing."""
+def batchd(executor: SingleThreadedExecutor, number: int) -> tuple[CallBatch, Forgetful]:
+    """An batch with a server that forgets this request, as far as it goes without waiting for nothing."""
     server, asker = executor.get_nodes()
     forgetful = Forgetful(server, number)
     clients = [ServiceClient(asker, AddTwoInts, "/add") for _ in range(CLIENTS)]
@@ -62,33 +62,33 @@ def exchanged(executor: SingleThreadedExecutor, number: int) -> tuple[LoadReques
         while not client.is_ready():
             executor.spin_once(timeout_sec=0.05)
     requests = [AddTwoInts.Request(a=each, b=1) for each in range(CALLS)]
-    exchange = LoadRequest(clients, requests, CLIENTS, Lateness())
+    batch = CallBatch(clients, requests)
     deadline = time.monotonic() + PATIENCE_S
-    while not exchange.done() and not settled(exchange, forgetful):
+    while not batch.exchange() and not settled(batch, forgetful):
         assert time.monotonic() < deadline
         executor.spin_once(timeout_sec=0.05)
-    return exchange, forgetful
+    return batch, forgetful
 
 
-def settled(exchange: LoadRequest, server: Forgetful) -> bool:
+def settled(batch: CallBatch, server: Forgetful) -> bool:
     """Whether a first request was sent again for the one that is missing, or it is none that ever would be."""
-    missing = [number for number, response in enumerate(exchange.responses) if response is None]
+    missing = [number for number, response in enumerate(batch.responses) if response is None]
     return len(missing) == 1 and missing[0] >= CLIENTS and server.asked.count(missing[0]) == 1
 
 
 def test_a_clients_first_request_is_sent_again_when_its_response_is_lost(executor: SingleThreadedExecutor) -> None:
-    exchange, server = exchanged(executor, CLIENTS - 1)
-    assert [response.sum for response in exchange.responses] == [number + 1 for number in range(CALLS)]
+    batch, server = batchd(executor, CLIENTS - 1)
+    assert [response.sum for response in batch.responses] == [number + 1 for number in range(CALLS)]
     assert server.asked.count(CLIENTS - 1) == 2
 
 
 def test_a_later_one_is_not(executor: SingleThreadedExecutor) -> None:
-    exchange, server = exchanged(executor, CALLS - 1)
-    assert exchange.responses[CALLS - 1] is None
-    exchange._moved -= 60.0  # as if nothing had come for a minute
-    assert not exchange.done()
+    batch, server = batchd(executor, CALLS - 1)
+    assert batch.responses[CALLS - 1] is None
+    batch._moved -= 60.0  # as if nothing had come for a minute
+    assert not batch.exchange()
     # What the same client sends afterwards comes afterwards.
-    exchange._clients[(CALLS - 1) % CLIENTS].send(AddTwoInts.Request(a=CALLS, b=1))
+    batch._clients[(CALLS - 1) % CLIENTS].send(AddTwoInts.Request(a=CALLS, b=1))
     deadline = time.monotonic() + PATIENCE_S
     while CALLS not in server.asked:
         assert time.monotonic() < deadline
