@@ -345,11 +345,8 @@ def start_arguments_count(node: GradedNode) -> Evidence:
 def start_file(node: GradedNode) -> Evidence:
     """Values given at the start in a parameter file take effect."""
     rng = node.context.random
-    given = {
-        "robot_name": f"rover {rng.randrange(100, 1000)}",
-        "enabled": False,
-        "max_velocity": round(rng.uniform(0.2, 0.9), 1),
-    }
+    name, velocity = f"rover {rng.randrange(100, 1000)}", round(rng.uniform(0.2, 0.9), 1)
+    given = {"robot_name": name, "enabled": False, "max_velocity": velocity}
     sent = f"--params-file parameters.yaml, in which {describe_values(given)}"
     _start(node, given, sent, file=given, of=NODE)
     node.context.spoil()
@@ -360,13 +357,8 @@ def start_file(node: GradedNode) -> Evidence:
 def start_invalid(node: GradedNode) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
     rng = node.context.random
-    evidence = Evidence()
-    for values in (
-        {"max_velocity": -rng.uniform(1.5, 3.0)},
-        {"wheel_diameter": rng.uniform(2.0, 9.0)},
-    ):
-        evidence = _require_not_used(node, values)
-    return evidence
+    _require_not_used(node, {"max_velocity": -rng.uniform(1.5, 3.0)})
+    return _require_not_used(node, {"wheel_diameter": rng.uniform(2.0, 9.0)})
 
 
 def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.endpoints import Endpoint
+from course_kit.grading.checks.endpoints import WantedEndpoint
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.exchange_log import GRADER
@@ -113,7 +113,7 @@ def _require(step: LessonStep, context: CheckContext) -> None:
             remote = RemoteParameters(context, name)
             _await(context, remote.is_ready, need, [one for one in node.nodes() if not is_hidden(one)])
             continue
-        end = Endpoint.from_record(_endpoint(need))
+        end = WantedEndpoint.from_record(_endpoint(need))
         if end.is_server:
             there = [f"{one.name} [{one.type}]" for one in end.offers(node)]
             _await(context, partial(end.is_ready, node), need, there)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.endpoints import Endpoint
+    from course_kit.grading.checks.endpoints import WantedEndpoint
     from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.ros import topic
     from course_kit.ros.messages import Message
@@ -57,7 +57,7 @@ _DEFAULT = QoSProfile(
 )
 
 
-def expect_server(context: CheckContext, server: Endpoint) -> Evidence:
+def expect_server(context: CheckContext, server: WantedEndpoint) -> Evidence:
     """A service or an action is on the graph, with its type, and its program is there to be asked.
 
     That tells a server from a program that offers a service and ends at once, however fast each is discovered.
@@ -85,7 +85,7 @@ def expect_server(context: CheckContext, server: Endpoint) -> Evidence:
     return Evidence("", expected, expected)
 
 
-def expect_topics(context: CheckContext, ends: Sequence[Endpoint]) -> Evidence:
+def expect_topics(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
     """A program that was just started publishes and subscribes to these, and a default reliable endpoint connects.
 
     Raises:
@@ -236,7 +236,7 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
     return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."
 
 
-def _not_offered(context: CheckContext, wanted: Endpoint, expected: str) -> Failed:
+def _not_offered(context: CheckContext, wanted: WantedEndpoint, expected: str) -> Failed:
     offers = wanted.offers(context.grader_node)
     nodes = context.grader_node.nodes()
     context.spoil()
@@ -261,16 +261,16 @@ def _not_offered(context: CheckContext, wanted: Endpoint, expected: str) -> Fail
     return Failed(evidence, *why_empty(context, wanted.name)[::-1])
 
 
-def _found(context: CheckContext, end: Endpoint) -> list[topic.Endpoint]:
+def _found(context: CheckContext, end: WantedEndpoint) -> list[topic.Endpoint]:
     node = context.grader_node
     return node.publishers(end.name) if end.kind == "publisher" else node.subscriptions(end.name)
 
 
-def _fitting(context: CheckContext, end: Endpoint) -> list[topic.Endpoint]:
+def _fitting(context: CheckContext, end: WantedEndpoint) -> list[topic.Endpoint]:
     return [one for one in _found(context, end) if one.type == end.type]
 
 
-def _require_topic(context: CheckContext, end: Endpoint, expected: str) -> None:
+def _require_topic(context: CheckContext, end: WantedEndpoint, expected: str) -> None:
     verb, found, fitting = _VERBS[end.kind], _found(context, end), _fitting(context, end)
     if not found:
         others = context.grader_node.topics()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Endpoint:
+class WantedEndpoint:
     """One of them.
 
     Attributes:
@@ -29,7 +29,7 @@ class Endpoint:
     interface: Any
 
     @classmethod
-    def from_record(cls, record: Record) -> Endpoint:
+    def from_record(cls, record: Record) -> WantedEndpoint:
         """As exercise.toml names it."""
         return cls(record["kind"], record["name"], get_type(record["type"]))
 

@@ -12,7 +12,7 @@ from course_kit.grading.checks import discovery
 from course_kit.grading.checks.answers import Answer, Change
 from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.endpoints import Endpoint
+from course_kit.grading.checks.endpoints import WantedEndpoint
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.matching import describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.parameters import (
@@ -357,9 +357,9 @@ class GradedNode:
         return message_of(getattr(end.interface, part) if part else end.interface, given, {})
 
     @property
-    def endpoints(self) -> list[Endpoint]:
+    def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names."""
-        return [Endpoint.from_record(one) for one in self.context.job.endpoints]
+        return [WantedEndpoint.from_record(one) for one in self.context.job.endpoints]
 
     # --- inside
 
@@ -373,7 +373,7 @@ class GradedNode:
     def _is_connected(self) -> bool:
         return all([end.is_ready(self.context.grader_node) for end in self.endpoints])  # noqa: C419 - each makes its end
 
-    def _end(self, name: str) -> Endpoint:
+    def _end(self, name: str) -> WantedEndpoint:
         for end in self.endpoints:
             if end.name == name:
                 return end

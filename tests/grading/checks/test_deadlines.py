@@ -18,7 +18,7 @@ from course_kit import environment
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import expect_node, expect_server, expect_topics
-from course_kit.grading.checks.endpoints import Endpoint
+from course_kit.grading.checks.endpoints import WantedEndpoint
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 DEADLINE_S = 0.4
 START_S = PATIENCE_S = 200.0  # against hanging only
-SERVICE = Endpoint("service", "/convert_temperature", ConvertTemperature)
-MISSING = Endpoint("service", "/not_there", ConvertTemperature)
-OTHER = Endpoint("publisher", "/other", Twist)
+SERVICE = WantedEndpoint("service", "/convert_temperature", ConvertTemperature)
+MISSING = WantedEndpoint("service", "/not_there", ConvertTemperature)
+OTHER = WantedEndpoint("publisher", "/other", Twist)
 NODE = "/silent"
 REQUEST = ConvertTemperature.Request()
 EVIDENCE = Evidence("something", "an answer")
