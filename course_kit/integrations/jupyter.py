@@ -7,12 +7,14 @@ starts this. `course_kit/guides/jupyterhub.md` is the administrator's guide.
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+import webbrowser
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from jupyter_core import paths
@@ -29,8 +31,9 @@ if TYPE_CHECKING:
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
 _CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
 _CONFIG = environment.PACKAGE / "jupyter_config"  # with labconfig: what JupyterLab asks at its first start is answered
-_ALLOW_ROOT = "--allow-root"
+_ALLOW_ROOT, _NO_BROWSER = "--allow-root", "--no-browser"
 HUB_VERB = "hub-singleuser"
+_LAYOUT = "layout-restorer:data"  # of a workspace: what stands where in the window
 # What a JupyterHub tells the servers that it starts (JupyterHub, "Spawners").
 _OF_THE_HUB = "JUPYTERHUB_SERVICE_URL"
 _ROOT_DIR, _DEFAULT_URL = "JUPYTERHUB_ROOT_DIR", "JUPYTERHUB_DEFAULT_URL"
@@ -41,7 +44,7 @@ class LabStartError(RuntimeError):
 
 
 def run_lab(arguments: Sequence[str]) -> int:
-    """Replace this process by JupyterLab, opened on the first lesson; return 2 where that cannot be done."""
+    """Replace this process by JupyterLab, opened where the learner left it; return 2 where that cannot be done."""
     root = environment.course_files()
     if root is None:
         return refuse("the lessons are missing in this installation. Install the course again.")
@@ -56,13 +59,35 @@ def run_lab(arguments: Sequence[str]) -> int:
             return refuse(f"{named} cannot be your folder: {problem.strerror or problem}.")
         if is_file or (root in folder.parents and folder != usual):
             return refuse(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
+    if set(arguments) <= {_NO_BROWSER, _ALLOW_ROOT} and (address := running_server(folder)):
+        return _open_running(folder, address, arguments)
     try:
-        command, environ = lab_command(folder, f"/lab/tree/{FIRST_LESSON}", arguments)
+        command, environ = lab_command(folder, f"/lab/tree/{quote(last_notebook(folder))}", arguments)
         make_ready(root, folder)  # only where JupyterLab can start
     except (LabStartError, environment.DomainError) as problem:
         return refuse(problem)
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
+
+
+def running_server(folder: Path) -> str:
+    """The address of a JupyterLab that shows a folder already; empty where there is none."""
+    runtime = Path(replacements().get("JUPYTER_RUNTIME_DIR") or paths.jupyter_runtime_dir())
+    for file in runtime.glob("jpserver-*.json"):
+        with suppress(OSError, ValueError, LookupError, TypeError):  # one that has ended, or another program's file
+            server = json.loads(file.read_bytes())
+            os.kill(server["pid"], 0)
+            if Path(server["root_dir"]) == folder:
+                return f"{server['url']}lab" + (f"?token={server['token']}" if server["token"] else "")
+    return ""
+
+
+def _open_running(folder: Path, address: str, arguments: Sequence[str]) -> int:
+    """Show a JupyterLab that runs already, as a second one would bring its own kernels and save over its files."""
+    print(f"JupyterLab is running for {folder} already: {address}")
+    if _NO_BROWSER not in arguments:
+        webbrowser.open(address)
+    return 0
 
 
 def run_on_hub(arguments: Sequence[str]) -> int:
@@ -85,7 +110,7 @@ def run_on_hub(arguments: Sequence[str]) -> int:
     except LabStartError as problem:
         return refuse(problem)
     folder = environment.paths.usual_learner_folder()
-    lesson = FIRST_LESSON
+    lesson = last_notebook(folder)
     try:
         make_ready(root, folder)
     except LabStartError as problem:  # the server starts without the lessons
@@ -197,15 +222,44 @@ def _workspaces(folder: Path) -> Path:
     return folder / ".course" / "workspaces"
 
 
-def prepare(workspaces: Path) -> None:
-    """Write the first workspace of a folder, unless it has one; where that fails, Jupyter's own default counts."""
-    with suppress(OSError):
-        if workspaces.is_dir() and any(workspaces.iterdir()):
-            return
-        from jupyterlab_server.workspaces_handler import WorkspacesManager  # takes half a second
+def _load_workspace(workspaces: Path) -> tuple[Path | None, dict[str, Any]]:
+    """The file in which JupyterLab has kept how its window looked, and what is in it; nothing before the first time."""
+    with suppress(OSError, ValueError):
+        for file in workspaces.glob("default-*"):
+            content = json.loads(file.read_bytes())
+            if isinstance(content, dict) and isinstance(content.get("data"), dict):
+                return file, content
+    return None, {"data": {}}
 
-        workspaces.mkdir(parents=True, exist_ok=True)
-        WorkspacesManager(str(workspaces)).save("default", (_CONFIG / "workspace.json").read_text(encoding="utf-8"))
+
+def last_notebook(folder: Path) -> str:
+    """The notebook that the learner had before them when they left; the first lesson before that."""
+    data: dict[str, Any] = _load_workspace(_workspaces(folder))[1]["data"]
+    with suppress(LookupError, TypeError):
+        front = str(data[_LAYOUT]["main"]["current"])
+        for name in (front, *reversed(data)):
+            kind, _, path = str(name).partition(":")
+            if kind == "notebook" and (folder / path).is_file():
+                return path
+    return FIRST_LESSON
+
+
+def prepare(workspaces: Path) -> None:
+    """Write the first workspace of a folder; close what is open in a later one: each notebook would start a kernel."""
+    first = (_CONFIG / "workspace.json").read_text(encoding="utf-8")
+    file, content = _load_workspace(workspaces)
+    with suppress(OSError, LookupError, TypeError):  # where that fails, Jupyter's own default counts
+        if file is None:
+            from jupyterlab_server.workspaces_handler import WorkspacesManager  # takes half a second
+
+            workspaces.mkdir(parents=True, exist_ok=True)
+            WorkspacesManager(str(workspaces)).save("default", first)
+            return
+        data = content["data"]
+        layout = {**data[_LAYOUT], "main": json.loads(first)["data"][_LAYOUT]["main"]}
+        kept = {name: value for name, value in data.items() if name.startswith("file-browser")}
+        content["data"] = {**kept, _LAYOUT: layout}
+        environment.write_atomically(file, json.dumps(content))
 
 
 # Which variable sets a folder, where it usually is, and the variable by which an old one is still read.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import threading
+import weakref
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -11,8 +12,9 @@ from course_kit import lab
 from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable
+    from collections.abc import Callable, Hashable, Sequence
 
+    from IPython.display import JSON
     from ipywidgets import Widget
 
 
@@ -27,9 +29,16 @@ def drawn(template: str, **values: object) -> str:
     return render_template(_HERE / template, **values)
 
 
-def form(title: dict[str, str], part: str, entries: list[dict[str, Any]], values: dict[str, Any], *buttons: str) -> str:
-    """A form that sends a message, as a picture; its style sheet is `still_panels.css`."""
-    return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons)
+def form(
+    title: dict[str, str],
+    part: str,
+    entries: list[dict[str, Any]],
+    values: dict[str, Any],
+    *buttons: str,
+    said: Sequence[str] = (),
+) -> str:
+    """A form that sends a message, as a picture, and what came back; its style sheet is `still_panels.css`."""
+    return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons, said=said)
 
 
 def _as_it_is(sheet: str) -> str:
@@ -40,6 +49,7 @@ def _as_it_is(sheet: str) -> str:
 
 
 _HERE = Path(__file__).parent
+_VIEW = "application/vnd.jupyter.widget-view+json"
 RATE = 10.0  # updates a second; above 1,000 the Jupyter server drops some for good
 _JOIN = 2.0  # seconds an update is given to end
 
@@ -79,6 +89,9 @@ class Shown:
         return self.describe()
 
 
+_LIVE: weakref.WeakValueDictionary[str, Panel] = weakref.WeakValueDictionary()  # by what a page calls their widgets
+
+
 class Panel(Shown):
     """A widget for one thing on the ROS graph, which ends with the lab."""
 
@@ -90,10 +103,24 @@ class Panel(Shown):
         """Have a function called when the panel ends; the last one first."""
         self._closing.append(function)
 
+    def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
+        bundle = super()._repr_mimebundle_(**options)
+        _LIVE[bundle[_VIEW]["model_id"]] = self
+        return bundle
+
     def close(self) -> None:
         """End it: nothing of it is left on the ROS graph. What it displays stays. Safe to call twice."""
+        for name in [name for name, panel in _LIVE.items() if panel is self]:
+            del _LIVE[name]
         while self._closing:
             self._closing.pop()()
+
+
+def stills() -> JSON:
+    """What the live panels look like now, by their widgets: a page keeps it in the notebook (see labextension)."""
+    from IPython.display import JSON
+
+    return JSON({name: panel.still() for name, panel in list(_LIVE.items())})
 
 
 class Latest(Generic[T]):

@@ -16,6 +16,8 @@ function dockable(panel, name) {
     if (floating) button.textContent = "Put back into the notebook";
     else button.textContent = notebook() ? "Dock beside the notebook" : "Float over the page";
     button.hidden = Boolean(panel.closest(".jp-LinkedOutputView")); // docked it is already
+    const view = button.hidden && window.jupyterapp && hosts().find(({ node }) => node.contains(panel));
+    if (view) view.title.label = name; // JupyterLab opens a view again without it
   }
 
   async function dock(host) {

@@ -63,7 +63,11 @@ function render({ model, el }) {
 
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    if (!model.get("ended")) ask({ do: "send" });
+    if (model.get("ended")) return;
+    // A kernel that runs a cell takes the wish only then; what stands here is about another request.
+    outcome.dataset.state = "waiting";
+    outcome.replaceChildren(make("div", { class: "ck-state" }, WORDS.waiting));
+    ask({ do: "send" });
   });
   const whenAnswered = () => showOutcome(form.contains(document.activeElement));
   model.on("change:outcome", whenAnswered);

@@ -67,9 +67,11 @@ class ServiceForm(Panel):
         )
 
     def still(self) -> str:
-        """The form with what is in its fields."""
+        """The form with what is in its fields, and what came last."""
         title = {"name": self.service, "type": type_name(self.service_type)}
-        picture = form(title, "Request", self.widget.entries, self.widget.values, "Send request")
+        outcome = self.widget.outcome
+        said = [f"{name}: {value}" for name, value in outcome.get("rows", ())] or [outcome.get("text", "")]
+        picture = form(title, "Request", self.widget.entries, self.widget.values, "Send request", said=said)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
@@ -78,12 +80,12 @@ class ServiceForm(Panel):
 
     def send(self) -> Message:
         """Send what the fields hold, as the button does."""
+        self._show("waiting", "")  # first of all: the page waits for the next outcome, whatever it is
         try:
             request = self._form.read(self.widget.values)
         except FormError as error:
             self._show("invalid", str(error), errors=error.fields)
             return None
-        self._show("waiting", "")
         before = _arrows()
         with _printed() as printed:
             outcome, response = self._call(request)

@@ -341,9 +341,11 @@ class ActionPanel(GoalFollower):
         )
 
     def still(self) -> str:
-        """The form with what is in its fields."""
+        """The form with what is in its fields, and what became of the last goal."""
         title = {"name": self._action, "type": type_name(self._type)}
-        picture = form(title, "Goal", self.widget.entries, self.widget.values, "Send goal", "Cancel goal")
+        view = self.widget.view
+        said = [view["status"], *(f"{name}: {value}" for name, value in view["rows"])]
+        picture = form(title, "Goal", self.widget.entries, self.widget.values, "Send goal", "Cancel goal", said=said)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:

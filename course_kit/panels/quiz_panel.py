@@ -85,6 +85,7 @@ def _how_to_grade(path: Path, questions: Questions) -> str:
 
 AT_ONCE, AT_THE_END = "at once", "at the end"
 FILE_NAME = "my_answers.py"
+_SIGNS = ("✗", "½", "✓")  # by how many of pattern and reason are right
 _DESCRIPTION = (
     "Quiz: which communication pattern fits? {count} scenarios (seed {seed}), to be answered here in a live notebook. "
     "As text: quiz.show({argument})."
@@ -148,9 +149,11 @@ class QuizPanel(Panel):
         return _DESCRIPTION.format(count=len(self._questions.scenarios), seed=seed, argument=argument)
 
     def still(self) -> str:
-        """The first scenario, with nothing chosen."""
-        first = self.widget.questions[0]
-        picture = drawn("still_quiz.html", count=len(self.widget.questions), patterns=quiz.PATTERNS, **first)
+        """What has been chosen, with its marks; before that the first scenario."""
+        first, chosen = self.widget.questions[0], {"answered": self._in_words(), "summary": self.widget.summary}
+        picture = drawn(
+            "still_quiz.html", count=len(self._questions.scenarios), patterns=quiz.PATTERNS, **first, **chosen
+        )
         return still(self.describe(), picture, "still_panels.css")
 
     def answer(self, scenario: str, pattern: str, reason: str) -> None:
@@ -219,6 +222,18 @@ class QuizPanel(Panel):
             self.undo()
         elif do == "write":
             self.write(str(content.get("name", "")))
+
+    def _in_words(self) -> list[dict[str, object]]:
+        """What is chosen, by scenario, with the sign of its marks."""
+        found: list[dict[str, object]] = []
+        for number, scenario in enumerate(self._questions.scenarios, start=1):
+            pattern, reason = self.answers.get(scenario.id, ("", ""))
+            marks = self.widget.marks.get(scenario.id)
+            sign = _SIGNS[marks["pattern"]["right"] + marks["reason"]["right"]] if marks else ""
+            if pattern or reason:
+                words = {"pattern": pattern, "reason": scenario.reasons.get(reason, ""), "sign": sign}
+                found.append({"number": number, "title": scenario.title, **words})
+        return found
 
     def _complete(self) -> set[str]:
         return {name for name, pair in self.answers.items() if all(pair)}

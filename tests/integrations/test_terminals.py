@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,12 +67,27 @@ def test_course_kit_lab_without_the_door_has_it_too_also_with_a_middleware_that_
 ) -> None:
     changes = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
     command = [SCRIPTS / "course-kit", "lab", *allow_root()]
-    with started(command, tmp_path, tmp_path, {**variables, **changes}) as server:
+    folder = tmp_path / "mine"
+    command.insert(2, folder)
+    environ = {**variables, **changes}
+    with started(command, tmp_path, tmp_path, environ) as server:
+        # The launcher starts it where the file browser is.
+        again = f"cd notebooks; . '{server_extension.START_FILE}'; pwd"
+        placed = server.in_terminal(f"pwd; {again}; course --help | head -n 1; ./course --help | head -n 1")
+        kept = {name: value for name, value in environ.items() if value is not None}
+        once_more = [SCRIPTS / "course-kit", "lab", folder, "--no-browser"]
+        second = subprocess.run(
+            once_more, env=kept, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False
+        )
         shown = server.in_terminal(
             "command -v ros2; ros2 service list; python -c 'import rclpy; rclpy.init()' && echo up"
         )
         told = [line for line in server.log.read_text().splitlines() if "rmw_cyclonedds_cpp" in line]
     assert shown.splitlines() == [str(SCRIPTS / "ros2"), "up"]
+    assert placed.splitlines()[:2] == [str(folder)] * 2
+    assert placed.splitlines()[2] == placed.splitlines()[3]
+    assert "JupyterLab is running for" in second.stdout
+    assert f":{server.address.rpartition(':')[2]}/lab?token={server.token}" in second.stdout
     assert len(told) == 1
     assert "the course uses rmw_fastrtps_cpp" in told[0]
 

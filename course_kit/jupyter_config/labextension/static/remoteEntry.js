@@ -1,6 +1,7 @@
 // An extension of JupyterLab and Notebook 7, written in the form both load without a build: a module of webpack's
-// module federation. A panel whose kernel has ended shows its last picture, and how to wake it. A link to a heading of another notebook lands there at the first click. JupyterLab opens the
+// module federation. A link to a heading of another notebook lands there at the first click: JupyterLab opens the
 // notebook and scrolls before its cells have their height; Notebook 7 opens it in another tab and forgets the heading.
+// A panel whose kernel has ended shows its last picture, and how to wake it.
 (() => {
   const LOOK_MS = 100;
   const AT_MOST_MS = 20000;
@@ -89,67 +90,112 @@
   const WIDGET = 'application/vnd.jupyter.widget-view+json';
   const OURS = /class="ck-(?:still|guess-still)"/;
   const REDRAW_MS = 200;
+  const KEEP_MS = 500;
+  // What the kernel's panels look like now; see Panel in panels/base.py.
+  const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
 
   const STYLE = `
+    .ck-asleep { flex: 1; min-width: 0; }
     .ck-asleep > .ck-asleep-bar { display: flex; flex-wrap: wrap; gap: .5em 1em; align-items: center; padding: .4em .6em;
       border-left: 4px solid var(--jp-warn-color1); background: var(--jp-layout-color2); color: var(--jp-ui-font-color1); }
     .ck-asleep-bar button { font: inherit; cursor: pointer; padding: .2em .8em; border-radius: 3px; color: var(--jp-ui-font-color1);
       border: 1px solid var(--jp-border-color1); background: var(--jp-layout-color1); }
     .ck-asleep > [inert] { opacity: .6; }
+    .ck-asleep .jupyter-widgets-disconnected::before, .ck-asleep .ck-dock { display: none; }
     .ck-asleep .ck-still figcaption { display: none; }
     .ck-asleep-chosen { font-weight: bold; }`;
 
   /** Keeps watch over the panels of one notebook: which of them the kernel no longer knows. */
   class Sleepers {
     constructor(app, panel) {
-      Object.assign(this, { app, panel, asleep: new WeakSet(), judged: new WeakSet(), fresh: false, alive: null });
+      // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
+      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
+      for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
       context.kernelChanged.connect((_, { oldValue, newValue }) => {
         if (oldValue) this.allFallAsleep();
         if (newValue) void this.askKernel();
       });
-      context.iopubMessage.connect((_, message) => {
-        if (message.header.msg_type === 'execute_input') this.fresh = false;
+      context.iopubMessage.connect((_, { header, content, parent_header: cause }) => {
+        if (header.msg_type === 'execute_input') this.fresh = false;
+        if (content.execution_state === 'idle' && cause.msg_id !== this.asked) this.keepSoon();
       });
       new MutationObserver(() => this.drawSoon()).observe(panel.node, { childList: true, subtree: true });
       void context.ready.then(() => this.askKernel());
+      this.draw();
     }
 
-    /** The widgets' outputs: the model, the widget that shows it, and the cell. */
+    /** The panels among the outputs: the model of each, its cell, and its place there. */
     *outputs() {
       for (const cell of this.panel.content.widgets) {
         const area = cell.model.type === 'code' && cell.outputArea;
         for (let place = 0; area && place < area.model.length; place++) {
           const model = area.model.get(place);
-          if (model.data[WIDGET] && OURS.test(model.data['text/html'] ?? '')) {
-            yield { model, cell, node: area.widgets[place]?.node };
-          }
+          if (model.data[WIDGET] && OURS.test(model.data['text/html'] ?? '')) yield { model, cell, place };
         }
       }
     }
 
+    /** The views beside the notebook that show the output of one of its cells. */
+    views() {
+      const all = [...this.app.shell.widgets('main')];
+      return all.filter(({ content }) => content?._cell && content._notebook === this.panel);
+    }
+
     /** Which widgets a kernel knows decides what is alive of an opened notebook; a new kernel knows none. */
     async askKernel() {
+      const waiting = [...this.outputs()].filter(({ model }) => this.waiting.has(model));
       const kernel = this.panel.sessionContext.session?.kernel;
-      const before = [...this.outputs()].filter(({ model }) => !this.judged.has(model));
-      const reply = before.length ? await kernel?.requestCommInfo({ target_name: 'jupyter.widget' }) : undefined;
-      const known = reply?.content.comms;
-      for (const { model } of known ? before : []) {
-        this.judged.add(model);
+      const reply = waiting.length ? await kernel?.requestCommInfo({ target_name: 'jupyter.widget' }) : undefined;
+      const known = reply?.content.comms ?? {};
+      for (const { model } of waiting) {
+        this.waiting.delete(model);
         if (!(model.data[WIDGET].model_id in known)) this.asleep.add(model);
       }
-      this.fresh = known !== undefined && Object.keys(known).length === 0;
+      this.fresh = reply !== undefined && Object.keys(known).length === 0;
+      for (const { content } of waiting.length ? this.views() : []) {
+        // JupyterLab has opened it again before there was a kernel, and would say "Loading widget" for ever.
+        for (const area of [...content.widgets]) area.dispose();
+        content.addWidget(content._cell.cloneOutputArea());
+      }
       this.draw();
     }
 
     allFallAsleep() {
       for (const { model } of this.outputs()) {
-        this.judged.add(model);
+        this.waiting.delete(model);
         this.asleep.add(model);
       }
       this.fresh = true;
       this.drawSoon();
+    }
+
+    keepSoon() {
+      clearTimeout(this.keeping);
+      this.keeping = setTimeout(() => void this.keep(), KEEP_MS);
+    }
+
+    /** Have the notebook hold each panel as it looks now: the next day shows that, and so does every other program. */
+    async keep() {
+      const live = [...this.outputs()].filter(({ model }) => !this.waiting.has(model) && !this.asleep.has(model));
+      const kernel = this.panel.sessionContext.session?.kernel;
+      if (!live.length || kernel?.status !== 'idle') return;
+      const question = { code: '', silent: true, store_history: false, user_expressions: ASK };
+      const asked = kernel.requestExecute(question);
+      this.asked = asked.msg.header.msg_id;
+      const { content } = await asked.done;
+      const stills = content.user_expressions?.stills?.data?.['application/json'] ?? {};
+      for (const { model, cell, place } of live) {
+        const still = stills[model.data[WIDGET].model_id];
+        if (!still || still === (this.kept.get(model) ?? model.data['text/html']) || this.panel.isDisposed) continue;
+        if (cell.outputArea.model.get(place) !== model) continue; // the cell has been run again meanwhile
+        const output = model.toJSON();
+        const now = { ...output, data: { ...output.data, 'text/html': still } };
+        cell.model.sharedModel.updateOutputs(place, place + 1, [now], 'silent-change'); // or the panel is drawn anew
+        this.kept.set(model, still);
+        this.panel.context.model.dirty = true;
+      }
     }
 
     drawSoon() {
@@ -160,43 +206,62 @@
     }
 
     draw() {
-      for (const { model, cell, node } of this.outputs()) {
-        const shown = node?.querySelector('.jp-OutputArea-output');
-        if (shown && this.asleep.has(model) && !node.querySelector('.ck-asleep')) void this.put(shown, model, cell);
-      }
-      for (const view of this.app.shell.widgets('main')) {
-        const docked = view.content?._cell && view.node.querySelector('.jp-LinkedOutputView, .jp-OutputArea');
-        const model = docked && view.content._cell.outputArea?.model.get(0);
-        if (model && view.content._notebook === this.panel) docked.inert = this.asleep.has(model);
+      if (this.panel.isDisposed) return;
+      const views = this.views();
+      for (const { model, cell, place } of this.outputs()) {
+        const docked = views.filter(({ content }) => content._cell === cell).map(({ content }) => content.widgets[0]);
+        for (const area of [cell.outputArea, ...docked]) {
+          const node = area?.widgets[place]?.node;
+          const shown = node?.querySelector('.jp-OutputArea-output');
+          if (shown) void this.put(node, shown, model, cell);
+        }
       }
     }
 
     /** Show a panel's last picture in its place: as it stands on the page, or as it is kept in the notebook. */
-    async put(shown, model, cell) {
-      const dead = /^(Loading widget|Error displaying widget)/.test(shown.textContent.trim());
-      const frame = document.createElement('div');
-      frame.className = 'ck-asleep';
+    async put(node, shown, model, cell) {
+      const state = this.asleep.has(model) ? 'asleep' : this.waiting.has(model) ? 'waiting' : 'alive';
+      let frame = node.querySelector('.ck-asleep');
+      if (state === (frame?.dataset.state ?? 'alive')) return;
+      if (state === 'alive') {
+        frame.remove();
+        shown.style.display = '';
+        return;
+      }
+      const isNew = !frame;
+      frame ??= Object.assign(document.createElement('div'), { className: 'ck-asleep' });
+      frame.dataset.state = state;
+      frame.querySelector('.ck-asleep-bar')?.remove();
+      frame.prepend(this.barFor(state, cell));
+      if (!isNew) return;
+      shown.before(frame);
+      if (state === 'asleep' && shown.querySelector('[class*="jupyter-widget"]')) {
+        frame.append(shown);
+        shown.inert = true;
+        return;
+      }
+      shown.style.display = 'none';
+      const { rendermime } = this.panel.content;
+      const picture = rendermime.createRenderer('text/html');
+      const data = { 'text/html': this.kept.get(model) ?? model.data['text/html'] };
+      await picture.renderModel(rendermime.createModel({ data, trusted: model.trusted }));
+      frame.append(picture.node);
+      await markChoices(picture.node);
+    }
+
+    barFor(state, cell) {
       const bar = document.createElement('div');
       bar.className = 'ck-asleep-bar';
+      if (state === 'waiting') {
+        bar.append('This is the last picture of a panel: the kernel is not there yet.');
+        return bar;
+      }
       const button = document.createElement('button');
       button.textContent = 'Run this cell to bring it to life';
       button.title = this.fresh ? 'Runs the cells above first: the kernel has just been started.' : '';
       button.addEventListener('click', () => void this.wake(cell));
       bar.append('This is the last picture of a panel: its kernel has ended.', button);
-      frame.append(bar);
-      shown.before(frame);
-      if (dead) {
-        const { rendermime } = this.panel.content;
-        const data = { 'text/html': model.data['text/html'] };
-        const picture = rendermime.createRenderer('text/html');
-        await picture.renderModel(rendermime.createModel({ data, trusted: model.trusted }));
-        frame.append(picture.node);
-        shown.style.display = 'none';
-        await markChoices(picture.node);
-      } else {
-        frame.append(shown);
-        shown.inert = true;
-      }
+      return bar;
     }
 
     async wake(cell) {
