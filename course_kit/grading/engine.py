@@ -37,25 +37,17 @@ _NOT_STARTED = ("start.", "limit.")
 
 @dataclass(frozen=True)
 class GradingRequest:
-    """One grading, as it travels to where it is done.
+    """One grading, as it travels to where it is done."""
 
-    Attributes:
-        exercise: the exercise.
-        text: the submission.
-        shown: what the report calls it.
-        seed: what the checks draw their random values from.
-        hidden: folders the submission must not see, wherever they lie: what others have handed in, and their results.
-        first_failure: stop at the first failed check that costs points; the report has those that were run by then.
-        require_isolation: refuse to run it where it would not be fully isolated, wherever the worker is.
-    """
-
-    exercise: Exercise
-    text: Submission
-    shown: str
-    seed: int
+    exercise: Exercise  # the exercise
+    text: Submission  # the submission
+    shown: str  # what the report calls it
+    seed: int  # what the checks draw their random values from
+    # folders the submission must not see, wherever they lie: what others have handed in, and their results
     hidden: tuple[str, ...] = ()
+    # stop at the first failed check that costs points; the report has those that were run by then
     first_failure: bool = False
-    require_isolation: bool = False
+    require_isolation: bool = False  # refuse to run it where it would not be fully isolated, wherever the worker is
 
 
 def grade(  # noqa: PLR0913 - the options of one verb

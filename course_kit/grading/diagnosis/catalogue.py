@@ -24,23 +24,14 @@ _FILE = Path(__file__).with_name("diagnoses.toml")
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One entry.
+    """One entry."""
 
-    Attributes:
-        code: its name in reports, `service.no_return`.
-        title: what is the matter, in a few words.
-        explanation: why that happens.
-        hint: names the fix without giving it away.
-        notebook: the notebook that teaches it, relative to the course's folder; empty for that of the exercise.
-        section: the heading there.
-    """
-
-    code: str
-    title: str
-    explanation: str
-    hint: str
-    notebook: str
-    section: str
+    code: str  # its name in reports, `service.no_return`
+    title: str  # what is the matter, in a few words
+    explanation: str  # why that happens
+    hint: str  # names the fix without giving it away
+    notebook: str  # the notebook that teaches it, relative to the course's folder; empty for that of the exercise
+    section: str  # the heading there
 
     @property
     def link(self) -> str:
@@ -60,15 +51,7 @@ def catalogue() -> dict[str, Diagnosis]:
 
 
 def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
-    """The entry of a code as an exercise words it.
-
-    Args:
-        code: the code.
-        fields: what the exercise says instead, some of `REPLACEABLE`.
-
-    Raises:
-        ValueError: there is no such code or field, a text is missing, or a notebook comes without its section.
-    """
+    """The entry of a code as an exercise words it."""
     if code not in catalogue():
         near = nearest_name(code, catalogue())
         raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")

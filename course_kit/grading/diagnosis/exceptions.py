@@ -45,17 +45,7 @@ def explained(
     why: Callable[[ProcessStatus, Job], exits.Cause] = of_end,
     got: str = "the program ended",
 ) -> Iterator[None]:
-    """Turn the end of the submission, while something is waited for, into a verdict that says why it ended.
-
-    Args:
-        context: the check's.
-        evidence: what the check has so far.
-        why: tells why a program ended, by what it was asked to do.
-        got: what came instead, in words.
-
-    Raises:
-        Failed: it has ended; with the code that `why` has established.
-    """
+    """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
     try:
         yield
     except SubmissionEndedError as ended:
@@ -89,13 +79,7 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
 
 
 def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
-    """Establish why a program that lives on has not answered a request about its parameters for so many seconds.
-
-    Args:
-        context: the check's.
-        evidence: what the check has so far.
-        waited_s: for how many seconds.
-    """
+    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
     logged = of_logged(context.process(fresh=True).stderr, context.job)
     if logged is None:
         return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)

@@ -39,12 +39,7 @@ def of_program(process: ProcessStatus, job: Job) -> Cause:
 
 
 def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
-    """What a program that lives on has told about an exception in its execute callback.
-
-    Args:
-        process: the program, with what it has written to stderr since the goal was sent.
-        job: the grading.
-    """
+    """What a program that lives on has told about an exception in its execute callback."""
     raised = last_exception(process.stderr, job.name)
     if raised is None or not _in_execute(raised):
         return None
@@ -52,13 +47,7 @@ def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
 
 
 def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
-    """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED.
-
-    Args:
-        name: the status, in words.
-        process: the program, with what it has written to stderr since the goal was sent.
-        job: the grading.
-    """
+    """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED."""
     if cause := of_exception(process, job):
         return cause
     if _NOT_ENDED in process.stderr:
@@ -70,14 +59,7 @@ def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
 
 
 def of_silence(context: CheckContext, over: str, seconds: float, process: ProcessStatus) -> Cause:
-    """Why no result came from a program that lives on.
-
-    Args:
-        context: the context of the check.
-        over: the status the goal has ended with, in words; empty when it has not ended.
-        seconds: how long it was waited for.
-        process: the program, with what it has written to stderr since the goal was sent.
-    """
+    """Why no result came from a program that lives on."""
     if over:
         cause = of_exception(process, context.job)
         return cause or (None, f"The goal ended as {over}, but its result was never sent.")

@@ -18,14 +18,7 @@ _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not comput
 
 
 def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
-    """Establish why a program that is still running does not answer.
-
-    Args:
-        context: the context of the check.
-        shown: what was asked.
-        expected: what a right answer is.
-        waited_s: for how many seconds it was waited for, fairly counted.
-    """
+    """Establish why a program that is still running does not answer."""
     context.spoil()
     seen = doing(context)
     busy = computes(context)
@@ -71,11 +64,7 @@ def of_future(job: Job) -> exits.Cause | None:
 
 
 def computes(context: CheckContext) -> bool:
-    """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment.
-
-    Raises:
-        SubmissionEndedError: the submission has ended meanwhile.
-    """
+    """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment."""
     before = context.process(fresh=True)
     clock = context.clock()
     with context.after_the_verdict():

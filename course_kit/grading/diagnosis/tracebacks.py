@@ -26,19 +26,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class Raised:
-    """An exception as a traceback tells it.
+    """An exception as a traceback tells it."""
 
-    Attributes:
-        type: the exception's name without its module.
-        text: its message, first line only.
-        own: the learner's own line nearest to where it was raised, None if it lies elsewhere.
-        frames: the whole stack, outermost first.
-    """
-
-    type: str
-    text: str
-    own: Frame | None
-    frames: tuple[Frame, ...]
+    type: str  # the exception's name without its module
+    text: str  # its message, first line only
+    own: Frame | None  # the learner's own line nearest to where it was raised, None if it lies elsewhere
+    frames: tuple[Frame, ...]  # the whole stack, outermost first
 
     def describe(self) -> str:
         """`ValueError: text`, as Python prints it."""
@@ -46,12 +39,7 @@ class Raised:
 
 
 def last_exception(stderr: str, program: str) -> Raised | None:
-    """The last complete traceback in what a program wrote to stderr, or None.
-
-    Args:
-        stderr: the text.
-        program: the file name of the learner's program in tracebacks.
-    """
+    """The last complete traceback in what a program wrote to stderr, or None."""
     lines = stderr.splitlines()
     begins = [number for number, line in enumerate(lines) if _HEADER in line and not _is_ignored(lines, number)]
     if not begins:
@@ -74,21 +62,14 @@ def _is_ignored(lines: list[str], header: int) -> bool:
 
 @dataclass(frozen=True)
 class Activity:
-    """What a program that does not answer is doing.
+    """What a program that does not answer is doing."""
 
-    Attributes:
-        known: its threads could be looked at.
-        spinning: some thread is in an rclpy executor.
-        callback: the learner's own line that a callback has reached, None when no callback is running.
-        waits_for_ros: that callback waits in rclpy itself: a synchronous call, or a spin.
-        own: the learner's own line of any thread, callbacks first.
-    """
-
-    known: bool = False
-    spinning: bool = False
+    known: bool = False  # its threads could be looked at
+    spinning: bool = False  # some thread is in an rclpy executor
+    # the learner's own line that a callback has reached, None when no callback is running
     callback: Frame | None = None
-    waits_for_ros: bool = False
-    own: Frame | None = None
+    waits_for_ros: bool = False  # that callback waits in rclpy itself: a synchronous call, or a spin
+    own: Frame | None = None  # the learner's own line of any thread, callbacks first
 
 
 def activity(dump: str, program: str) -> Activity:

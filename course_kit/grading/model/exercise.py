@@ -45,51 +45,28 @@ class Hint:
 
 @dataclass(frozen=True)
 class Exercise:
-    """One exercise.
+    """One exercise."""
 
-    Attributes:
-        folder: where it lies.
-        id: its name, which is the folder's.
-        title: for people.
-        order: its place in the course.
-        points: full marks.
-        pass_mark: the points from which it is passed.
-        starter: the file name of the starter program.
-        notebook: the file name of its notebook.
-        solution: the file with its solution, which may be missing, as in a student edition.
-        grader: the module or file with checks in Python, see `workers.grader_module`.
-        class_name: the Node class a submission defines.
-        variable: what a submission sets instead, in exercises without ROS.
-        seed: what the checks draw from when nobody gives a seed; drawn itself when None.
-        limits: what a submission may use.
-        hints: the ladder, from a nudge to a push.
-        diagnoses: by code, those that it words in its own way or links elsewhere.
-        sentences: its task, sentence by sentence.
-        endpoints: what a submission's node offers, publishes and subscribes to.
-        practice: whether it counts for nothing: a drill.
-        symptom: of a drill, what somebody who uses its program sees.
-    """
-
-    folder: Path
-    id: str
-    title: str
-    order: int
-    points: float
-    pass_mark: float
-    starter: str
-    notebook: str
-    solution: Path
-    grader: str
-    class_name: str
-    variable: str
-    seed: int | None
-    limits: Limits
-    hints: tuple[Hint, ...]
-    diagnoses: Mapping[str, Diagnosis]
-    sentences: tuple[Sentence, ...] = ()
-    endpoints: tuple[Record, ...] = ()
-    practice: bool = False
-    symptom: str = ""
+    folder: Path  # where it lies
+    id: str  # its name, which is the folder's
+    title: str  # for people
+    order: int  # its place in the course
+    points: float  # full marks
+    pass_mark: float  # the points from which it is passed
+    starter: str  # the file name of the starter program
+    notebook: str  # the file name of its notebook
+    solution: Path  # the file with its solution, which may be missing, as in a student edition
+    grader: str  # the module or file with checks in Python, see `workers.grader_module`
+    class_name: str  # the Node class a submission defines
+    variable: str  # what a submission sets instead, in exercises without ROS
+    seed: int | None  # what the checks draw from when nobody gives a seed; drawn itself when None
+    limits: Limits  # what a submission may use
+    hints: tuple[Hint, ...]  # the ladder, from a nudge to a push
+    diagnoses: Mapping[str, Diagnosis]  # by code, those that it words in its own way or links elsewhere
+    sentences: tuple[Sentence, ...] = ()  # its task, sentence by sentence
+    endpoints: tuple[Record, ...] = ()  # what a submission's node offers, publishes and subscribes to
+    practice: bool = False  # whether it counts for nothing: a drill
+    symptom: str = ""  # of a drill, what somebody who uses its program sees
 
     @property
     def interfaces(self) -> str:

@@ -35,15 +35,11 @@ _OPTION = "--exercises"
 
 @dataclass(frozen=True)
 class FoundExercises:
-    """What lies in the folders.
+    """What lies in the folders."""
 
-    Attributes:
-        folders: by id the folder of the exercise; several where that id is there more than once.
-        problems: what is wrong with the folders that were added, a sentence each.
-    """
-
+    # by id the folder of the exercise; several where that id is there more than once
     folders: Mapping[str, tuple[Path, ...]]
-    problems: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()  # what is wrong with the folders that were added, a sentence each
 
     @property
     def doubles(self) -> dict[str, str]:

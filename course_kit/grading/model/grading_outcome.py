@@ -9,20 +9,11 @@ if TYPE_CHECKING:
 
 
 class GradingOutcome(TypedDict):
-    """The outcome.
+    """The outcome."""
 
-    Attributes:
-        results: of each check, as a record of `checks.check.Result`.
-        stdout: first and last 4 kB of what the submission printed.
-        stderr: the same of its errors.
-        problem: why the grading came to no end; empty when it did.
-        timings: where the time went, see `Report.timings`.
-        again: whether it may go better the next time, because something was killed that should not be.
-    """
-
-    results: list[Record]
-    stdout: str
-    stderr: str
-    problem: str
-    timings: Record
-    again: bool
+    results: list[Record]  # of each check, as a record of `checks.check.Result`
+    stdout: str  # first and last 4 kB of what the submission printed
+    stderr: str  # the same of its errors
+    problem: str  # why the grading came to no end; empty when it did
+    timings: Record  # where the time went, see `Report.timings`
+    again: bool  # whether it may go better the next time, because something was killed that should not be

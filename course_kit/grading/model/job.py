@@ -13,59 +13,38 @@ from course_kit.grading.sandbox.isolation import Isolation
 
 @dataclass(frozen=True)
 class Job:
-    """One grading.
+    """One grading."""
 
-    Attributes:
-        grader: what checks it, see `workers.grader_module`.
-        mode: "run" for source text, "exec" for a command, "attach" for what is already on the graph.
-        name: the submission's file name as it appears in tracebacks.
-        source: Python text.
-        fault: why the source is not Python; then nothing is run, and every check knows.
-        places: which cells of a notebook the source was joined from, see `Submission.places`.
-        facts: what the source's text gives away.
-        literal: what the source sets the variable to, where its text tells that; see `Submission.literal`.
-        class_name: the Node class the exercise names.
-        own_start: whether the program has to start its node itself; else the class that it only defines is started.
-        variable: the variable it names instead, when it needs no ROS.
-        command: the executable and its arguments, for "exec".
-        folder: the working directory of a command.
-        seed: what the random values of the checks are drawn from.
-        limits: what the submission may use.
-        isolation: filled in by the worker, which has tried it out.
-        priority: the nice value the submission and the grader process run at; filled in by the worker, whose own may be
-            better.
-        scratch: the folder for the scratch directory; filled in by the worker.
-        user: the number of the user that submissions run as; 0 for the grader's own; filled in by the worker.
-        hidden: folders to keep out of the submission's sight, wherever they lie.
-        first_failure: stop at the first failed check that costs points, for whoever only asks whether there is one.
-        interfaces: the folder with the interfaces that the exercise brings, which the submission sees; empty for none.
-        points: the exercise's full marks, which its checks have to add up to; 0 when nobody asks.
-        endpoints: what the exercise wants offered, published and subscribed to, as its exercise.toml has it.
-    """
-
-    grader: str
-    mode: str
-    name: str
-    seed: int
-    source: str = ""
-    fault: str = ""
+    grader: str  # what checks it, see `workers.grader_module`
+    mode: str  # "run" for source text, "exec" for a command, "attach" for what is already on the graph
+    name: str  # the submission's file name as it appears in tracebacks
+    seed: int  # what the random values of the checks are drawn from
+    source: str = ""  # Python text
+    fault: str = ""  # why the source is not Python; then nothing is run, and every check knows
+    # which cells of a notebook the source was joined from, see `Submission.places`
     places: tuple[tuple[int, int], ...] = ()
-    facts: Facts = field(default_factory=Facts)
+    facts: Facts = field(default_factory=Facts)  # what the source's text gives away
+    # what the source sets the variable to, where its text tells that; see `Submission.literal`
     literal: Record | None = None
-    class_name: str = ""
+    class_name: str = ""  # the Node class the exercise names
+    # whether the program has to start its node itself; else the class that it only defines is started
     own_start: bool = False
-    variable: str = ""
-    command: tuple[str, ...] = ()
-    folder: str = ""
-    limits: Limits = field(default_factory=Limits)
-    isolation: Isolation = field(default_factory=Isolation)
-    hidden: tuple[str, ...] = ()
+    variable: str = ""  # the variable it names instead, when it needs no ROS
+    command: tuple[str, ...] = ()  # the executable and its arguments, for "exec"
+    folder: str = ""  # the working directory of a command
+    limits: Limits = field(default_factory=Limits)  # what the submission may use
+    isolation: Isolation = field(default_factory=Isolation)  # filled in by the worker, which has tried it out
+    hidden: tuple[str, ...] = ()  # folders to keep out of the submission's sight, wherever they lie
+    # the folder with the interfaces that the exercise brings, which the submission sees; empty for none
     interfaces: str = ""
-    points: float = 0.0
-    user: int = 0
+    points: float = 0.0  # the exercise's full marks, which its checks have to add up to; 0 when nobody asks
+    user: int = 0  # the number of the user that submissions run as; 0 for the grader's own; filled in by the worker
+    # the nice value the submission and the grader process run at; filled in by the worker, whose own may be better
     priority: int = 0
-    scratch: str = ""
+    scratch: str = ""  # the folder for the scratch directory; filled in by the worker
+    # stop at the first failed check that costs points, for whoever only asks whether there is one
     first_failure: bool = False
+    # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
     endpoints: tuple[Record, ...] = ()
 
     @property

@@ -19,30 +19,19 @@ SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of one exercise, `[limits]` in its exercise.toml.
+    """The limits of one exercise, `[limits]` in its exercise.toml."""
 
-    Attributes:
-        start_s: seconds from the program's start until it can be asked.
-        start_cpu_s: seconds of computing after which a program is given up before that, if none of its nodes has
-            appeared; a right one needs 0.1 s until then. Commands have yet to load everything, and are not held to it.
-        cpu_s: seconds of computing, all threads of a process together.
-        wall_s: seconds for the whole grading, however much of it is waiting.
-        memory_mb: resident memory of all its processes together.
-        tasks: processes and threads together; ROS 2 itself needs about 15 threads a program.
-        file_mb: size of one file it writes, and of everything in its scratch directory together.
-        open_files: file descriptors of a process.
-        output_kb: what it may write to stdout and stderr together.
-    """
-
-    start_s: float = 5.0
+    start_s: float = 5.0  # seconds from the program's start until it can be asked
+    # seconds of computing after which a program is given up before that, if none of its nodes has appeared; a right one
+    # needs 0.1 s until then. Commands have yet to load everything, and are not held to it
     start_cpu_s: float = 2.0
-    cpu_s: int = 20
-    wall_s: float = 60.0
-    memory_mb: int = 256
-    tasks: int = 128
-    file_mb: int = 16
-    open_files: int = 256
-    output_kb: int = 2048
+    cpu_s: int = 20  # seconds of computing, all threads of a process together
+    wall_s: float = 60.0  # seconds for the whole grading, however much of it is waiting
+    memory_mb: int = 256  # resident memory of all its processes together
+    tasks: int = 128  # processes and threads together; ROS 2 itself needs about 15 threads a program
+    file_mb: int = 16  # size of one file it writes, and of everything in its scratch directory together
+    open_files: int = 256  # file descriptors of a process
+    output_kb: int = 2048  # what it may write to stdout and stderr together
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> Limits:

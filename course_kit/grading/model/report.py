@@ -25,61 +25,36 @@ _OF_A_CHECK = (
 
 @dataclass(frozen=True)
 class CheckReport(Result):
-    """How one check went, for the learner: a `Result` whose message also tells why, and what it is worth.
+    """How one check went, for the learner: a `Result` whose message also tells why, and what it is worth."""
 
-    Attributes:
-        points: what it has earned.
-        hint: the first hint, None without any.
-        told: what happened, without the reason and the link that `message` adds.
-        more_hints: what may follow on `hint`, the next one first.
-        known: the entry of `diagnosis` in the catalogue, as the exercise words it.
-    """
-
-    points: float = 0.0
-    hint: str | None = None
-    told: str = ""
-    more_hints: tuple[str, ...] = ()
-    known: Diagnosis | None = None
+    points: float = 0.0  # what it has earned
+    hint: str | None = None  # the first hint, None without any
+    told: str = ""  # what happened, without the reason and the link that `message` adds
+    more_hints: tuple[str, ...] = ()  # what may follow on `hint`, the next one first
+    known: Diagnosis | None = None  # the entry of `diagnosis` in the catalogue, as the exercise words it
 
 
 @dataclass(frozen=True)
 class Report:
-    """The outcome of one grading; there is one whatever happens.
+    """The outcome of one grading; there is one whatever happens."""
 
-    Attributes:
-        exercise: the exercise's id.
-        title: the exercise's title.
-        submission: the submission's path or name.
-        status: graded, unreadable, crashed (it ended before it could be asked) or error (not the learner's fault).
-        passed: whether the score reaches the pass mark.
-        score: the points of all passed checks.
-        max_score: full marks.
-        duration_s: from the call to the verdict.
-        checks: each check, in the order they were run.
-        stdout: first and last 4 kB of what the submission printed.
-        stderr: the same of its errors; ROS 2 logs go there.
-        problem: why there is no grade, when the status is unreadable or error.
-        isolation: what kept the submission apart from the machine, in one line.
-        practice: whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points.
-        timings: where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and
-            the grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but
-            the worker's); checks has for each check when it was done.
-    """
-
-    exercise: str
-    title: str
-    submission: str
-    status: str
-    passed: bool
-    score: float
-    max_score: float
-    duration_s: float
-    checks: tuple[CheckReport, ...] = ()
-    stdout: str = ""
-    stderr: str = ""
-    problem: str = ""
-    isolation: str = ""
-    practice: bool = False
+    exercise: str  # the exercise's id
+    title: str  # the exercise's title
+    submission: str  # the submission's path or name
+    status: str  # graded, unreadable, crashed (it ended before it could be asked) or error (not the learner's fault)
+    passed: bool  # whether the score reaches the pass mark
+    score: float  # the points of all passed checks
+    max_score: float  # full marks
+    duration_s: float  # from the call to the verdict
+    checks: tuple[CheckReport, ...] = ()  # each check, in the order they were run
+    stdout: str = ""  # first and last 4 kB of what the submission printed
+    stderr: str = ""  # the same of its errors; ROS 2 logs go there
+    problem: str = ""  # why there is no grade, when the status is unreadable or error
+    isolation: str = ""  # what kept the submission apart from the machine, in one line
+    practice: bool = False  # whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points
+    # where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and the
+    # grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but the
+    # worker's); checks has for each check when it was done
     timings: Record = field(default_factory=dict)
 
     @property

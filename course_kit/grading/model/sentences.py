@@ -13,21 +13,14 @@ _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
 
 @dataclass(frozen=True)
 class Sentence:
-    """One thing that a learner is told.
+    """One thing that a learner is told."""
 
-    Attributes:
-        id: its name, which checks refer to.
-        text: in Markdown, one or more sentences that are tested together, or a row of a table (`| a | b |`).
-        heading: begins a new paragraph with these words; above a row of a table the header of a new table.
-        cell: the id of the notebook's cell in which it and those after it stand; that of the one before when empty.
-        freedom: for a sentence that grants a freedom, the right program of the proof set that makes use of it.
-    """
-
-    id: str
-    text: str
-    heading: str = ""
+    id: str  # its name, which checks refer to
+    text: str  # in Markdown, one or more sentences that are tested together, or a row of a table (`| a | b |`)
+    heading: str = ""  # begins a new paragraph with these words; above a row of a table the header of a new table
+    # the id of the notebook's cell in which it and those after it stand; that of the one before when empty
     cell: str = ""
-    freedom: str = ""
+    freedom: str = ""  # for a sentence that grants a freedom, the right program of the proof set that makes use of it
 
     @property
     def is_row(self) -> bool:

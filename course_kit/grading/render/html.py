@@ -65,13 +65,7 @@ def render_page(report: Report, student: str, program: Submission | None = None)
 
 
 def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
-    """A page of `render_page` with a notice above the report, in the place of the one before.
-
-    Args:
-        page: the page.
-        score: what counts, in a sentence.
-        sentences: why, or what else is to be said; without any there is no notice.
-    """
+    """A page of `render_page` with a notice above the report, in the place of the one before."""
     before, begins, rest = page.partition(NOTICE_BEGINS)
     _, ends, after = rest.partition(NOTICE_ENDS)
     if not begins or not ends:  # not a page of ours any more

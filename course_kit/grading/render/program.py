@@ -20,19 +20,12 @@ _PLACE = re.compile(r"\b(?:cell \d{1,6}, )?line \d{1,6}\b")
 
 @dataclass(frozen=True)
 class ProgramLine:
-    """One line of a program.
+    """One line of a program."""
 
-    Attributes:
-        number: in the program, from 1.
-        place: what messages call it, `line 12` or `cell 3, line 2`.
-        text: the line, cut if it is very long.
-        checks: titles of the failed checks that speak of it.
-    """
-
-    number: int
-    place: str
-    text: str
-    checks: tuple[str, ...] = ()
+    number: int  # in the program, from 1
+    place: str  # what messages call it, `line 12` or `cell 3, line 2`
+    text: str  # the line, cut if it is very long
+    checks: tuple[str, ...] = ()  # titles of the failed checks that speak of it
 
 
 def lines(report: Report, program: Submission) -> Sequence[ProgramLine]:

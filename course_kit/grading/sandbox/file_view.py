@@ -48,16 +48,11 @@ class FileView:
 
     All names are real ones, without a link among their folders: one under two names would be shown by one of them where
     it is masked by the other.
-
-    Attributes:
-        shown: files and folders, read-only.
-        masked: files and folders within these that look empty but for what of `shown` lies in them.
-        links: those on the way to what is shown, for whoever looks for it by another name.
     """
 
-    shown: tuple[str, ...] = ()
-    masked: tuple[str, ...] = ()
-    links: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()  # files and folders, read-only
+    masked: tuple[str, ...] = ()  # files and folders within these that look empty but for what of `shown` lies in them
+    links: tuple[str, ...] = ()  # those on the way to what is shown, for whoever looks for it by another name
 
     def with_more(self, shown: Iterable[str] = (), masked: Iterable[str] = ()) -> FileView:
         """The same view and more, by whatever names."""

@@ -42,28 +42,19 @@ _FIRST_GUEST, _GUESTS = 61184, 4336
 
 @dataclass(frozen=True)
 class Isolation:
-    """What holds beside resource limits, an own session and an own scratch directory, which always do.
+    """What holds beside resource limits, an own session and an own scratch directory, which always do."""
 
-    Attributes:
-        network: own network namespace: only the grader and the submission are on its loopback.
-        processes: own PID namespace: the submission can neither see, signal nor trace anything outside, and
-            the kernel ends all it has started together with it.
-        files: own file system: an allow-list, read-only but for the scratch directory, which lies in memory.
-        landlock: an allow-list of files kept by Landlock; only used where there is no file system of its own.
-        syscalls: system calls that lead out of the sandbox are refused.
-        user: a user of its own, without rights; only for a grader that runs as root.
-        root: whether the grader runs as root.
-        reason: why something of these is missing, for people; empty when all hold.
-    """
-
-    network: bool = False
+    network: bool = False  # own network namespace: only the grader and the submission are on its loopback
+    # own PID namespace: the submission can neither see, signal nor trace anything outside, and the kernel ends all it
+    # has started together with it
     processes: bool = False
-    files: bool = False
+    files: bool = False  # own file system: an allow-list, read-only but for the scratch directory, which lies in memory
+    # an allow-list of files kept by Landlock; only used where there is no file system of its own
     landlock: bool = False
-    syscalls: bool = False
-    user: bool = False
-    root: bool = False
-    reason: str = ""
+    syscalls: bool = False  # system calls that lead out of the sandbox are refused
+    user: bool = False  # a user of its own, without rights; only for a grader that runs as root
+    root: bool = False  # whether the grader runs as root
+    reason: str = ""  # why something of these is missing, for people; empty when all hold
 
     @property
     def full(self) -> bool:

@@ -33,14 +33,10 @@ _REFER_SINCE, _TRUNCATE_SINCE, _TCP_SINCE, _IOCTL_SINCE, _OUTSIDE_SINCE = 2, 3, 
 
 
 class Readable(NamedTuple):
-    """A file, or a folder with all below it, to read and to run.
+    """A file, or a folder with all below it, to read and to run."""
 
-    Attributes:
-        path: its name; nothing is allowed by that of a symbolic link.
-        only_names: whether of a folder no more than the names in it, and in the folders below it, may be read.
-    """
-
-    path: str
+    path: str  # its name; nothing is allowed by that of a symbolic link
+    # whether of a folder no more than the names in it, and in the folders below it, may be read
     only_names: bool = False
 
 

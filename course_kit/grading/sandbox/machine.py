@@ -22,15 +22,10 @@ _OF_MEMORY = (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memor
 
 
 class ProcessorTimes(NamedTuple):
-    """Seconds of all processors this process may run on, together, since the machine was started.
+    """Seconds of all processors this process may run on, together, since the machine was started."""
 
-    Attributes:
-        idle: without work.
-        busy: with work, whoever's; what a hypervisor has given to other virtual machines is among it.
-    """
-
-    idle: float
-    busy: float
+    idle: float  # without work
+    busy: float  # with work, whoever's; what a hypervisor has given to other virtual machines is among it
 
 
 def processor_times() -> ProcessorTimes:

@@ -43,29 +43,18 @@ _FIRST_HIGH_DESCRIPTOR = 200
 
 @dataclass(frozen=True)
 class Program:
-    """What to run.
+    """What to run."""
 
-    Attributes:
-        name: the file's name, as it is to appear in tracebacks.
-        source: its text; unused with a command.
-        class_name: the Node class the exercise names, for modules that only define classes.
-        own_start: whether it has to start its node itself.
-        arguments: what follows the program's name on its command line; the name of one of `files` stands for its path.
-        files: texts to lay into its scratch directory, by file name.
-        command: an executable with its arguments to start instead of Python source.
-        folder: the working directory of a command; source runs in its scratch directory.
-        variable: what the program is to set, when it is asked for a value and not for a node.
-    """
-
-    name: str
-    source: str = ""
-    class_name: str = ""
-    own_start: bool = False
+    name: str  # the file's name, as it is to appear in tracebacks
+    source: str = ""  # its text; unused with a command
+    class_name: str = ""  # the Node class the exercise names, for modules that only define classes
+    own_start: bool = False  # whether it has to start its node itself
+    # what follows the program's name on its command line; the name of one of `files` stands for its path
     arguments: tuple[str, ...] = ()
-    files: Mapping[str, str] = field(default_factory=dict)
-    command: tuple[str, ...] = ()
-    folder: str = ""
-    variable: str = ""
+    files: Mapping[str, str] = field(default_factory=dict)  # texts to lay into its scratch directory, by file name
+    command: tuple[str, ...] = ()  # an executable with its arguments to start instead of Python source
+    folder: str = ""  # the working directory of a command; source runs in its scratch directory
+    variable: str = ""  # what the program is to set, when it is asked for a value and not for a node
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:

@@ -28,27 +28,17 @@ if TYPE_CHECKING:
 
 @dataclass
 class Conditions:
-    """Under which conditions a program runs.
+    """Under which conditions a program runs."""
 
-    Attributes:
-        limits: what it may use.
-        isolation: what is known to hold on this machine.
-        scratch: the folder in which its scratch directory is made; within the sandbox that directory itself.
-        view: the files it sees.
-        environment: variables to set for the program, beside HOME, TMPDIR and PWD.
-        priority: the nice value to run at.
-        others: the user's other processes and threads where the kernel counts them together with the program's.
-        user: the number of the user and group it runs as; 0 for the grader's own.
-    """
-
-    limits: Limits
-    isolation: Isolation
-    scratch: str
-    view: FileView = field(default_factory=FileView)
+    limits: Limits  # what it may use
+    isolation: Isolation  # what is known to hold on this machine
+    scratch: str  # the folder in which its scratch directory is made; within the sandbox that directory itself
+    view: FileView = field(default_factory=FileView)  # the files it sees
+    # variables to set for the program, beside HOME, TMPDIR and PWD
     environment: Mapping[str, str] = field(default_factory=dict)
-    priority: int = 0
-    others: int = 0
-    user: int = 0
+    priority: int = 0  # the nice value to run at
+    others: int = 0  # the user's other processes and threads where the kernel counts them together with the program's
+    user: int = 0  # the number of the user and group it runs as; 0 for the grader's own
 
     @classmethod
     def from_record(cls, record: Record) -> Conditions:

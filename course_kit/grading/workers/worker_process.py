@@ -42,21 +42,15 @@ _FIRST_SERVED = -19  # nice value
 
 @dataclass(frozen=True)
 class _Common:
-    """What holds for all workers of this process.
+    """What holds for all workers of this process."""
 
-    Attributes:
-        isolation: what isolates submissions.
-        priority: the nice value they run at.
-        view: the files they see.
-        interfaces: the folder whose interfaces are loaded, of those that exercises bring: only of one, because others
-            may define the same names in another way.
-        loaded: module and name of the interfaces that are loaded where submissions are started.
-    """
-
-    isolation: Isolation
-    priority: int
-    view: FileView
+    isolation: Isolation  # what isolates submissions
+    priority: int  # the nice value they run at
+    view: FileView  # the files they see
+    # the folder whose interfaces are loaded, of those that exercises bring: only of one, because others may define the
+    # same names in another way
     interfaces: str
+    # module and name of the interfaces that are loaded where submissions are started
     loaded: frozenset[tuple[str, str]]
 
 
