@@ -65,13 +65,19 @@ def container(session: nox.Session) -> None:
 
 
 @nox.session(python=False)
-def hub(session: nox.Session) -> None:
+@nox.parametrize("major", ["5", "6"])
+def hub(session: nox.Session, major: str) -> None:
     """A real JupyterHub with three Unix users and a Chromium, by the commands of its guide; as root, some minutes."""
     for program, package in {"npm": "npm", "useradd": "passwd", "git": "git", "chromium": "chromium"}.items():
         if shutil.which(program) is None:
             session.error(f"there is no {program} here. Debian, Ubuntu: apt install {package}")
     session.run(
-        str(OF_THE_COURSE), "-m", "pytest", "-v", "tests/hub/three_users.py", env={"COURSE_KIT_PROGRESS": "off"}
+        str(OF_THE_COURSE),
+        "-m",
+        "pytest",
+        "-v",
+        "tests/hub/three_users.py",
+        env={"COURSE_KIT_PROGRESS": "off", "COURSE_HUB": major},
     )
 
 

@@ -23,6 +23,7 @@ VERDICTS = {"ok": "ok  ", "note": "note", "bad": "BAD "}
 _NO_COURSE = "Live nodes, panels, message types and ros2 work; lab, list and grade do not. Install the course again."
 _OTHER_RMW = f"Set RMW_IMPLEMENTATION={environment.middleware.SUPPORTED} and start again."
 _TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
+_LOSES_RESULTS = "7.1.9"  # https://github.com/ros2/rclpy/issues/1598
 DEADLINE_S = 20.0
 
 # A service server in a process of its own: what the doctor's client has to discover.
@@ -172,10 +173,27 @@ def rclpy_itself() -> Finding:
             advice = f"RMW_IMPLEMENTATION is {os.environ['RMW_IMPLEMENTATION']}: unset RMW_IMPLEMENTATION."
         return Finding("rclpy", f"cannot be imported: {said}", "bad", advice)
     try:
-        return Finding("rclpy", f"{importlib.metadata.version('ros-rclpy')} from PyPI wheels")
+        version, place = importlib.metadata.version("ros-rclpy"), "PyPI wheels"
     except importlib.metadata.PackageNotFoundError:
         version = checkup.version_of_package("rclpy") or "of unknown version"
-        return Finding("rclpy", f"{version} from the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}")
+        place = f"the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}"
+    advice = _advice_about_rclpy(version)
+    return Finding("rclpy", f"{version} from {place}", "note" if advice else "ok", advice)
+
+
+def _advice_about_rclpy(version: str) -> str:
+    """What to know of a version of rclpy; empty when there is nothing."""
+    if version == _LOSES_RESULTS:
+        return (
+            "This version loses the result of a goal if several threads run: a client gets an empty one after a plain "
+            "succeed(). Update ROS 2 to rclpy 7.1.10 or later. Until then write goal_handle.succeed(result)."
+        )
+    if version[:1].isdigit() and not version.startswith("7.1."):
+        return (
+            "The course is made for ROS 2 Jazzy (rclpy 7.1). What is different with later releases: "
+            "notebooks/jazzy_kilted_lyrical.md"
+        )
+    return ""
 
 
 def rclpy_names() -> Finding:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
 
 CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own default is 2,000 s
+OUTPUT_TIMEOUT_S = 60.0  # until the next output comes once a cell has ended; nbval's own 5 s fail on a busy machine
 _PICTURE = "text/html"
 _POLL_S = 1.0
 _found = compat.check_features([compat.NOTEBOOK_TESTS])
@@ -96,3 +97,9 @@ def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, p
             if isinstance(item, nbval.plugin.IPyNbCell) and id(item.cell) in solved:
                 item.options["check"] = False
     return report
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Have nbval wait longer for the outputs of a cell."""
+    if isinstance(item, nbval.plugin.IPyNbCell):
+        item.output_timeout = OUTPUT_TIMEOUT_S

@@ -36,6 +36,27 @@ def test_it_loads_nothing_from_the_folder_that_one_is_in(tmp_path: Path, monkeyp
     assert not (tmp_path / "sprung").exists()
 
 
+@pytest.mark.parametrize(
+    ("version", "verdict", "advice"),
+    [
+        ("7.1.6", "ok", ""),
+        ("7.1.8", "ok", ""),
+        ("7.1.9", "note", "goal_handle.succeed(result)"),
+        ("7.1.10", "ok", ""),
+        ("7.1.12", "ok", ""),
+        ("9.1.2", "note", "jazzy_kilted_lyrical.md"),
+        ("of unknown version", "ok", ""),
+    ],
+)
+def test_a_version_of_rclpy_that_loses_results_is_named(
+    version: str, verdict: str, advice: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command.importlib.metadata, "version", lambda _: version)
+    found = command.rclpy_itself()
+    assert (found.verdict, version in found.found) == (verdict, True)
+    assert advice in found.advice
+
+
 def line_about(subject: str, output: str) -> str:
     return next(line for line in output.splitlines() if line[6:].startswith(subject))
 

@@ -116,7 +116,10 @@ def install(folder: Path) -> Path:
         shutil.copy2(root / name, course / name)
     commands = guide.moved(guide.block("Install it once", "sh"), folder).splitlines()
     assert commands[0].startswith("git clone")
-    run_as_root([*commands[1:], f"{course}/.venv/bin/python -m pip install nbgitpuller"], folder)
+    wanted = (
+        f"jupyterhub=={os.environ.get('COURSE_HUB', '6')}.* nbgitpuller"  # the session `hub` tries each major version
+    )
+    run_as_root([*commands[1:], f"{course}/.venv/bin/python -m pip install {wanted}"], folder)
     return course
 
 

@@ -170,6 +170,14 @@ def test_nbval_goes_on_with_its_own_kernel_where_ours_does_not_fit() -> None:
     assert done.stderr.startswith(compat.NOTEBOOK_TESTS.lost)
 
 
+def test_nbval_waits_longer_than_its_own_5_s_for_an_output() -> None:
+    from course_kit.dev import nbval_plugin
+
+    cell = object.__new__(nbval_plugin.nbval.plugin.IPyNbCell)
+    nbval_plugin.pytest_itemcollected(cell)
+    assert cell.output_timeout == nbval_plugin.OUTPUT_TIMEOUT_S
+
+
 # Of Python itself, and of ipywidgets; and of classes of the kit's own that others inherit from.
 OTHERS = {
     "_Environ", "_SubParsersAction", "_actions", "_asdict", "_clear", "_current_frames", "_exit", "_fields",
