@@ -63,7 +63,7 @@ EVIL_INSIDE = [
     f"bob_12_912_{PROGRAM}",
     "week/timestamp.txt",
     "bob/.git/config",
-    *(f"bob{number}_{number}_9{number}_{PROGRAM}" for number in range(20, 60)),
+    *(f"bob{number}_{number}_9{number}_{PROGRAM}" for number in range(20, 26)),
 ]
 
 

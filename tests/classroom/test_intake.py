@@ -130,7 +130,6 @@ def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path, monkeypatch: py
 
 
 NO_PROGRAMS = ("essay.pdf", "photo.png", "answer.txt", "text.html", "link.html")
-WRAPPINGS = ("folder", "zip", "folder of zips", "several zips")
 
 
 def entry_in(layout: str, number: str, name: str, file: str) -> str:
@@ -147,8 +146,17 @@ def entry_in(layout: str, number: str, name: str, file: str) -> str:
     return f"{folders.get(layout, name)}/{file}"
 
 
-@pytest.mark.parametrize("wrapping", WRAPPINGS)
-@pytest.mark.parametrize("layout", ["canvas", "moodle", "gradescope", "nbgrader", "github", "folders"])
+@pytest.mark.parametrize(
+    ("layout", "wrapping"),
+    [
+        ("canvas", "zip"),
+        ("moodle", "several zips"),
+        ("gradescope", "folder of zips"),
+        ("nbgrader", "folder"),
+        ("github", "zip"),
+        ("folders", "several zips"),
+    ],
+)
 def test_what_is_no_program_is_there_to_get_its_report(tmp_path: Path, layout: str, wrapping: str) -> None:
     downloads = []
     for set_ in (SERVICE, ROBOT):

@@ -151,7 +151,7 @@ def needed_kb(out: Path, folder: str) -> int:
     return sum(4 * math.ceil(path.stat().st_size / 4096) for path in (out / folder).rglob("*") if path.is_file())
 
 
-@pytest.mark.parametrize("place", ["beginning", "results", "exports"])
+@pytest.mark.parametrize("place", ["results", "exports"])
 def test_a_full_disk_is_said_and_costs_nothing(place: str, inbox: Path, tmp_path: Path) -> None:
     clean = tmp_path / "clean"
     finish(inbox, clean)
