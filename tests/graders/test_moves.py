@@ -37,11 +37,6 @@ def test_distance_from_the_way(place: tuple[float, float], distance: float) -> N
     assert distance_beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(*place)) == pytest.approx(distance)
 
 
-def test_a_place_that_is_none_is_beside_every_way() -> None:
-    assert not distance_beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(math.nan, 0.0)) <= 1e9
-    assert distance_beside(ORIGIN, ORIGIN, ArenaPoint(3.0, 4.0)) == 5.0
-
-
 @pytest.mark.parametrize(
     ("times", "spread"),
     [
@@ -193,17 +188,3 @@ def test_exceptions_in_execute_are_told_apart(error: str, code: str | None, fact
     found, message = cause_of("ABORTED", error)
     assert found == code
     assert fact in message
-
-
-def test_an_exception_elsewhere_is_not_taken_for_the_cause() -> None:
-    found, message = cause_of("ABORTED", "ValueError: a timer's", function="timer_callback")
-    assert found == "action.wrong_terminal"
-    assert "ValueError" not in message
-
-
-def test_abort_is_not_confused_with_nothing_at_all() -> None:
-    log = "[WARN] [1.0] [x.action_server]: Goal state not set, assuming aborted. Goal ID: [1 2]"
-    assert cause_of("ABORTED", stderr=log)[0] == "action.no_terminal"
-    assert cause_of("ABORTED")[0] == "action.wrong_terminal"
-    assert cause_of("ABORTED", mode="attach")[0] is None
-    assert cause_of("CANCELED", mode="attach")[0] == "action.wrong_terminal"

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit import grading, quiz
-from course_kit.grading.model.exercise import load_exercise
 from tests.course_copy import copy_course
 from tests.grading.conftest import ROOT
 
@@ -43,11 +42,6 @@ def answers() -> dict[str, tuple[str, str]]:
 
 def failed(report: grading.Report) -> list[grading.CheckReport]:
     return [check for check in report.checks if check.status != "passed"]
-
-
-def test_points_and_seed_are_those_of_the_exercise() -> None:
-    exercise = load_exercise(EXERCISE)
-    assert (exercise.points, exercise.pass_mark, exercise.seed) == (10.0, 10.0 * quiz.PASS_SHARE, quiz.DEFAULT_SEED)
 
 
 @pytest.mark.parametrize("seed", [2, 90210])
@@ -96,21 +90,6 @@ def test_eight_points_pass_and_less_does_not(
     kept[names[0]] = (answers[names[0]][0], "")
     report = grade(f"answers = {kept!r}")
     assert (report.score, report.passed, grading.exit_code(report)) == (7.5, False, 1)
-
-
-def test_nothing_called_answers(grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]) -> None:
-    report = grade(f"answer = {answers!r}")
-    first, *others = failed(report)
-    assert (first.id, first.diagnosis) == ("answers", "quiz.missing")
-    assert "Did you mean answer?" in first.message
-    assert {check.status for check in others} == {"skipped"}
-
-
-@pytest.mark.parametrize("text", ["[1, 2]", "None", "object()"])
-def test_answers_that_are_no_dictionary(text: str, grade: Callable[..., grading.Report]) -> None:
-    first = failed(grade(f"answers = {text}"))[0]
-    assert (first.id, first.diagnosis) == ("answers", "quiz.malformed")
-    assert "is not a dictionary" in first.message
 
 
 def test_far_too_many_answers(grade: Callable[..., grading.Report]) -> None:
@@ -176,28 +155,6 @@ os._exit(0)
     report = grade(program)
     assert report.score == 0.0
     assert not any(check.status == "error" for check in report.checks)
-
-
-def test_notebook_in_several_cells(grade: Callable[..., grading.Report], answers: dict[str, tuple[str, str]]) -> None:
-    lines = [f'answers["{name}"] = {answer!r}\n' for name, answer in answers.items()]
-    cells = [
-        {"cell_type": "code", "source": f"%%submission {EXERCISE}\nanswers = {{}}\n"},
-        {"cell_type": "code", "source": "%load_ext course_kit"},
-        {"cell_type": "code", "source": [f"%%submission {EXERCISE}\n", *lines]},
-    ]
-    assert failed(grade(json.dumps({"cells": cells}), "answer.ipynb")) == []
-
-
-@pytest.mark.parametrize("options", [{"attach": True}, {"exec_command": "ls"}])
-def test_there_is_no_node_to_grade(options: dict[str, Any]) -> None:
-    with pytest.raises(grading.GradingError, match="answered in a file"):
-        grading.grade(EXERCISE, **options)
-
-
-def test_report_fits_a_terminal_and_a_notebook(grade: Callable[..., grading.Report]) -> None:
-    report = grade("answers = {'weld_seam': ('topic', 'many_points'), 'unicorn': 1}")
-    assert max(map(len, grading.render_text(report).splitlines())) <= 80
-    assert "unicorn" in grading.render_html(report)
 
 
 @pytest.fixture(scope="module")

@@ -24,23 +24,11 @@ def test_textbook_values(celsius: float, fahrenheit: float) -> None:
     assert right_value(Sample(celsius, CELSIUS, CELSIUS)) == celsius
 
 
-@given(st.floats(-273.15, 1e9))
-def test_there_and_back(value: float) -> None:
-    there = right_value(Sample(value, CELSIUS, FAHRENHEIT))
-    assert math.isclose(right_value(Sample(there, FAHRENHEIT, CELSIUS)), value, rel_tol=1e-9, abs_tol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("got", "right"), [(212.0 * (1 + 9e-7), True), (212.0 * (1 + 2e-6), False), (math.nan, False), (math.inf, False)]
 )
 def test_tolerance_is_relative(got: float, right: bool) -> None:
     assert fits(Sample(100.0, CELSIUS, FAHRENHEIT), got) == right
-
-
-def test_tolerance_is_absolute_near_zero() -> None:
-    freezing = Sample(32.0, FAHRENHEIT, CELSIUS)
-    assert fits(freezing, 9e-10)
-    assert not fits(freezing, 2e-9)
 
 
 FORMULAS: dict[str, tuple[Callable[[float], float], ...]] = {
@@ -67,11 +55,6 @@ def test_every_usual_formula_is_exact_and_a_bit_more_is_wrong(unit: str, other: 
     sample = Sample(value, unit, other)
     assert [exact(sample, formula(value)) for formula in FORMULAS[unit]] == [True] * len(FORMULAS[unit])
     assert not exact(sample, right_value(sample) + 3e-12 * max(1.0, abs(right_value(sample))))
-
-
-@pytest.mark.parametrize("got", [math.nan, math.inf, -math.inf])
-def test_what_is_no_number_is_not_exact(got: float) -> None:
-    assert not exact(Sample(0.0, CELSIUS, FAHRENHEIT), got)
 
 
 @pytest.mark.parametrize("unit", [CELSIUS, FAHRENHEIT])

@@ -70,15 +70,6 @@ def test_a_package_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytes
     assert load_exercise("temperature_service").id == "temperature_service"
 
 
-def test_listing_does_not_load_the_library_that_reads_entry_points() -> None:
-    program = (
-        "import sys; from course_kit.grading.model.exercise import list_exercise_ids; list_exercise_ids(); "
-        "print('importlib.metadata' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=200, check=False)
-    assert done.stdout == "False\n", done.stderr
-
-
 def test_two_exercises_of_one_id_are_named_with_both_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     places = [outside_exercises.write(tmp_path / name) for name in ("here", "there")]
     monkeypatch.setenv(exercise_folders.VARIABLE, os.pathsep.join(str(one.parent) for one in places))
@@ -112,23 +103,6 @@ def test_list_tells_of_every_problem_and_shows_the_rest(tmp_path: Path) -> None:
     assert any(str(broken / "exercise.toml") in line and "line 1" in line for line in said)
     assert any(f"There is no folder {tmp_path / 'gone'}, which COURSE_EXERCISES names." in line for line in said)
     assert any("relative" in line and "whole path" in line for line in said)
-
-
-def test_a_folder_that_is_named_twice_counts_once_and_is_said(tmp_path: Path) -> None:
-    outside_exercises.write(tmp_path)
-    done = course_kit("list", "--exercises", str(tmp_path), COURSE_EXERCISES=str(tmp_path))
-    assert done.stdout.count(f"{ID}.ipynb") == 1
-    assert f"{tmp_path} is named twice" in done.stderr
-
-
-@pytest.mark.parametrize(
-    "words", [("--exercises", "{}", "hint", ID), ("hint", "--exercises={}", ID), ("hint", ID, "--exercises", "{}")]
-)
-def test_the_option_may_stand_anywhere(words: tuple[str, ...], tmp_path: Path) -> None:
-    outside_exercises.write(tmp_path)
-    done = course_kit(*(word.format(tmp_path) for word in words), COURSE_KIT_PROGRESS="off")
-    assert done.returncode == 0, done.stderr
-    assert "Its name is add_three." in done.stdout
 
 
 @pytest.mark.parametrize(

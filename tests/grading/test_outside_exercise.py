@@ -53,28 +53,6 @@ def test_the_authors_hints_come_before_the_kits(tmp_path: Path) -> None:
     assert engine._hints(mine, "adds", known) == ("Who waits?", "A sum has three parts here.")
 
 
-def test_nothing_links_from_an_exercise_elsewhere_into_the_course_s_exercises(tmp_path: Path) -> None:
-    mine = read_exercise(outside_exercises.write(tmp_path))
-    for code in catalogue.catalogue():
-        found = mine.diagnosis(code)
-        assert found is not None
-        assert not found.notebook.startswith("exercises/")
-        if found.notebook:
-            assert "exercise" not in found.section or code.startswith("quiz.")
-    drill = load_exercise("long_queue").diagnosis("math.formula")
-    assert drill is not None
-    assert drill.notebook == "exercises/drills/long_queue/long_queue.ipynb"
-
-
-def test_two_exercises_may_define_one_interface_each_in_its_own_way(tmp_path: Path, worker: grading.Worker) -> None:
-    one = outside_exercises.write(tmp_path / "one")
-    other = outside_exercises.write(tmp_path / "other")
-    _rename_a_field(other)
-    for made in (one, other, one):
-        report = grade(made, made / "solution" / "add_three.py", worker)
-        assert report.score == 3.0, (made, report.problem)
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

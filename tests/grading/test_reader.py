@@ -6,14 +6,11 @@ import os
 import signal
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import psutil
 import pytest
 
-from course_kit.classroom import submissions
-from course_kit.classroom.records import Entry
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
@@ -81,37 +78,6 @@ def test_what_the_text_gives_away(program: Path) -> None:
 def test_calls_that_may_wait_for_long_are_seen(text: str, waits: bool, program: Path) -> None:
     program.write_text(text)
     assert read(program, EXERCISE.id).facts.waits is waits
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("x = 1\nf = Future()\ng = Future()\n", 2),
-        ("f = rclpy.task.Future(executor=e)\n", 1),
-        ("f: Future = make()\n", 0),
-    ],
-)
-def test_the_first_future_that_a_program_makes_is_known(text: str, line: int, program: Path) -> None:
-    program.write_text(text)
-    assert read(program, EXERCISE.id).facts.future == line
-
-
-def test_two_who_read_one_file_at_once_do_not_disturb_each_other(program: Path) -> None:
-    """As happens when a reader was killed: its child goes on beside its successor's. It has half a program, or none."""
-    program.write_text("# many lines, of which nothing has to be made\n" * 4_000 + "x = 1\n")
-    with Copy(program) as copy, Reader() as one, Reader() as other, ThreadPoolExecutor(2) as threads:
-        for _ in range(300):
-            readings = list(threads.map(lambda reader: reader.read(copy, EXERCISE).source, (one, other)))
-            assert readings == [program.read_text()] * 2
-
-
-def test_the_reader_is_small(program: Path) -> None:
-    with Reader() as reader, Copy(program) as copy:
-        reader.read(copy, EXERCISE)
-        process = psutil.Process(reader._process.pid)
-        assert process.memory_info().rss < 40 << 20
-        assert process.num_threads() == 1
-        assert process.cwd() == "/"
 
 
 def test_a_reader_that_somebody_has_killed_gets_a_successor(program: Path) -> None:
@@ -230,23 +196,6 @@ def test_a_machine_that_has_no_more_files_is_no_fault_of_the_submission(left: st
     ]
     done = subprocess.run([*command, program, left], capture_output=True, text=True, timeout=200, check=True)
     assert "Too many open files" in done.stdout
-
-
-def test_what_has_its_result_is_not_read_again(program: Path, tmp_path: Path) -> None:
-    entry = Entry("ann", EXERCISE.id, "answer.py")
-    with Reader() as reader:
-        first = submissions.read(entry, tmp_path, EXERCISE, 3, reader)
-    assert first.text is not None
-    known = first.record(first.unreadable())
-    known.report["status"] = "graded"
-    again = submissions.read(entry, tmp_path, EXERCISE, 3, reader, known=known)  # which is closed
-    assert again.has_result(known)
-    assert again.text is None
-    program.write_text("x = 2\n")
-    with Reader() as reader:
-        changed = submissions.read(entry, tmp_path, EXERCISE, 3, reader, known=known)
-    assert changed.text is not None
-    assert not changed.has_result(known)
 
 
 @pytest.fixture

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-import pytest
-
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue
 from course_kit.grading.model.submission import Submission
@@ -44,20 +42,6 @@ def test_the_line_that_a_failed_check_speaks_of_is_marked_with_its_title() -> No
     assert "<details open><summary>5 lines</summary>" in html
 
 
-def test_of_a_notebook_it_is_the_line_of_the_cell() -> None:
-    cells = replace(PROGRAM, places=((3, 3), (7, 2)))
-    told = replace(FAILED, told="It raised in cell 7, line 3: return 1 / x.")
-    assert marked(replace(REPORT, checks=(told,)), cells) == {5: ("Zero is refused",)}
-    assert marked(REPORT, cells) == {}, "there is no line 5 without a cell"
-
-
-@pytest.mark.parametrize("told", ["line 99", "line 0", "line 5000000000", "deadline 5", "line five", ""])
-def test_what_is_no_line_of_the_program_marks_nothing(told: str) -> None:
-    failed = replace(FAILED, told=told, message=told)
-    assert marked(replace(REPORT, checks=(failed,)), PROGRAM) == {}
-    assert "speaks of" not in render_page(replace(REPORT, checks=(failed,)), "Jane", PROGRAM)
-
-
 def test_a_program_that_is_long_is_cut() -> None:
     endless = replace(PROGRAM, source="x" * 5000 + "\n" + "pass\n" * 5000)
     found = program.lines(REPORT, endless)
@@ -75,9 +59,3 @@ def test_no_link_of_a_page_leads_out_of_it() -> None:
 def test_without_a_program_there_is_no_section_for_it_and_a_notebooks_card_never_has_one() -> None:
     assert "The program" not in render_page(REPORT, "Jane Doe")
     assert "The program" not in render_html(REPORT)
-
-
-def test_one_is_a_point() -> None:
-    report = replace(REPORT, score=0, max_score=1)
-    assert report.verdict == "0 of 1 point, not passed yet"
-    assert "<strong>0 of 1 point</strong>" in render_page(report, "Jane Doe")

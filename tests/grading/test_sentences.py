@@ -15,13 +15,6 @@ def test_sentences_are_read_with_all_their_fields() -> None:
     assert sentences.read([table]) == (Sentence("depth", "Any depth will do.", "Queues.", "task", "shallow"),)
 
 
-def test_row_of_a_table_is_known_by_its_bar() -> None:
-    assert [one.is_row for one in sentences.read([{"id": "a", "text": "| a |"}, {"id": "b", "text": "b | c"}])] == [
-        True,
-        False,
-    ]
-
-
 @pytest.mark.parametrize(
     ("tables", "said"),
     [

@@ -56,12 +56,6 @@ def test_unreadable(name: str, data: bytes, said: str, tmp_path: Path) -> None:
     assert name in str(caught.value)
 
 
-def test_exactly_the_largest_size_is_read(tmp_path: Path) -> None:
-    path = tmp_path / "a.py"
-    path.write_bytes(b"#" * LARGEST)
-    assert len(read(path, EXERCISE).source) == LARGEST
-
-
 def test_missing_folder_pipe_and_loop(tmp_path: Path) -> None:
     with pytest.raises(UnreadableError, match="There is no file"):
         read(tmp_path / "no.py", EXERCISE)
@@ -100,13 +94,6 @@ def test_link_out_of_its_folder_is_refused_and_one_inside_is_followed(tmp_path: 
     assert read(inner / "near.py", EXERCISE).source == "y = 2\n"
 
 
-@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
-def test_line_ends_and_byte_order_mark(end: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "a.py"
-    path.write_bytes(b"\xef\xbb\xbf" + end.join([b"x = 1", b"y = '\xc3\xa4'", b""]))
-    assert read(path, EXERCISE).source == "x = 1\ny = 'ä'\n"
-
-
 @pytest.mark.parametrize("above", ["", "#!/usr/bin/env python3\n", "\n"])
 def test_a_coding_line_is_read_as_python_reads_it(above: str, tmp_path: Path) -> None:
     path = tmp_path / "a.py"
@@ -143,12 +130,6 @@ def test_of_two_whole_programs_in_two_cells_the_last_one_starts(
     assert (read(path, EXERCISE).note, read(path, EXERCISE).source) == ("", PROGRAM.format(number=1) + "\n")
 
 
-def test_a_cell_that_is_indented_as_a_whole_is_read_as_ipython_reads_it(tmp_path: Path) -> None:
-    path = tmp_path / "a.ipynb"
-    path.write_text(notebook(f"  %%submission {EXERCISE}\n  x = 1\n  if x:\n      y = 2\n"))
-    assert read(path, EXERCISE).source == "x = 1\nif x:\n    y = 2\n\n"
-
-
 def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: Path) -> None:
     path = tmp_path / "a b.ipynb"
     cells = (
@@ -162,16 +143,6 @@ def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: 
     assert found.source.split() == ["a", "=", "1", "b", "=", "2", "c", "=", "3"]
     assert found.program == "a b.py"
     assert (found.where(1), found.where(2), found.where(3)) == ("cell 1, line 2", "cell 1, line 3", "cell 3, line 2")
-
-
-def test_comments_may_stand_above_the_magic_and_lines_are_found_again(tmp_path: Path) -> None:
-    path = tmp_path / "a.ipynb"
-    path.write_text(
-        notebook(f"# Jane Doe\n\n  # week 3\n%%submission {EXERCISE}\nx = 1\ny = 2", "# %%submission other")
-    )
-    found = read(path, EXERCISE)
-    assert found.source.split("\n") == ["# Jane Doe", "", "  # week 3", "x = 1", "y = 2", ""]
-    assert (found.where(4), found.where(5)) == ("cell 1, line 5", "cell 1, line 6")
 
 
 EXPORTED = f"""#!/usr/bin/env python

@@ -77,27 +77,6 @@ def test_what_a_reason_lacks(name: str, reason: str, lacks: str) -> None:
     assert lacks in told
 
 
-@pytest.mark.parametrize(
-    ("line", "read"),
-    [
-        ("default_robot: 1.0 m/s", ("default_robot", 1.0)),
-        ("a: b: 2 m/s", ("a: b", 2.0)),
-        ("rover: 2.50 m/s\n", ("rover", 2.5)),
-        ("rover: fast m/s", None),
-        ("rover 1.0 m/s", None),
-        ("rover: 1.0", None),
-    ],
-)
-def test_status_lines_are_read_as_people_do(line: str, read: tuple[str, float] | None) -> None:
-    assert _limiter.read_status(line) == read
-
-
-def test_a_node_that_keeps_what_it_has_refused_is_recognised() -> None:
-    refused = [{"max_velocity": 6.0}, {"wheel_diameter": 0.5}]
-    found = {(one.max_velocity, one.wheel_diameter): cause for one, cause in LimiterSettings().with_some(refused)}
-    assert found == {(6.0, 0.1): refused[0], (1.0, 0.5): refused[1], (6.0, 0.5): refused[1]}
-
-
 @given(
     st.lists(st.sampled_from(["a", ":", " ", "\n", "1", ".", "m/s", "m", "/s", "\t", "\u2028"]), max_size=12).map(
         "".join

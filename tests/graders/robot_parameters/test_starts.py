@@ -16,7 +16,6 @@ from tests.grading.conftest import wait_for_node
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 STARTS = {"start_arguments", "start_file", "start_invalid"}
 
@@ -35,16 +34,6 @@ def node_running(domain: int) -> Iterator[int]:
 def test_a_command_is_given_arguments_and_files() -> None:
     report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(SOLUTION)]))
     assert not_passed(report) == []
-
-
-def test_a_command_that_takes_no_arguments_ignores_them(tmp_path: Path) -> None:
-    program = tmp_path / "node.py"
-    program.write_text(f"import sys\n\nsys.argv = ['node']\n{SOLUTION.read_text()}")
-    report = grading.grade(EXERCISE, exec_command=shlex.join([sys.executable, str(program)]))
-    assert {(check, code) for check, status, code, _ in not_passed(report) if status == "failed"} == {
-        ("start_arguments", "parameter.override_ignored"),
-        ("start_file", "parameter.override_ignored"),
-    }
 
 
 @pytest.mark.usefixtures("node_running")

@@ -36,11 +36,6 @@ def run(*checks: Check) -> dict[str, str]:
     return {result.id: result.status for result in run_all(checks, FakeBench())}  # type: ignore[arg-type]
 
 
-def test_each_comes_after_what_it_needs() -> None:
-    names = [one.id for one in in_order([make("c", "b"), make("b", "a"), make("a"), make("d")])]
-    assert names == ["a", "b", "c", "d"]
-
-
 @pytest.mark.parametrize(
     ("checks", "said"),
     [
@@ -78,18 +73,6 @@ def test_after_a_fault_of_the_grader_nothing_more_is_run() -> None:
     assert run(*checks) == {"a": "passed", "b": "error", "c": "skipped"}
     *_, last = run_all(checks, FakeBench())  # type: ignore[arg-type]
     assert 'the grader failed in "B"' in last.message
-
-
-def test_failure_carries_its_evidence() -> None:
-    failed = Failed(Evidence("s", "e", "g"), "what happened", "math.formula")
-    (result,) = run_all([make("a", outcome=failed)], FakeBench())  # type: ignore[arg-type]
-    assert (result.sent, result.expected, result.got) == ("s", "e", "g")
-    assert (result.message, result.diagnosis) == ("what happened", "math.formula")
-
-
-def test_skipped_check_names_the_title_it_waits_for() -> None:
-    *_, last = run_all([make("a", outcome=Failed(Evidence(), "no")), make("b", "a")], FakeBench())  # type: ignore[arg-type]
-    assert '"A"' in last.message
 
 
 def test_declaration_takes_name_and_title_from_the_function() -> None:

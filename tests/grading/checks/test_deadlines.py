@@ -153,17 +153,6 @@ def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
     assert (result.status, lives[0].limit) == ("passed", "time"), result.message
 
 
-def test_when_the_time_is_up_nothing_more_is_asked(context: CheckContext) -> None:
-    def one(context: CheckContext) -> Evidence:
-        assert not context.wait_until(lambda: False, ANSWER_S)
-        GradedNode(context).call(SERVICE.name, REQUEST)
-        return EVIDENCE
-
-    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)
-    assert (result.status, result.diagnosis, result.got) == ("failed", "service.blocks", "too late to ask")
-    assert "0.4 s for this check ran out" in result.message
-
-
 def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:
     waited: list[bool] = []
 

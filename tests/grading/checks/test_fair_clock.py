@@ -81,14 +81,6 @@ def test_threads_are_counted_only_when_the_time_can_be_up(clock: Time) -> None:
     assert counts == [104.0, 106.0, 107.0, 108.0]
 
 
-def test_however_busy_the_machine_a_wait_is_over_at_five_times_the_patience(clock: Time) -> None:
-    states = [look()]
-    fair = FairClock(Recent(lambda: states[-1]))
-    states.append(look(waited=1e6))
-    clock.now += 10.0
-    assert fair.fair() == pytest.approx(2.0)
-
-
 def test_a_state_is_looked_at_anew_only_when_it_is_old(clock: Time) -> None:
     made: list[float] = []
 

@@ -43,14 +43,6 @@ def test_a_dump_is_whole_when_the_next_one_has_begun(written: tuple[OutputCollec
     assert process.stacks() == (WORKER + MAIN).decode()
 
 
-def test_a_thread_that_has_come_in_between_does_not_hide_the_end(written: tuple[OutputCollector, int]) -> None:
-    process, writer = written
-    os.write(writer, WORKER + MAIN + WORKER.replace(b"02", b"03") + WORKER)
-    process.take("evidence")
-    assert process.has_whole_dump()
-    assert MAIN.decode() in process.stacks()
-
-
 def test_a_note_of_the_program_is_no_dump(written: tuple[OutputCollector, int]) -> None:
     process, writer = written
     os.write(writer, b'{"note": {"returned": "Thread 0x1"}}\n')

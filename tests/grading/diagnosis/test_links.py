@@ -10,7 +10,6 @@ from urllib.parse import quote
 import nbformat
 import pytest
 
-from course_kit.authoring import corpus
 from course_kit.grading import GradingError, engine, render_html, render_text
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
@@ -30,7 +29,6 @@ RESULT = {
     "steps": [],
     "proves": [],
 }
-BROKEN = {one.name for kind in ("broken", "slip") for one in corpus.load("temperature_service", REPOSITORY).of(kind)}
 
 
 def headings(path: Path) -> set[str]:
@@ -47,11 +45,6 @@ def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str)
     assert (found.link in message) == notebook.is_file()
     if notebook.is_file():
         assert found.section in headings(notebook)
-
-
-def test_exercises_word_diagnoses_in_their_own_way() -> None:
-    assert ("robot_parameters", "validation.missing") in OWN
-    assert ("robot_parameters", "math.formula") in OWN
 
 
 @pytest.mark.parametrize(("name", "code"), OWN)
@@ -116,10 +109,3 @@ def test_a_mistake_in_an_exercises_diagnoses_is_named(table: str, said: str, tmp
     (folder / "exercise.toml").write_text(f"{table}\n{text}" if table.startswith("diagnoses") else f"{text}\n{table}\n")
     with pytest.raises(GradingError, match=rf"exercise.toml cannot be used: .*{re.escape(said)}"):
         load_exercise("temperature_service", tmp_path)
-
-
-def test_whatever_exercise_1_diagnoses_is_taught_somewhere() -> None:
-    codes = BROKEN & set(catalogue.catalogue())
-    assert len(codes) > 20
-    taught = [load_exercise("temperature_service").diagnosis(code) for code in codes]
-    assert all(one is not None and (REPOSITORY / one.notebook).is_file() for one in taught)

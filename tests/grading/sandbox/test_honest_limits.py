@@ -79,11 +79,3 @@ def test_the_page_names_what_there_is() -> None:
         assert name in _PASSED_ON
     for prefix in re.findall(r"`([A-Z]+_?)`", PAGE.partition("Few variables")[2].partition("##")[0]):
         assert prefix in _PASSED_ON_PREFIXES
-
-
-def test_the_page_is_named_by_the_doctor_and_by_help() -> None:
-    from course_kit.cli import doctor, main
-
-    assert "LIMITS.md" in doctor.isolation().advice
-    help_text = main.build_parser()._subparsers._group_actions[0].choices["grade"].format_help()  # type: ignore[union-attr]
-    assert "LIMITS.md" in help_text

@@ -136,15 +136,6 @@ def test_while_children_may_have_had_the_processors_unseen_nothing_counts(
     assert waiting.hidden_s == pytest.approx(3.0)
 
 
-def test_threads_may_come_and_go(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
-    proc.threads(PROGRAM, main=(0.0, 1.0))
-    waiting.look([PROGRAM], 20)
-    proc.started(150)
-    proc.threads(PROGRAM, main=(0.0, 2.0))
-    assert waiting.look([PROGRAM], 20) == pytest.approx(2.0)
-
-
 def test_what_a_child_was_noticed_to_compute_counts_when_it_has_vanished(proc: MadeUpProc) -> None:
     waiting = Waiting(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 0.0))
@@ -153,15 +144,6 @@ def test_what_a_child_was_noticed_to_compute_counts_when_it_has_vanished(proc: M
     waiting.notice([PROGRAM, CHILD], 2)
     proc.threads(PROGRAM, main=(0.0, 2.5))
     assert waiting.look([PROGRAM], 1) == pytest.approx(0.5)
-
-
-def test_a_program_that_has_ended_waits_for_nothing(proc: MadeUpProc) -> None:
-    del proc
-    assert Waiting(PROGRAM, with_children=False).look([], 0) == 0.0
-
-
-def test_helpers_are_counted_without_the_main_thread() -> None:
-    assert 0.0 <= scheduling.own_waiting(helpers_only=True) <= scheduling.own_waiting()
 
 
 @pytest.fixture

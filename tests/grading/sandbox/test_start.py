@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import re
 import stat
-import subprocess
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,8 +15,6 @@ from tests.grading.conftest import EXERCISE
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
-
-    import pytest
 
     from course_kit import grading
 
@@ -78,14 +74,3 @@ def test_a_workers_folder_that_somebody_has_removed_is_made_anew_as_it_was() -> 
         assert list(folder.iterdir()) == []
     finally:
         scratch.remove(folder)
-
-
-def test_what_a_killed_worker_has_left_the_next_one_removes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    ended = subprocess.Popen(["true"])
-    ended.wait()
-    left, used = (tmp_path / f"course-kit-worker-{number}-x" for number in (ended.pid, os.getpid()))
-    left.mkdir()
-    used.mkdir()
-    made = scratch.make()
-    assert sorted(tmp_path.iterdir()) == sorted([made, used])

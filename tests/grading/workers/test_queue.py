@@ -95,16 +95,6 @@ def test_a_long_queue_leaves_the_whole_time_for_the_grading(
     assert line[1].receive(10.0) == {"domain": 7, "queued_s": waits_s}
 
 
-def test_the_starts_of_one_grading_queue_no_longer_than_a_grading_may(
-    clock: StandInClock, line: tuple[Channel, Channel], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    queue = StandInQueue(clock, 0.4 * limits.QUEUE_S)
-    monkeypatch.setattr(environment, "exclusive_domain", queue)
-    problem = problem_of(line, 3)
-    assert [round(patience / limits.QUEUE_S, 3) for patience in queue.patience] == [1.0, 0.6, 0.2]
-    assert "no ROS domain became free" in problem
-
-
 def test_a_check_has_its_whole_time_after_a_queue(line: tuple[Channel, Channel], domain: int) -> None:
     ours, grader_process = line
     context = CheckContext(grader_process, JOB)
