@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
 from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.authoring import edition_plan, release
 from course_kit.authoring.edition_plan import Owner
-from course_kit.grading.errors import GradingError
 from tests.authoring.conftest import git
-from tests.course_copy import REPOSITORY, TEMPERATURE, Course
+from tests.course_copy import REPOSITORY, Course
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,31 +56,6 @@ def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:
     assert "are on no list: course_kit/secrets/x.py, exam.md, lecture 3/answers.py, lecture 3/more.py." in said
     assert "git does not know them: notebooks/07_draft.ipynb. To put them in: git add FILE" in said
     assert set(planned.left_out) >= {*planned.undecided, *planned.untracked, "course_kit/authoring/release.py"}
-
-
-def test_an_exercise_goes_in_once_it_is_committed(clone: Course) -> None:
-    folder = clone.root / "exercises" / "humidity"
-    shutil.copytree(clone.root / "exercises" / TEMPERATURE, folder)
-    toml = folder / "exercise.toml"
-    toml.write_text(toml.read_text().replace(f'id = "{TEMPERATURE}"', 'id = "humidity"'))
-    (folder / "my_solution.py").touch()
-    assert "exercises/humidity/exercise.toml" in edition_plan.plan(clone.root).untracked
-    git(clone.root, "add", "exercises")
-    git(clone.root, "commit", "-q", "-m", "Humidity")
-    planned = edition_plan.plan(clone.root)
-    found = {name for name in planned.files if "humidity" in name}
-    names = ("exercise.toml", f"{TEMPERATURE}.py", f"{TEMPERATURE}.ipynb")
-    assert found == {f"exercises/humidity/{name}" for name in names}
-    assert "exercises/humidity/my_solution.py" in planned.instructors
-
-
-@pytest.mark.parametrize("change", ["solve", "remove"])
-def test_an_exercise_that_git_calls_changed_is_refused(clone: Course, change: str) -> None:
-    starter = clone.root / "exercises" / TEMPERATURE / f"{TEMPERATURE}.py"
-    starter.write_text("solved") if change == "solve" else starter.unlink()
-    with pytest.raises(GradingError, match=rf"as they are: exercises/{TEMPERATURE}/{TEMPERATURE}\.py\. Take"):
-        edition_plan.plan(clone.root)
-    assert TEMPERATURE not in edition_plan.plan(clone.root, [TEMPERATURE]).exercises
 
 
 def test_without_git_what_was_generated_stays_out_and_it_is_said(

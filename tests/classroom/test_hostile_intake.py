@@ -280,19 +280,6 @@ def test_a_broken_member_is_not_half_there(tmp_path: Path, change: Callable[[byt
     assert not (tmp_path / "workspace/mallory/temperature_service.py").exists()
 
 
-@pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_of_two_members_of_a_name_the_last_counts(tmp_path: Path) -> None:
-    packed = Zip(tmp_path / "all.zip")
-    for text in (b"first", b"second"):
-        packed.add("mallory/temperature_service.py", text)
-    packed.add("mallory/./temperature_service.py", b"third")
-    found = collect(packed.close())
-    assert taken(found) == {**IN_FOLDERS, "mallory": "mallory/temperature_service.py"}
-    assert (found.root / "mallory/temperature_service.py").read_bytes() == b"third"
-    assert [path for path, _ in found.left] == ["mallory/temperature_service.py"] * 2
-    assert found.dropped == ()
-
-
 def test_a_bomb_takes_its_student_along_and_nobody_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archive, "LARGEST_OF_ONE", 10_000)
     monkeypatch.setattr(archive, "MOST_OF_ONE", 5)
@@ -350,16 +337,6 @@ def test_a_folder_that_is_not_ours_is_not_emptied(tmp_path: Path) -> None:
     with pytest.raises(GradingError, match=r"but that already exists\. Move it away first"):
         collect(Zip(tmp_path / "all.zip").close())
     assert (tmp_path / "workspace/precious.txt").is_file()
-
-
-def test_brackets_in_each_other_in_a_gradescope_export_end_nothing(tmp_path: Path) -> None:
-    """A value of YAML that is nested too deeply for its parser."""
-    names = [f"assignment_1_export/submission_{number}/{PROGRAM}" for number in (5, 6)]
-    root = lay_out(tmp_path / "in", names)
-    entry = "submission_{}:\n  :submitters:\n  - :name: {}\n    :sid: '{}'\n"
-    text = "---\n" + entry.format(5, "[" * 970, 50) + entry.format(6, "Bob", 60)
-    (root / "assignment_1_export/submission_metadata.yml").write_text(text)
-    assert set(taken(collect(root))) == {"50", "60"}
 
 
 def long_list(path: Path, megabytes: int) -> None:

@@ -213,11 +213,3 @@ def test_what_will_hardly_get_a_point_is_among_what_to_look_at(
     [entry] = collect(tmp_path / "in").entries
     assert entry.worry.startswith(worry)
     assert bool(entry.worry) == bool(worry)
-
-
-def test_an_exercise_does_not_list_what_is_for_another(tmp_path: Path) -> None:
-    files = {"ann/temperature_service.py": CLASS, "ann/move_robot.py": "class MoveRobotServer:\n    pass\n"}
-    files |= {"ann/old/move_robot.py": "class MoveRobotServer:\n    x = 1\n", "ann/notes.txt": ""}
-    service, robot = collect(lay_out(tmp_path / "in", files), SERVICE, ROBOT).entries
-    assert service.others == ["ann/notes.txt"]
-    assert [one.partition(" ")[0] for one in robot.others] == ["ann/move_robot.py", "ann/notes.txt"]

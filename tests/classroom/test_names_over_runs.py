@@ -9,7 +9,6 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.intake import roster
-from course_kit.classroom.rules import seeds
 from course_kit.grading import GradingError
 from tests.classroom.exports import rules
 from tests.classroom.stand_ins import SERVICE, StandInForGrading, run
@@ -136,20 +135,3 @@ def refused(tmp_path: Path, called: str, **programs: str) -> str:
 def test_a_name_of_two_students_is_refused_with_what_tells_them_apart(tmp_path: Path) -> None:
     said = refused(tmp_path, "Ann A", Ann_A_11="right = 1", Ann_A_14="right = 2")
     assert "line 2: several are called 'Ann A': 11, 14. Write" in said
-
-
-def test_what_is_written_about_a_group_holds_for_all_in_it(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    out.mkdir()
-    (out / "overrides.csv").write_text(f"student,exercise,score,comment\nteam a,{SERVICE.id},5,\n")
-    inbox = tmp_path / "in/Team A_77_assignsubmission_file"
-    inbox.mkdir(parents=True)
-    (inbox / SERVICE.starter).write_text("right = 1")
-    (tmp_path / "seeds.csv").write_text("student,seed\nTeam A,7\n")
-    people = class_list(
-        tmp_path, "Full name,Email address,Group\nAnn A,ann@x.example,Team A\nBob B,bob@x.example,Team A\n"
-    )
-    given = seeds.read(tmp_path / "seeds.csv")
-    book = run(inbox.parent, out, StandInForGrading(), roster=people, seeds=given, layout="moodle")
-    assert scores(book) == {"ann@x.example": 5.0, "bob@x.example": 5.0}
-    assert {record.seed for record in book.records} == {7}

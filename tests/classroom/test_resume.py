@@ -11,7 +11,6 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.records import Record
-from course_kit.classroom.rules import instructor
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
@@ -143,21 +142,6 @@ def test_a_score_with_a_plus_is_added_to_that_of_the_checks_up_to_full_marks(inb
     assert "set this score" not in page
 
 
-def test_the_points_of_one_check_can_be_set(inbox: Path) -> None:
-    first, _ = again(inbox)
-    check = first.records[0].report["checks"][0]
-    lines = ("student,exercise,check,score,comment", f"ada,temperature_service,{check['id']},0.5,Late name.")
-    more = ("bob,temperature_service,x,1,", "ada,temperature_service,,+1,")
-    out = settings(inbox, overrides="\n".join((*lines, *more)))
-    book, graded = again(inbox)
-    assert graded == []
-    ada = next(one for one in book.records if one.entry.student == "ada")
-    assert ada.score == ada.graded_score - check["points"] + 0.5 + 1.0
-    page = (out / "students/ada/temperature_service.html").read_text(encoding="utf-8")
-    assert f"to 0.5 points; the check gave {check['points']:g}." in page
-    assert any("no such check: bob" in one for one in instructor.warnings(book))
-
-
 def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
     (inbox / "bob/pattern_choice.py").write_text("answers = {}  # right")
     out = settings(inbox, overrides="student;exercise;score;comment\nada;pattern_choice;7,5;Oral exam\n")
@@ -242,21 +226,6 @@ def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
     settings(inbox, extensions="student,exercise,due\nada,temperature_service,2026-11-21 12:00\n")  # 11:00 UTC
     assert scores(again(inbox)[0])["ada"] == 9.0
     assert "your own date" in (out / "students/ada/temperature_service.html").read_text(encoding="utf-8")
-
-
-def test_late_by_the_name_alone_counts_as_one_day_and_is_said(tmp_path: Path) -> None:
-    inbox = tmp_path / "in"
-    inbox.mkdir()
-    for name in ("doejane_LATE_1_11_temperature_service.py", "roe_2_12_temperature_service.py"):
-        (inbox / name).write_text(f"right = '{name}'")
-    settings(inbox, class_toml=RULES + DUE)
-    book, _ = again(inbox)
-    assert scores(book) == {"1": 9.0, "2": 10.0}
-    assert "one day" in book.records[0].adjustment.warning
-    settings(inbox, extensions="student,due\n1,2026-11-25 12:00+01:00\n")
-    book, _ = again(inbox)
-    assert scores(book) == {"1": 10.0, "2": 10.0}
-    assert "extended" in book.records[0].adjustment.warning
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from concurrent.futures import Future
 from dataclasses import replace
@@ -10,13 +9,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom import exports, submissions
-from course_kit.classroom.grading_loop import RunProgress
+from course_kit.classroom import exports
 from course_kit.classroom.intake import roster
 from course_kit.classroom.records import Entry, Record, Records, safe_name
 from course_kit.classroom.rules.seeds import Seeds
 from course_kit.grading import GradingError
-from course_kit.grading.reading.reader import Reader
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
 if TYPE_CHECKING:
@@ -140,13 +137,6 @@ def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed
     assert ("bob/pattern_choice.py", 99) in drawn  # the same bytes as ada's, and not the same questions
 
 
-def test_what_vanishes_while_a_class_is_graded_gets_no_zero(tmp_path: Path) -> None:
-    with Reader() as reader:
-        found = submissions.read(Entry("ada", SERVICE.id, "ada/temperature_service.py"), tmp_path, SERVICE, 1, reader)
-    assert (found.status, found.unreadable().status) == ("error", "error")
-    assert "temperature_service.py is no longer there" in found.problem
-
-
 def test_a_record_survives_its_file(tmp_path: Path) -> None:
     entry = Entry('="Zoë", 😀', "temperature_service", "x/y.py", "Zoë; DROP", late=True, platform={"login": "zoë"})
     record = Record(entry, "d" * 64, 3, 5, {"score": 1.0, "max_score": 2.0, "status": "graded", "checks": []})
@@ -173,17 +163,6 @@ def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
     assert first.lower() != second.lower()
     assert "/" not in first
     assert max(len(first.encode()), len(second.encode())) < 200, "with an ending and a mark it has to fit"
-
-
-def test_progress_counts_and_estimates(handed_in: Path, tmp_path: Path) -> None:
-    now = [0.0]
-    tally = RunProgress(io.StringIO(), clock=lambda: now[0])
-    book = run(handed_in, tmp_path / "out", StandInForGrading())
-    tally.begin(total=104, ready=[])
-    for record in book.records[:4]:
-        tally.done(record)
-    now[0] = 4.0
-    assert tally.line() == "[  4/104] 2 passed, 1 not passed, 1 unreadable; about 1 min 40 s left"
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
-import re
 import subprocess
 import sys
 import threading
@@ -174,17 +172,3 @@ def test_a_notebook_is_made_readable() -> None:
     assert "(01_services.ipynb#74-a-deadlock)" in made.cells[0].source
     assert made.cells[0].source.endswith("So.\n\n</details>")
     assert list(made.cells[1].outputs[0].data) == ["text/html", "text/plain"]
-
-
-@pytest.mark.parametrize("path", notebooks.with_outputs(REPOSITORY), ids=lambda path: path.stem)
-def test_a_page_that_strips_pictures_and_styles_from_a_notebook_still_has_words(path: Path) -> None:
-    """GitHub does so; nbviewer shows the pictures. Neither has a widget to load."""
-    outputs = [one for cell in json.loads(path.read_text())["cells"] for one in cell.get("outputs", [])]
-    assert outputs
-    for shown in (one["data"] for one in outputs if "data" in one):
-        assert WIDGET not in shown
-        page = bs4.BeautifulSoup("".join(shown.get("text/html", shown["text/plain"])), "html.parser")
-        for left_out in page(["style", "script", "svg"]):
-            left_out.decompose()
-        words = set(re.findall(r"[a-z]{3,}", "".join(shown["text/plain"]).lower()) if "text/html" in shown else [])
-        assert len(words - set(re.findall(r"[a-z]{3,}", page.get_text().lower()))) <= len(words) / 2, words

@@ -26,7 +26,6 @@ scope, *owner = sys.argv[1:]
 lease = Leases(scope, frozenset).share(*owner) if owner else Leases(scope, frozenset).exclusive()
 print(lease.domain_id, flush=True)
 """
-AS_NOBODY = "import course_kit.environment.domains, os\nos.setgroups([])\nos.setresuid(65534, 65534, 65534)\n"
 AND_FORK = """
 if os.fork():
     os._exit(0)
@@ -190,25 +189,6 @@ def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
         leases.share("me")
 
 
-def test_another_users_domain_is_passed_over_though_the_owner_has_the_same_name(
-    leases: Leases, scope: str, hold: Hold
-) -> None:
-    usual = leases.share("me")
-    number = usual.domain_id
-    mark = domains._address(f"{scope} {domains._realm()} me")
-    usual.release()
-    if os.getuid() == 0:
-        assert hold("me", before=AS_NOBODY).domain_id == number
-        held = ()
-    else:  # to the kernel the sockets of another user are as those that nobody may share
-        places = ((mark, domains._MARK), (leases._address, domains._LEASE))
-        held = tuple(domains._bind(address, domains.port_at(number, place)) for address, place in places)
-        assert None not in held
-    assert leases.share("me").domain_id != number
-    for descriptor in held:
-        os.close(descriptor)
-
-
 def test_without_a_loopback_interface_the_message_says_what_to_do(hold: Hold) -> None:
     with pytest.raises(domains.NoLoopbackError, match="ip link set lo up"):
         domains._bind("192.0.2.1", 7402)  # an address for documentation, which no machine has
@@ -224,19 +204,6 @@ def test_a_fork_keeps_the_domain_and_a_program_it_starts_does_not(leases: Rememb
     assert forked.tell("another program") == "started\n"
     assert forked.domain_id in leases.rest()
     assert forked.tell("still there?") == "yes\n"
-
-
-def test_one_chooses_after_the_other(leases: Leases) -> None:
-    other = domains._bind(leases._address, domains.port_at(0, domains._CHOICE))
-    assert other is not None
-    chosen: list[domains.Lease] = []
-    waiting = threading.Thread(target=lambda: chosen.append(leases.share("me")))
-    waiting.start()
-    waiting.join(0.2)
-    assert not chosen
-    os.close(other)
-    waiting.join(60)
-    assert len(chosen) == 1
 
 
 def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: str, domain: int) -> None:

@@ -57,14 +57,6 @@ def test_a_child_inherits_the_domain_and_does_not_take_it_for_the_users(domain: 
     assert "ROS_LOG_DIR" not in child
 
 
-def test_apply_says_who_chose_the_domain(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert environment.apply_settings() == environment.apply_settings()
-    assert environment.apply_settings().domain_chosen_by == "ROS_DOMAIN_ID"
-    assert environment.apply_settings().domain_id == domain
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    assert environment.apply_settings().domain_chosen_by == "the course kit"
-
-
 @pytest.mark.parametrize("value", ["abc", "233", "010", "\N{ARABIC-INDIC DIGIT FIVE}"])
 def test_an_impossible_domain_is_named_and_not_changed(value: str) -> None:
     result = in_fresh_process("import rclpy, os; print(os.environ['ROS_DOMAIN_ID'])", ROS_DOMAIN_ID=value)
@@ -148,18 +140,6 @@ def test_the_graph_is_on_loopback_alone_and_a_killed_node_leaves_no_shared_memor
     assert "/fastrtps_" not in maps
     assert "127.0.0.1" in {each.laddr.ip for each in sockets}
     assert {each.laddr.ip for each in sockets} <= {"127.0.0.1", DISCOVERY_GROUP}
-
-
-@pytest.mark.parametrize("other", [{"RMW_IMPLEMENTATION": "rmw_of_another"}, {PROFILE_VARIABLE: "/mine.xml"}])
-def test_without_the_profile_of_the_course_the_range_itself_is_local(
-    other: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in KIT_VARIABLES:
-        monkeypatch.delenv(name, raising=False)
-    for name, value in other.items():
-        monkeypatch.setenv(name, value)
-    assert environment.default_settings()["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert PROFILE_VARIABLE not in environment.default_settings()
 
 
 def test_readers_and_writers_ask_alike_in_every_profile() -> None:

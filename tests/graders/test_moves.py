@@ -17,7 +17,6 @@ from course_kit.graders._moves import (
     explain_refusal,
     find_jump,
     require_distance,
-    require_end_before,
 )
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.check import Evidence, Failed
@@ -112,15 +111,6 @@ def test_a_refusal_counts_where_cancelling_has_to_work(
     assert type(found) is kind
     assert found.diagnosis != "service.blocks"
     assert found.breaks == "cancel" or kind is OverError
-
-
-@pytest.mark.parametrize(("over_at", "overlaps"), [(5.0, False), (5.009, False), (5.05, True), (None, False)])
-def test_two_goals_overlap_by_more_than_their_statuses_may_be_late(over_at: float | None, overlaps: bool) -> None:
-    if not overlaps:
-        require_end_before(goal(over_at=over_at), goal(began_at=5.0), Evidence())
-        return
-    with pytest.raises(Failed, match="had ended"):
-        require_end_before(goal(over_at=over_at), goal(began_at=5.0), Evidence())
 
 
 @pytest.mark.parametrize(

@@ -27,11 +27,6 @@ def test_root_elsewhere_is_refused_and_told_what_to_do() -> None:
     assert "lab --allow-root" in str(caught.value)
 
 
-@pytest.mark.parametrize("own", ["--allow-root", "--ServerApp.allow_root=True", "--ServerApp.allow_root=False"])
-def test_who_decides_it_themselves_is_left_alone(own: str) -> None:
-    assert jupyter.root_arguments([own], 0, "") == []
-
-
 def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -42,13 +37,6 @@ def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
     said = capsys.readouterr().err
     assert said.startswith("course-kit: JupyterLab does not run as root")
     assert len(said.splitlines()) == 1
-
-
-def test_a_container_is_known_by_its_signs(tmp_path: Path) -> None:
-    assert environment.paths.sign_of_container(tmp_path, {"container": ""}) == ""
-    assert environment.paths.sign_of_container(tmp_path, {"container": "podman"}) == "the variable container"
-    (tmp_path / ".dockerenv").touch()
-    assert environment.paths.sign_of_container(tmp_path, {}) == "/.dockerenv"
 
 
 @pytest.fixture

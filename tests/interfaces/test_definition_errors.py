@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import pickle
-
 import pytest
 
 from course_kit import environment, interfaces
-from course_kit.interfaces import InterfaceDefinitionError, sources
+from course_kit.interfaces import InterfaceDefinitionError
 from course_kit.interfaces.parser import parse_definition
 
 
@@ -163,20 +161,3 @@ def test_an_indented_definition_keeps_its_line_numbers() -> None:
             """,
         )
     assert caught.value.line == 3
-
-
-def test_a_definition_that_cannot_be_saved_works_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sources, "saved_folder", lambda: "/proc/no such folder")
-    with pytest.warns(RuntimeWarning, match="unsaved_messages/msg/Info.msg is defined in this program only"):
-        cls = interfaces.define("unsaved_messages/msg/Info", "int32 a\n")
-    from unsaved_messages.msg import Info
-
-    assert Info is cls
-
-
-def test_errors_can_be_sent_between_processes() -> None:
-    error = fault("sting a")
-    assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - our own
-    with pytest.raises(interfaces.InterfaceNotFoundError) as caught:
-        interfaces.get_type("std_srvs/srv/SetBol")
-    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)  # noqa: S301

@@ -56,19 +56,6 @@ def test_a_program_that_knows_nothing_of_the_course() -> None:
     )
 
 
-def test_checks_are_on_even_when_interfaces_are_imported_before_rclpy() -> None:
-    program = """
-        from example_interfaces.srv import AddTwoInts
-        try:
-            AddTwoInts.Request(a="one")
-        except AssertionError as error:
-            print(error)
-        """
-    assert run(program, COURSE_KIT_AUTOLOAD="1") == "The 'a' field must be of type 'int'\n"
-    # The user's own choice wins.
-    assert run(program, ROS_PYTHON_CHECK_FIELDS="0") == ""
-
-
 HEAVY = ("typing", "importlib.abc", "dataclasses", "inspect", "ctypes", "numpy", "rosidl_parser", "pathlib", "re")
 
 
@@ -117,35 +104,6 @@ def test_modules_are_laid_out_as_rosidl_lays_them_out() -> None:
 
     assert {"AddTwoInts", "SetBool", "Trigger"} <= set(dir(example_interfaces.srv))
     assert finder.is_live(example_interfaces.srv)
-
-
-def test_listing() -> None:
-    assert {"example_interfaces", "course_interfaces", "std_srvs", "geometry_msgs"} <= set(interfaces.packages())
-    assert interfaces.packages() == sorted(interfaces.packages())
-    assert interfaces.types("course_interfaces") == [
-        "course_interfaces/action/MoveRobot",
-        "course_interfaces/srv/ConvertTemperature",
-    ]
-    assert interfaces.types("std_srvs") == ["std_srvs/srv/Empty", "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"]
-    services = interfaces.types(kind="srv")
-    assert {"std_srvs/srv/SetBool", "example_interfaces/srv/AddTwoInts"} <= set(services)
-    assert {name.split("/")[1] for name in services} == {"srv"}
-    assert interfaces.types("std_srvs", kind="msg") == []
-    with pytest.raises(interfaces.InterfaceNotFoundError, match="Did you mean 'std_srvs'"):
-        interfaces.types("std_srv")
-
-
-def test_types_by_name() -> None:
-    from std_srvs.srv import SetBool
-
-    assert interfaces.get_type("std_srvs/srv/SetBool") is SetBool
-    assert interfaces.get_type("std_srvs/SetBool") is SetBool
-    assert interfaces.get_type("example_interfaces/AddTwoInts").__module__ == "example_interfaces.srv._add_two_ints"
-    interfaces.define("twice_interfaces/msg/Info", "int32 a\n")
-    interfaces.define("twice_interfaces/srv/Info", "int32 a\n---\n")
-    choice = "'twice_interfaces/msg/Info' or 'twice_interfaces/srv/Info'"
-    with pytest.raises(interfaces.InterfaceNotFoundError, match=choice):
-        interfaces.get_type("twice_interfaces/Info")
 
 
 @pytest.mark.parametrize(

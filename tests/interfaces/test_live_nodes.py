@@ -16,9 +16,7 @@ from course_interfaces.action import MoveRobot
 from example_interfaces.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout
 from example_interfaces.srv import AddTwoInts
 from geometry_msgs.msg import Point
-from rclpy.qos import qos_profile_system_default
 from rclpy.serialization import deserialize_message, serialize_message
-from rclpy.service_introspection import ServiceIntrospectionState
 from type_description_interfaces.srv import GetTypeDescription
 
 from course_kit import environment, interfaces
@@ -57,34 +55,6 @@ def test_a_subscription_survives_malformed_payloads(spun: Spun) -> None:
         publisher.publish(good)
     spun.wait_for(lambda: len(got) >= len(bad), "the good messages")
     assert got == [good] * len(bad)
-
-
-def test_service_introspection(spun: Spun) -> None:
-    service = spun.node.create_service(AddTwoInts, "add", add)
-    client = spun.node.create_client(AddTwoInts, "add")
-    events: list[Any] = []
-    spun.node.create_subscription(AddTwoInts.Event, "add/_service_event", events.append, 10)
-
-    def introspect(state: ServiceIntrospectionState) -> list[Any]:
-        for each in (service, client):
-            each.configure_introspection(spun.node.get_clock(), qos_profile_system_default, state)
-        spun.wait_for(lambda: spun.node.count_publishers("add/_service_event") == 2, "the publishers of events")
-        spun.answer(client, AddTwoInts.Request(a=2**40, b=5))
-        spun.wait_for(lambda: len(events) >= 4, "four events")
-        found = sorted(events, key=lambda event: event.info.event_type)
-        events.clear()
-        return found
-
-    seen = introspect(ServiceIntrospectionState.CONTENTS)
-    assert [event.info.event_type for event in seen] == [0, 1, 2, 3]
-    assert [[r.a for r in event.request] for event in seen] == [[2**40], [2**40], [], []]
-    assert [[r.sum for r in event.response] for event in seen] == [[], [], [2**40 + 5], [2**40 + 5]]
-    assert all(event.info.stamp.sec > 0 for event in seen)
-    assert all(event.info.client_gid.any() for event in seen)
-    assert len({event.info.sequence_number for event in seen}) == 1
-    assert [(list(e.request), list(e.response)) for e in introspect(ServiceIntrospectionState.METADATA)] == [
-        ([], [])
-    ] * 4
 
 
 def test_the_node_describes_live_types(spun: Spun) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import shutil
 import sys
 from pathlib import Path
@@ -86,12 +85,3 @@ def test_another_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
         loader.load_helper()
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
     loader.load_helper()
-
-
-def test_another_fast_cdr(monkeypatch: pytest.MonkeyPatch) -> None:
-    def without_fast_cdr(_: str) -> ctypes.CDLL:
-        return ctypes.CDLL("libc.so.6")
-
-    monkeypatch.setattr(loader, "ros_library", without_fast_cdr)
-    with pytest.raises(NativeHelperError, match="This Fast CDR is not the one of ROS 2 Jazzy"):
-        loader.load_helper()

@@ -113,11 +113,6 @@ def test_a_message_within_a_service_is_defined_anew() -> None:
     assert Move is after
 
 
-def test_the_same_text_again_is_the_same_class() -> None:
-    first = interfaces.define("redefined_same/msg/Info", OLD_INFO)
-    assert interfaces.define("redefined_same/msg/Info", OLD_INFO) is first
-
-
 def test_an_invalid_text_leaves_the_old_definition() -> None:
     first = interfaces.define("redefined_invalid/msg/Info", OLD_INFO)
     with pytest.raises(interfaces.InterfaceDefinitionError):

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
 
     Run = Callable[..., str]
 
-ECHO = "ExecuteProcess(cmd=['echo', {what}], output='screen')"
-
 
 @pytest.mark.parametrize(
     ("actions", "shown", "never"),
@@ -93,32 +91,6 @@ def test_one_program_ends_all(run: Run, how: str) -> None:
     assert "shutting down: enough" in done
     assert "[sleep-1]: sending signal 'SIGINT' to process[sleep-1]" in done
     assert done.endswith("ended with 0")
-
-
-def test_any_program_with_its_variables_and_shell(run: Run) -> None:
-    done = run(
-        "ExecuteProcess(cmd=[['echo $', 'A ', '\"b c\"']], shell=True, additional_env={'A': 'x'}, output='both'),"
-        "ExecuteProcess(cmd=['echo', 'hidden']),"
-        "ExecuteProcess(cmd=['python3', '-c', 'import sys; print(sys.executable)'], output='screen'),"
-    )
-    import sys
-
-    assert "] x b c\n" in done
-    assert "hidden" not in done
-    assert f"] {sys.executable}\n" in done
-
-
-def test_the_real_names_of_modules(run: Run) -> None:
-    """`import launch; launch.actions.X`, and the modules in which launch has its classes."""
-    done = run(
-        text="import launch, launch_ros\n"
-        "import launch_ros.actions.node\n"
-        "from launch.substitutions.path_join_substitution import PathJoinSubstitution\n"
-        "def generate_launch_description():\n"
-        "    assert launch_ros.actions.node.Node is launch_ros.actions.Node\n"
-        "    return launch.LaunchDescription([launch.actions.LogInfo(msg=PathJoinSubstitution(['a', 'b']))])\n"
-    )
-    assert "a/b" in done
 
 
 def test_an_included_file_gets_its_arguments_or_is_left_out(run: Run) -> None:

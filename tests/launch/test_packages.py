@@ -10,14 +10,13 @@ import sysconfig
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-import pytest
-
 from course_kit import environment, launch
 from course_kit.launch import package_index
-from course_kit.launch.errors import LaunchError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    import pytest
 
     Run = Callable[..., str]
 
@@ -93,16 +92,6 @@ def test_a_package_of_the_workspace_is_found_with_all_that_it_shares(
     assert done.endswith("ended with 1")
 
 
-def test_programs_are_read_from_a_setup_py_that_puts_their_names_together(tmp_path: Path) -> None:
-    (tmp_path / "setup.py").write_text(
-        "package_name = 'arm'\nsetup(name=package_name, entry_points={'console_scripts': [\n"
-        "    'wave = ' + package_name + '.wave:main', f'nod = {package_name}.nod:main', 'bow = ' 'arm.bow:main',\n"
-        "    'never = ' + what_nobody_knows(),\n]})"
-    )
-    found = package_index.read_programs(tmp_path)
-    assert found == {"wave": ("arm.wave", "main"), "nod": ("arm.nod", "main"), "bow": ("arm.bow", "main")}
-
-
 def test_packages_are_found_as_deep_as_in_a_repository_that_was_cloned_into_src(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -121,15 +110,6 @@ def test_a_compiled_program_of_a_package_is_named_as_one(run: Run, folder: Path)
     make_package(folder, "arm")
     done = run("Node(package='arm', executable='driver')", file="arm/launch/it.launch.py")
     assert f"Package 'arm' has no Python program 'driver' in {folder / 'arm'}. A compiled one needs a full" in done
-
-
-def test_an_unknown_package_has_a_suggestion(folder: Path) -> None:
-    package_index.make_known([make_package(folder, "arm_driver")])
-    with pytest.raises(LaunchError, match=r"Package 'arm_diver' not found\. Did you mean arm_driver\?"):
-        package_index.prefix_of("arm_diver")
-    before = os.environ["AMENT_PREFIX_PATH"]
-    package_index.make_known([folder / "arm_driver"])
-    assert os.environ["AMENT_PREFIX_PATH"] == before
 
 
 def test_the_page_about_a_package_of_ones_own_does_what_it_says(folder: Path) -> None:

@@ -12,11 +12,8 @@ from course_kit.launch.errors import LaunchError
 from course_kit.launch.node import ParameterValue, values_of
 from course_kit.launch.substitutions import LaunchConfiguration, TextSubstitution
 
-from .conftest import FIRST_LINE
-
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     Run = Callable[..., str]
 
@@ -90,11 +87,3 @@ def test_each_node_gets_its_own_file(run: Run) -> None:
     assert "'--ros-args', '-r', '__node:=n', '-r', '__ns:=/ns'" in lines[0]
     whole = yaml.safe_load("\n".join(lines[1:]))
     assert whole == {"/ns/n": {"ros__parameters": {"list": [1.0, 2.5], "text": ""}}}
-
-
-def test_a_node_starts_without_a_parameter_file_that_is_missing(run: Run, folder: Path) -> None:
-    done = run("Node(executable='tell.py', output='screen', parameters=['no.yaml', {'speed': 2.5}])")
-    warning = f"there is no parameter file {folder / 'no.yaml'}; the node starts without it."
-    assert f"[WARNING] [launch]: it.launch.py, line {FIRST_LINE}: {warning}\n" in done
-    assert "speed: 2.5" in done
-    assert done.endswith("ended with 0")

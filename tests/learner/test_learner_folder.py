@@ -157,15 +157,3 @@ def test_the_authors_folder_is_no_learners(monkeypatch: pytest.MonkeyPatch, caps
         assert jupyter.run_lab([str(wrong)]) == 2
         assert "cannot be your folder" in capsys.readouterr().err
     assert len(served) == 1
-
-
-def test_commands_mean_the_folder_that_jupyterlab_was_opened_on(clone: Course) -> None:
-    robots = clone.root.parent / "robots"
-    assert clone.run("copy").returncode == 0
-    made = clone.run("copy", "../robots")
-    assert f"are in {robots}." in made.stdout, made.stderr
-    for folder in (clone.root / LEARNER_FOLDER, robots):
-        (folder / PROGRAM).write_text("print('mine')\n")
-    clone.run("reset", TEMPERATURE, "--yes", **{environment.paths.FOLDER_VARIABLE: str(robots)})
-    assert (robots / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
-    assert (clone.root / LEARNER_FOLDER / PROGRAM).read_text() == "print('mine')\n"

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, NoReturn
 
 import pytest
 
-from course_kit.environment import paths
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.model.exercise import list_exercise_ids
 from course_kit.learner import progress
@@ -77,20 +76,6 @@ def test_it_belongs_to_the_course_and_not_to_the_user(tmp_path: Path) -> None:
     assert f"1 of {exercises} passed" in first.run("list", **mine).stdout
     assert f"0 of {exercises} passed" in fresh.run("list", **mine).stdout
     assert (first.root / ".course" / "progress.json").is_file()
-
-
-def test_in_courses_that_are_not_theirs_it_is_kept_with_the_user_one_for_each(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv(progress.VARIABLE)
-    monkeypatch.setattr(paths, "is_writable", lambda *_, **__: False)
-    monkeypatch.setattr(paths, "state_dir", lambda: tmp_path / "state")
-    for name in ("one", "another"):
-        monkeypatch.setattr(paths, "checkout_folder", lambda name=name: tmp_path / name)
-        assert progress.read() == ({}, "")
-        assert progress.record(a_report(8.0)) == ""
-        assert progress.read()[0]["exercise"].best == 8.0
-    assert len([*(tmp_path / "state").rglob("progress.json")]) == 2
 
 
 def test_graders_at_the_same_time_lose_nothing(file: Path) -> None:

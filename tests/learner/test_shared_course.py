@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import environment
-from course_kit.learner import workspace
 from tests.course_copy import TEMPERATURE, Course, copy_with_notebooks
 from tests.jupyter_server import allow_root, started
 from tests.unprivileged import as_somebody, forbid_writing, give, reachable_folder
@@ -158,20 +156,3 @@ def test_jupyterlab_opens_files_that_can_be_saved_and_keeps_them(learner: Learne
     if verb == "lab":
         assert "read-only for you, so JupyterLab opens your copy" in server.log.read_text()
         assert (learner.home / "ros2-course" / first).is_file()
-
-
-def test_within_the_course_a_file_of_the_same_name_elsewhere_is_not_taken(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Such as the solution, which is called like the starter."""
-    from course_kit.grading.model.exercise import load_exercise
-
-    exercise = load_exercise(TEMPERATURE)
-    solutions = exercise.folder.parent.parent / "solutions" / TEMPERATURE
-    monkeypatch.chdir(solutions if solutions.is_dir() else exercise.folder)
-    mine = environment.paths.usual_learner_folder() / "exercises" / TEMPERATURE  # of whoever works at this machine
-    assert workspace.exercise_folder(exercise) == (mine if mine.is_dir() else exercise.folder)
-    (tmp_path / TEMPERATURE).mkdir()
-    (tmp_path / TEMPERATURE / PROGRAM).touch()
-    monkeypatch.chdir(tmp_path)
-    assert workspace.exercise_folder(exercise) == tmp_path / TEMPERATURE

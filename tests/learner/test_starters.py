@@ -132,17 +132,3 @@ def test_the_solution_opens_with_a_pass(tmp_path: Path) -> None:
     keep(course, **PASSED)
     opened = course.run("solution", TEMPERATURE)
     assert (opened.returncode, opened.stdout) == (0, SOLUTION.read_text())
-
-
-@pytest.mark.answers
-def test_a_copy_of_the_solution_takes_the_place_of_nothing(tmp_path: Path) -> None:
-    course = Course(tmp_path)
-    keep(course, **PASSED)
-    assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path)).returncode == 0
-    assert (tmp_path / SOLUTION.name).read_text() == SOLUTION.read_text()
-    (tmp_path / "mine.py").write_text(MINE)
-    refused = course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "mine.py"))
-    assert refused.returncode == 2
-    assert "is not overwritten" in refused.stderr
-    assert (tmp_path / "mine.py").read_text() == MINE
-    assert course.run("solution", TEMPERATURE, "--copy", str(tmp_path / "no" / "folder.py")).returncode == 2

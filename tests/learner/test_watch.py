@@ -172,22 +172,6 @@ def test_a_save_during_a_grading_is_not_missed_and_several_are_one(saves: Saves,
         saves.began.get(timeout=0.3)
 
 
-def test_a_file_that_is_still_growing_is_left_to_come_to_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    states = iter([(1, 1, 1), (2, 2, 1), None, (3, 3, 1), (4, 4, 2), (4, 4, 2), (4, 4, 2), (5, 4, 2), (5, 4, 2)])
-    seen: list[object] = []
-    stop = threading.Event()
-
-    def state(_: Path) -> object:
-        seen.append(next(states, None))
-        if len(seen) > 12:
-            stop.set()
-        return seen[-1]
-
-    monkeypatch.setattr(watch, "_signature", state)
-    settled = [seen[-1] for _ in watch.saves(tmp_path, stop, poll_s=0.0)]
-    assert settled == [(4, 4, 2), (5, 4, 2)]
-
-
 def report(score: float, *checks: CheckReport, status: str = "graded", problem: str = "") -> Report:
     return Report("id", "Title", "f.py", status, score >= 7, score, 10.0, 1.25, checks, problem=problem)
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.presentation import demos
-from course_kit.presentation.demos import PresentationError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,18 +43,3 @@ def root(tmp_path: Path) -> Path:
 )
 def test_a_number_a_name_a_part_of_it_or_a_path_will_do(root: Path, name: str, meant: str) -> None:
     assert demos.find(root, name) == root / "notebooks" / f"{meant}.ipynb"
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("deadlok", "There is no demo called 'deadlok'. Did you mean 01_deadlock? The demos: 01_deadlock, 02_lost"),
-        ("7", "There is no demo called '7'. The demos:"),
-        ("e", "'e' fits 01_deadlock, 02_lost_cancel, 10_late_result, 01_services. Type one of them."),
-        ("../../etc/passwd", "There is no demo called '../../etc/passwd'."),
-    ],
-)
-def test_what_nobody_is_called_is_told_with_what_there_is(root: Path, name: str, said: str) -> None:
-    with pytest.raises(PresentationError) as told:
-        demos.find(root, name)
-    assert said in str(told.value)

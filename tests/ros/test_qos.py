@@ -62,12 +62,6 @@ def test_whatever_is_offered_arrives(
     executor.shutdown()
 
 
-def test_a_quiet_node_offers_nothing(context: Context) -> None:
-    node = quiet_node("_quiet", context)
-    assert (list(node.services), list(node.subscriptions), list(node.timers)) == ([], [], [])
-    assert [one.topic_name for one in node.publishers] == ["/parameter_events"]  # rclpy knows no way without it
-
-
 def test_who_listens_first_hears_the_default_publisher_that_comes_later(context: Context) -> None:
     node = quiet_node("_both", context)
     node.create_subscription(

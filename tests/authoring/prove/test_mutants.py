@@ -151,14 +151,6 @@ def test_goals() -> None:
     assert only(ACTION, "another callback", "execute_callback=self.decide")
 
 
-def test_answers_are_mixed_up_and_left_out() -> None:
-    assert only("a = f'{b}: {c}'", "value left out of a text", "f': {c}'")
-    source = "answers = {\n    'a': ('topic', 'why'),\n    'b': ('action', 'so'),\n}\n"
-    assert only(source, "another answer", "'a': ('action', 'why')")
-    assert only(source, "another answer", "'b': ('action', 'why')")
-    assert only(source, "entry left out", "{'b': ('action', 'so')}")
-
-
 @pytest.mark.parametrize("source", [NODE, ACTION])
 def test_each_is_python_and_there_once_and_what_is_printed_or_documented_is_left_alone(source: str) -> None:
     texts = [ast.unparse(ast.parse(one.source)) for one in made(source)]
