@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_kit import environment
-from course_kit.environment import domains, visiting
+from course_kit.environment import domains, visitor
 
 PROFILE = environment.middleware.PROFILE_VARIABLE
 
@@ -27,7 +27,7 @@ def peers(text: str) -> list[int]:
 
 
 def test_its_profile_is_the_courses_but_for_whom_it_announces_itself_to() -> None:
-    with visiting.visiting() as visits:
+    with visitor.visit_graph() as visits:
         text = Path(os.environ[PROFILE]).read_text(encoding="utf-8")
     assert visits
     without = re.sub(r"<initialPeersList>.*</initialPeersList>", "", text)
@@ -45,15 +45,15 @@ def test_it_announces_itself_to_those_who_are_there_last_and_to_those_who_may_be
     with ExitStack() as stack:
         for number in (*there, domains.port_at(domain, 11)):
             stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)).bind(("127.0.0.1", number))
-        with visiting.visiting():
+        with visitor.visit_graph():
             text = Path(os.environ[PROFILE]).read_text(encoding="utf-8")
     assert peers(text) == [*next_ones, there[2], there[1], there[0]]
 
 
 def test_what_is_started_afterwards_has_the_usual_profile() -> None:
-    with visiting.visiting():
+    with visitor.visit_graph():
         assert os.environ[PROFILE] != str(environment.LOOPBACK_PROFILE)
     assert os.environ[PROFILE] == str(environment.LOOPBACK_PROFILE)
-    with pytest.raises(KeyError), visiting.visiting():
+    with pytest.raises(KeyError), visitor.visit_graph():
         raise KeyError
     assert os.environ[PROFILE] == str(environment.LOOPBACK_PROFILE)

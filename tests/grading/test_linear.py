@@ -20,8 +20,8 @@ from course_kit.graders import _limiter
 from course_kit.grading.diagnosis import exits, tracebacks
 from course_kit.grading.model import bounds, exchange_log
 from course_kit.grading.model.job import Job
-from course_kit.grading.sandbox import output
 from course_kit.reader import fingerprints, process
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -166,7 +166,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "activity": lambda given: tracebacks.activity(DUMP + given, "answer.py"),
     "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
     "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
-    "printable": output.printable,
+    "printable": make_printable,
     "cut": bounds.cut,
     "step": exchange_log._cut,
     "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
