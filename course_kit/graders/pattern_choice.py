@@ -193,7 +193,7 @@ class FoundAnswers:
 
 
 def find_answers(told: Record, variable: str) -> FoundAnswers:
-    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.values`).
+    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`).
 
     Either way they come as texts, in the words of `repr`, and are read as literals, never run. What is too long to be
     the answer of a person is not read at all.

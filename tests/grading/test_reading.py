@@ -11,7 +11,7 @@ from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import activity, last_exception
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.process_status import ProcessStatus
-from course_kit.grading.sandbox.output import KEPT, BoundedOutput
+from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,7 +8,7 @@ from dataclasses import replace
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.diagnosis.catalogue import catalogue
 from course_kit.grading.model.submission import Submission
-from course_kit.grading.render import program
+from course_kit.grading.render import html
 from course_kit.grading.render.html import render_html, render_page
 
 PROGRAM = Submission("answer.py", "answer.py", "import math\n\n\ndef f(x):\n    return 1 / x  # <here> & there\n")
@@ -27,7 +27,7 @@ REPORT = Report("temperature_service", "A service", "answer.py", "graded", False
 
 
 def marked(report: Report, submission: Submission) -> dict[int, tuple[str, ...]]:
-    return {line.number: line.checks for line in program.lines(report, submission) if line.checks}
+    return {line.number: line.checks for line in html.mark_lines(report, submission) if line.checks}
 
 
 def test_the_line_that_a_failed_check_speaks_of_is_marked_with_its_title() -> None:
@@ -44,8 +44,8 @@ def test_the_line_that_a_failed_check_speaks_of_is_marked_with_its_title() -> No
 
 def test_a_program_that_is_long_is_cut() -> None:
     endless = replace(PROGRAM, source="x" * 5000 + "\n" + "pass\n" * 5000)
-    found = program.lines(REPORT, endless)
-    assert (len(found), len(found[0].text)) == (program.MOST_LINES, program.LONGEST)
+    found = html.mark_lines(REPORT, endless)
+    assert (len(found), len(found[0].text)) == (html.MOST_LINES, html.LONGEST)
     assert "and more, which are not shown" in render_page(REPORT, "Jane", endless)
 
 

@@ -19,7 +19,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
-from course_kit.grading.render.program import LONGEST
+from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
 from course_kit.reader.fingerprints import line_shape
 from course_kit.text.templates import render_template

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +12,6 @@ from urllib.parse import quote
 
 from course_kit import environment
 from course_kit.grading.model.exchange_log import GRADER, NODE
-from course_kit.grading.render import program as program_lines
 from course_kit.ros import sequence
 from course_kit.text.console import in_points
 from course_kit.text.templates import load_templates, render_template
@@ -26,6 +27,39 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
 NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
+MOST_LINES = 1500
+LONGEST = 500  # characters of a line that are shown
+# As `Submission.where` words it; what a learner's program says may look like it, and then marks a line too many.
+_PLACE = re.compile(r"\b(?:cell \d{1,6}, )?line \d{1,6}\b")
+
+
+@dataclass(frozen=True)
+class ProgramLine:
+    """One line of a program."""
+
+    number: int  # in the program, from 1
+    place: str  # what messages call it, `line 12` or `cell 3, line 2`
+    text: str  # the line, cut if it is very long
+    checks: tuple[str, ...] = ()  # titles of the failed checks that speak of it
+
+
+def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
+    """The program's lines, up to `MOST_LINES`; those that a failed check names are marked with its title."""
+    named: dict[str, list[str]] = {}
+    for title, text in _failures(report):
+        for place in dict.fromkeys(_PLACE.findall(text)):
+            named.setdefault(place, []).append(title)
+    found = []
+    for number, text in enumerate(program.source.rstrip("\n").split("\n")[:MOST_LINES], start=1):
+        place = program.where(number)
+        found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
+    return found
+
+
+def _failures(report: Report) -> list[tuple[str, str]]:
+    """What is said about failures, and by what."""
+    told = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
+    return [*told, (report.title, report.problem)] if report.problem else told
 
 
 def get_ready() -> None:
@@ -58,8 +92,8 @@ def render_page(report: Report, student: str, program: Submission | None = None)
         "link": lambda _: "",
         "is_page": True,
         "student": student,
-        "program": program_lines.lines(report, program) if program else [],
-        "most_lines": program_lines.MOST_LINES,
+        "program": mark_lines(report, program) if program else [],
+        "most_lines": MOST_LINES,
     }
     return str(render_template(_TEMPLATES / "page.html", **values))
 

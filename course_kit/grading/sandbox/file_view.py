@@ -66,18 +66,19 @@ class FileView:
         )
 
 
-def of_a_program() -> FileView:
+def view_of_program() -> FileView:
     """What a Python program needs on this machine."""
     return _view(_interpreter())
 
 
-def of_a_command(words: Sequence[str], folder: str) -> FileView:
+def view_of_command(words: Sequence[str], folder: str) -> FileView:
     """What a command of the user's own needs: the same, its folder, what it names, and where it looks for programs."""
+    named = named_paths(words, folder)
     places = [*_interpreter(), folder, *_entries(os.environ.get("PATH", ""))]
-    return _view([*places, *map(os.path.dirname, named(words, folder))], (folder, *named(words, folder)))
+    return _view([*places, *map(os.path.dirname, named)], (folder, *named))
 
 
-def named(words: Iterable[str], folder: str) -> list[str]:
+def named_paths(words: Iterable[str], folder: str) -> list[str]:
     """The files and folders that the words of a command name, each as it is named and as it really is."""
     found = [os.path.join(folder, word) for word in words if os.sep in word]  # noqa: PTH118 - as text, like the others
     return [path for one in found if os.path.exists(one) for path in (one, os.path.realpath(one))]  # noqa: PTH110

@@ -13,7 +13,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import memory, namespaces, runner, socket_memory
+from course_kit.grading.sandbox import memory, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import Waiting, last_task
 from course_kit.process import tree
@@ -128,11 +128,11 @@ class _Watch:
     def _takes_too_much(self, everything: list[int], usage: tree.Usage) -> bool:
         """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
         allowed = self._limits.memory_mb * _MB
-        sockets = socket_memory.number_here() if self._own_network else 0
-        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + socket_memory.at_most(sockets)
+        sockets = memory.count_sockets() if self._own_network else 0
+        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + memory.most_of_sockets(sockets)
         if usage.memory + beside <= allowed:
             return False
-        return memory.exact_use(everything, _PATIENCE_S) + socket_memory.in_use(sockets) > allowed
+        return memory.measure_memory(everything, _PATIENCE_S) + memory.measure_sockets(sockets) > allowed
 
     def _everything(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else.

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import file_view, landlock, namespaces, scratch, seccomp, socket_memory
+from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, scratch, seccomp
 from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def enter_network(user: int = 0) -> None:
     namespaces.enter(namespaces.CLONE_NEWNET, user)
     namespaces.raise_loopback()
     with suppress(OSError):  # then a socket of TCP may hold more than it counts with
-        socket_memory.bound_tcp()
+        memory.bound_tcp_buffers()
 
 
 def enter_processes(user: int = 0) -> None:
@@ -208,7 +208,7 @@ def _try_each(writer: int, folder: str, user: int) -> None:
     def try_inside() -> None:
         if entered:
             _say(writer, "processes")
-            _works(writer, "files", lambda: arrange_files(file_view.of_a_program(), folder, 1, user))
+            _works(writer, "files", lambda: arrange_files(file_view.view_of_program(), folder, 1, user))
         if user:
             _works(writer, "user", lambda: _try_user(user))
         _works(writer, "syscalls", seccomp.install)

@@ -6,15 +6,13 @@ Each function raises OSError when the machine does not allow it.
 from __future__ import annotations
 
 import ctypes
-import errno
 import os
 import struct
 
 from course_kit.process import libc
 
-_MS_RDONLY, _MS_NOSUID, _MS_NODEV, _MS_NOEXEC = 0x1, 0x2, 0x4, 0x8
-_MS_REMOUNT, _MS_BIND, _MS_REC, _MS_PRIVATE = 0x20, 0x1000, 0x4000, 0x40000
-_KEPT = {"noexec": _MS_NOEXEC, "noatime": 0x400, "nodiratime": 0x800, "relatime": 0x200000}
+_MS_NOSUID, _MS_NODEV, _MS_NOEXEC = 0x2, 0x4, 0x8
+_MS_BIND, _MS_REC, _MS_PRIVATE = 0x1000, 0x4000, 0x40000
 _MNT_DETACH = 2
 _SYS_MOUNT_SETATTR = 442  # the same number on every architecture, Linux 5.12 and later
 _SYS_PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
@@ -55,31 +53,8 @@ def make_read_only(folder: str, *, devices: bool = False) -> None:
     attributes = _ATTR_RDONLY | _ATTR_NOSUID | (0 if devices else _ATTR_NODEV)
     packed = struct.pack("QQQQ", attributes, 0, 0, 0)
     where = (ctypes.c_int(_AT_FDCWD), os.fsencode(folder), ctypes.c_uint(_AT_RECURSIVE))
-    try:
-        size = ctypes.c_size_t(len(packed))
-        libc.system_call(_SYS_MOUNT_SETATTR, *where, packed, size, what=f"mount_setattr {folder}")
-    except OSError as problem:
-        if problem.errno != errno.ENOSYS:
-            raise
-        _remount_each(folder, _MS_RDONLY | _MS_NOSUID | (0 if devices else _MS_NODEV))
-
-
-def _remount_each(folder: str, flags: int) -> None:
-    """The same on a kernel that cannot do it for a whole tree: one mount after another."""
-    with open("/proc/self/mountinfo", encoding="utf-8", errors="surrogateescape") as file:  # noqa: PTH123 - as elsewhere here
-        rows = [line.split() for line in file]
-    for row in rows:
-        target, options = _plain(row[4]), row[5].split(",")
-        if target == folder or target.startswith(f"{folder.rstrip('/')}/"):
-            kept = sum(_KEPT[name] for name in options if name in _KEPT)  # may not be lifted in a user namespace
-            _mount("", target, "", _MS_REMOUNT | _MS_BIND | flags | kept)
-
-
-def _plain(name: str) -> str:
-    """A name of mountinfo without its octal escapes."""
-    for escape, character in (("\\040", " "), ("\\011", "\t"), ("\\012", "\n"), ("\\134", "\\")):
-        name = name.replace(escape, character)
-    return name
+    size = ctypes.c_size_t(len(packed))
+    libc.system_call(_SYS_MOUNT_SETATTR, *where, packed, size, what=f"mount_setattr {folder}")
 
 
 def change_root(folder: str) -> None:

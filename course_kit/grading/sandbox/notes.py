@@ -21,7 +21,7 @@ _OURS = Path(__file__).parent
 _RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
 
 
-def show(problem: BaseException) -> None:
+def print_exception(problem: BaseException) -> None:
     """Print the traceback as Python does, beginning with the learner's own file."""
     problem.__traceback__ = _own_part(problem.__traceback__)
     traceback.print_exception(type(problem), problem, problem.__traceback__)
@@ -34,19 +34,19 @@ def _own_part(trace: TracebackType | None) -> TracebackType | None:
     return kept
 
 
-def thread_failed(hook: threading.ExceptHookArgs, evidence: int) -> None:
+def note_thread_failure(hook: threading.ExceptHookArgs, evidence: int) -> None:
     """Show and note an exception that has ended a thread."""
     if hook.exc_value is not None and hook.exc_type is not SystemExit:
         traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
-        exception(hook.exc_value, evidence)
+        note_refused_return(hook.exc_value, evidence)
 
 
-def exception(problem: BaseException, evidence: int) -> None:
+def note_refused_return(problem: BaseException, evidence: int) -> None:
     """Note what a callback returned when rclpy refused to send it; its own exception does not say."""
     for frame, _ in traceback.walk_tb(problem.__traceback__):
         note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
         if variable in frame.f_locals:
-            send(evidence, **{note: _type_name(frame.f_locals[variable])})
+            send_note(evidence, **{note: _type_name(frame.f_locals[variable])})
 
 
 def watch_lost_nodes(evidence: int, program: str) -> None:
@@ -61,13 +61,13 @@ def watch_lost_nodes(evidence: int, program: str) -> None:
             frames = list(traceback.walk_stack(sys._getframe(1)))  # noqa: SLF001 - with None it skips some
             own = [line for frame, line in frames if frame.f_code.co_filename == program]
             if own and any(frame.f_code.co_name == "await_or_execute" for frame, _ in frames):
-                send(evidence, lost_in=str(own[0]))
+                send_note(evidence, lost_in=str(own[0]))
         return bool(add_node(executor, node))
 
     setattr(Executor, "add_node", add_node_watched)  # noqa: B010 - mypy forbids to assign to a method
 
 
-def in_callback(problem: BaseException) -> bool:
+def comes_from_callback(problem: BaseException) -> bool:
     """Whether it was raised in a callback that rclpy ran."""
     return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
 
@@ -76,6 +76,6 @@ def _type_name(value: object) -> str:
     return "None" if value is None else type(value).__name__
 
 
-def send(evidence: int, **what: object) -> None:
+def send_note(evidence: int, **what: object) -> None:
     """Send a note to the grader."""
     os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")

@@ -9,13 +9,14 @@ import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox.output import BoundedOutput
+from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.sandbox import Streams
 
 _CHUNK = 65536
+KEPT = 4096  # bytes of a stream, at the beginning and at the end
 _LISTS = ("node_classes", "classes", "functions", "set_names")
 _TEXTS = ("returned", "result", "value", "lost_in")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
@@ -25,6 +26,37 @@ _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
 _EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any more after that
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
+
+
+class BoundedOutput:
+    """The bytes of one stream, in bounded memory however much comes."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._head = bytearray()
+        self._tail = bytearray()
+
+    def add(self, data: bytes) -> None:
+        """Take in what has just come."""
+        self.count += len(data)
+        room = KEPT - len(self._head)
+        if room > 0:
+            self._head += data[:room]
+            data = data[room:]
+        if data:
+            self._tail += data
+            del self._tail[:-KEPT]
+
+    def text(self) -> str:
+        """What was kept, with a line that says how much was left out in the middle."""
+        left_out = self.count - len(self._head) - len(self._tail)
+        if left_out <= 0:
+            return _decode(bytes(self._head + self._tail))
+        return f"{_decode(bytes(self._head))}\n[... {left_out} bytes left out ...]\n{_decode(bytes(self._tail))}"
+
+
+def _decode(data: bytes) -> str:
+    return make_printable(data.decode("utf-8", errors="replace"))
 
 
 class OutputCollector:

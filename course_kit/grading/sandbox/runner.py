@@ -13,25 +13,27 @@ import faulthandler
 import fcntl
 import gc
 import io
+import json
 import os
 import signal
 import sys
 import tempfile
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp, values
+from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.libc import set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from types import CodeType
 
+    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
 
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
@@ -39,6 +41,8 @@ STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
 _TURN_S = 0.1
 _FIRST_HIGH_DESCRIPTOR = 200
+_LONGEST_VALUE = 48 * 1024  # characters of all together; the grader keeps 64 kB of a program's notes
+_LONGEST_NAME, _MOST_NAMES = 40, 50
 
 
 @dataclass(frozen=True)
@@ -77,10 +81,10 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
-        notes.send(evidence, exit_in_callback=notes.in_callback(wish))
+        notes.send_note(evidence, exit_in_callback=notes.comes_from_callback(wish))
     except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
-        notes.show(problem)
-        notes.exception(problem, evidence)
+        notes.print_exception(problem)
+        notes.note_refused_return(problem, evidence)
     _finish(status)
 
 
@@ -186,10 +190,10 @@ def _run(program: Program, evidence: int) -> None:
     module = ModuleType("__main__")
     module.__file__ = str(path)
     sys.modules["__main__"] = module
-    threading.excepthook = lambda problem: notes.thread_failed(problem, evidence)
+    threading.excepthook = lambda problem: notes.note_thread_failure(problem, evidence)
     code = compile(program.source, program.name, "exec", dont_inherit=True)
     if program.variable:
-        values.run(code, module, program.variable, partial(notes.send, evidence))
+        _run_for_value(code, module, program.variable, evidence)
         return
     notes.watch_lost_nodes(evidence, program.name)
     default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
@@ -200,6 +204,42 @@ def _run(program: Program, evidence: int) -> None:
     node_class = _find_class(module, program, evidence)
     if node_class is not None:
         _spin(node_class)
+
+
+def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: int) -> None:
+    """Run a program and hand over what it has set, as text: outside it is read as a literal and never run."""
+    try:
+        exec(code, module.__dict__)  # noqa: S102 - the learner's program, which is what this process is for
+    except SystemExit:  # a program that ends itself has set what it wanted to set
+        notes.send_note(evidence, **_describe_value(vars(module), variable), ended_itself=True)
+        raise
+    notes.send_note(evidence, **_describe_value(vars(module), variable))
+
+
+def _describe_value(names: Mapping[str, object], variable: str) -> Record:
+    """What a program has set, as texts."""
+    own = [str(name)[:_LONGEST_NAME] for name in names if not str(name).startswith("_")]
+    told: Record = {"set_names": own[:_MOST_NAMES]}
+    if variable not in names:
+        return told
+    value = names[variable]
+    if isinstance(value, Mapping):
+        told["entries"] = [[_literal(key), _literal(entry)] for key, entry in value.items()]
+    else:
+        told["value"] = _literal(value)
+    return told if len(json.dumps(told)) < _LONGEST_VALUE else {"set_names": told["set_names"], "too_large": True}
+
+
+def _literal(value: object) -> str:
+    """The value as a literal where it is one at heart: a named tuple is a tuple, a member of a text Enum a text."""
+    try:
+        if isinstance(value, str):
+            return repr(str.__str__(value))
+        if isinstance(value, (tuple, list)):
+            return f"[{', '.join(_literal(part) for part in value)}]"
+        return repr(value)
+    except Exception:  # noqa: BLE001 - a learner's class, a list within itself, a number with too many digits
+        return f"<{type(value).__name__}>"
 
 
 def _default_context() -> object:
@@ -239,7 +279,9 @@ def _find_class(module: ModuleType, program: Program, evidence: int) -> type | N
     classes = [
         name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
     ]
-    notes.send(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
+    notes.send_note(
+        evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions
+    )
     return None
 
 
@@ -305,5 +347,5 @@ def _finish(status: int) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
     except BaseException as problem:  # noqa: BLE001 - as above: shown, and the end comes anyway
-        notes.show(problem)
+        notes.print_exception(problem)
     os._exit(status)

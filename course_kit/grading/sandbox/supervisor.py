@@ -14,13 +14,12 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading.checks.context import PHASES
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import conditions, file_view, init_process, memory
+from course_kit.grading.sandbox import file_view, init_process, memory
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
-from course_kit.grading.sandbox.output import BoundedOutput
-from course_kit.grading.sandbox.output_collector import OutputCollector
-from course_kit.grading.sandbox.sandbox import Sandbox
+from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
+from course_kit.grading.sandbox.sandbox import Sandbox, conditions_of, expect_few_participants, program_of
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
@@ -54,7 +53,7 @@ class Supervisor:
         """Prepare a grading."""
         self._job = job
         self._launcher = launcher
-        self._view = view or file_view.of_a_program()
+        self._view = view or file_view.view_of_program()
         self._profile: dict[str, str] = {}
         self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
@@ -68,7 +67,7 @@ class Supervisor:
         self._results: list[Record] = []
         self._extra: Record = {}
         self._fault = ""
-        self._killed_before = memory.oom_kills()
+        self._killed_before = memory.count_oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self) -> GradingOutcome:
@@ -80,7 +79,7 @@ class Supervisor:
             enter_network(self._job.user)
             die_with_parent()  # entering a user namespace has cleared it
             self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
-            self._profile = conditions.expect_few_participants()
+            self._profile = expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
         stopping = time.monotonic()
@@ -178,8 +177,8 @@ class Supervisor:
         self._launches += 1
         domain, queued_s = self._domain()
         job = self._job
-        program = conditions.program(job, arguments, message["files"])
-        cell = conditions.of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
+        program = program_of(job, arguments, message["files"])
+        cell = conditions_of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         return {"domain": domain, "queued_s": queued_s}
@@ -278,7 +277,7 @@ class Supervisor:
     def _stop(self) -> None:
         if self._collector is not None and self._collector.killed():
             self._again = True
-            if memory.oom_kills() != self._killed_before:
+            if memory.count_oom_kills() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
         self._kill()
         if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:

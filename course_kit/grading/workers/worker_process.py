@@ -80,7 +80,7 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     known = _named(one for grader in loaded for one in grader.INTERFACES)
     names.send(json.dumps([os.environ.get(PATH_VARIABLE, ""), known]).encode())
     names.close()
-    common = _Common(found, usual, file_view.of_a_program(), interfaces, frozenset(known))
+    common = _Common(found, usual, file_view.view_of_program(), interfaces, frozenset(known))
     freeze_memory()
     if len(channels) == 1:
         _work(channels[0], launchers[0], common, keep=(starter,))

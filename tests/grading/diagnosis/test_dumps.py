@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.diagnosis.tracebacks import activity
-from course_kit.grading.sandbox.output import BoundedOutput
-from course_kit.grading.sandbox.output_collector import OutputCollector
+from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
 from course_kit.grading.sandbox.sandbox import Streams
 
 if TYPE_CHECKING:

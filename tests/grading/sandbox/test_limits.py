@@ -12,7 +12,7 @@ import pytest
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.sandbox import memory, socket_memory
+from course_kit.grading.sandbox import memory
 from tests.grading.sandbox import attack_modes
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def test_sockets_of_an_ordinary_program_are_far_from_the_limit_on_memory(
     if worker.ready().network:
         sockets = int(report.stdout.split()[2])
         assert sockets > 2
-        assert socket_memory.at_most(sockets) < Limits().memory_mb * 1024 * 1024 / 10
+        assert memory.most_of_sockets(sockets) < Limits().memory_mb * 1024 * 1024 / 10
 
 
 @pytest.mark.parametrize(
@@ -160,10 +160,10 @@ def test_what_the_kernel_keeps_about_each_area_of_memory_counts() -> None:
         assert program.stdin is not None
         assert program.stdout is not None
         assert program.stdout.readline() == "whole\n"
-        whole = memory.exact_use([program.pid], 10.0)
+        whole = memory.measure_memory([program.pid], 10.0)
         program.stdin.write("\n")
         program.stdin.flush()
         assert program.stdout.readline() == "split\n"
-        split = memory.exact_use([program.pid], 10.0)
+        split = memory.measure_memory([program.pid], 10.0)
         program.communicate("\n")
     assert 40_000 * memory.AREA * 0.9 < split - whole < memory.AREAS_AT_MOST
