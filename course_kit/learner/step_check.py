@@ -86,6 +86,9 @@ def check_step(step: LessonStep) -> StepResult:
             step.ask(GradedNode(context))
         except Failed as failed:
             result = StepResult(passed=False, text=_describe_failure(failed, context))
+        except Exception as problem:  # noqa: BLE001 - whatever it is, it is no fault of the learner's node
+            why = f"{type(problem).__name__}: {problem}"
+            result = StepResult(passed=False, text=f"The check itself failed ({why}). This is not your fault.")
         else:
             result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
     finally:

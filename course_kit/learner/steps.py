@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.vocabulary import Evidence, Failed
+from course_kit.grading.model.exchange_log import in_one_line
 from course_kit.learner.step_check import LessonStep
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.checks.graded_node import GradedNode
+    from course_kit.grading.checks.vocabulary import GradedGoal, GradedNode
+    from course_kit.ros.messages import Message
 
 ADD = "example_interfaces/srv/AddTwoInts"
+FIBONACCI = "example_interfaces/action/Fibonacci"
+FLOAT = "std_msgs/msg/Float64"
 PERSON = "my_interfaces/srv/PersonInfo"
+POSITION = "publisher /position geometry_msgs/msg/Point"
+TRIGGER = "std_srvs/srv/Trigger"
 STEPS: dict[str, LessonStep] = {}
 
 
@@ -31,6 +40,62 @@ def step(lesson: str, *needs: str) -> Callable[[Callable[[GradedNode], object]],
         return made
 
     return register
+
+
+def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool], words: str, seconds: float) -> None:
+    """The last message of a topic is as wanted, now or within some seconds."""
+    messages = node.inbox(topic).messages
+    came = node.context.wait_until(lambda: bool(messages) and wanted(messages[-1]), seconds)
+    last = in_one_line(messages[-1]) if messages else "nothing"
+    node.context.record.came(f"{topic}: {last}")
+    if not came:
+        raise Failed(Evidence("", words, last), f"{topic} has to say {words}, and its last message says {last}.")
+
+
+def has_data(wanted: object, message: Message) -> bool:
+    """Whether a message's only field has this value."""
+    return bool(message.data == wanted)
+
+
+def expect_feedback_and_cancel(node: GradedNode, goal: GradedGoal) -> None:
+    """A running goal says how far it is, and can be cancelled."""
+    goal.accepted_by()
+    if not node.context.wait_until(lambda: bool(goal.feedback), 3.0):
+        raise Failed(Evidence(goal.shown, "feedback", "none within 3 s"), "No feedback says how far it is.")
+    goal.cancelled().ends("CANCELED")
+
+
+def expect_robot_at(node: GradedNode, x: float, y: float, near: float) -> None:
+    """The robot is there within six seconds, give or take `near` metres."""
+    words = f"x={x:g}, y={y:g}"
+    expect_soon(node, "/position", lambda here: math.dist((here.x, here.y), (x, y)) <= near, words, 6.0)
+
+
+@step("00_welcome", POSITION)
+def drive(node: GradedNode) -> None:
+    """The robot is at x = 2, y = 1."""
+    expect_robot_at(node, 2.0, 1.0, near=0.5)
+
+
+@step("00_welcome", f"publisher /temperature {FLOAT}")
+def thermometer(node: GradedNode) -> None:
+    """`/temperature` says 21.5, again and again."""
+    node.expect("/temperature", 21.5)
+    node.expect("/temperature", 21.5)
+
+
+@step("00_welcome", f"subscription /distance {FLOAT}", "publisher /too_close std_msgs/msg/Bool")
+def bumper(node: GradedNode) -> None:
+    """`/too_close` is true for a distance below 0.5, and false for any other."""
+    for metres in (0.2, 3.0, 0.5):
+        node.send("/distance", metres).expect("/too_close", metres < 0.5)  # noqa: PLR2004 - as the lesson says
+
+
+@step("00_welcome", f"publisher /ticks {FLOAT}", "node /clock")
+def clock(node: GradedNode) -> None:
+    """`/clock` publishes 1.0 on `/ticks`, again and again."""
+    node.expect("/ticks", 1.0)
+    node.expect("/ticks", 1.0)
 
 
 @step("01_services", f"service /subtract_two_ints {ADD}")
@@ -59,3 +124,149 @@ def triple(node: GradedNode) -> None:
     """`/triple` answers with three times `a`."""
     node.call("/triple", a=14).expect(sum=42)
     node.call("/triple", a=-2).expect(sum=-6)
+
+
+@step("02_actions", f"action /forgetful {FIBONACCI}")
+def succeed(node: GradedNode) -> None:
+    """A goal of `/forgetful` ends SUCCEEDED, with its result."""
+    node.goal("/forgetful", order=3).accepted_by().ends(sequence=[0, 1, 1, 2])
+
+
+@step("02_actions", f"action /sequence {FIBONACCI}")
+def short_orders(node: GradedNode) -> None:
+    """`/sequence` accepts orders from 1 to 20, and rejects all others."""
+    for order in (21, 0, -5):
+        node.goal("/sequence", order=order).rejected(what=f"an order of {order}")
+    node.goal("/sequence", order=1).accepted_by().ends()
+    node.goal("/sequence", order=20).accepted_by()
+
+
+@step("02_actions", POSITION)
+def corner(node: GradedNode) -> None:
+    """The robot is at x = 1, y = 2."""
+    expect_robot_at(node, 1.0, 2.0, near=0.05)
+
+
+@step("02_actions", f"action /countdown {FIBONACCI}")
+def countdown(node: GradedNode) -> None:
+    """`/countdown` counts down to 0, and rejects an order below 0."""
+    node.goal("/countdown", order=3).accepted_by().ends(sequence=[3, 2, 1, 0])
+    node.goal("/countdown", order=0).accepted_by().ends(sequence=[0])
+    node.goal("/countdown", order=-1).rejected(what="a negative order")
+
+
+@step("03_parameters", "node /radio")
+def radio(node: GradedNode) -> None:
+    """`frequency` takes values from 87.5 to 108.0, and no others."""
+    node.set(frequency=101.0, of="/radio").accepted()
+    node.set(frequency=87.0, of="/radio").refused()
+    node.set(frequency=109.0, of="/radio").refused()
+
+
+@step("03_parameters", "node /greeter", "publisher /greeting std_msgs/msg/String")
+def greeter(node: GradedNode) -> None:
+    """`/greeting` says the `word`, and a change of it takes effect."""
+    for word in ("moin", "ciao"):
+        node.set(word=word, of="/greeter").accepted()
+        expect_soon(node, "/greeting", partial(has_data, word), repr(word), 2.0)
+
+
+@step("03_parameters", "node /kettle")
+def kettle(node: GradedNode) -> None:
+    """`target` is refused above 100.0, with a reason."""
+    node.set(target=100.0, of="/kettle").accepted()
+    change = node.set(target=101.0, of="/kettle")
+    change.refused()
+    if not change.result.reason:
+        change.fail("It is refused without a reason.", expected="refused, with a reason")
+
+
+@step("03_parameters", "node /lamp")
+def lamp(node: GradedNode) -> None:
+    """`brightness` takes 0 to 100, but not 13, which brings bad luck."""
+    node.set(brightness=100, of="/lamp").accepted()
+    node.set(brightness=101, of="/lamp").refused()
+    change = node.set(brightness=13, of="/lamp")
+    change.refused()
+    if "luck" not in change.result.reason:
+        change.fail("The reason does not contain the word luck.", expected="refused, with a reason about luck")
+
+
+@step("04_choosing_a_pattern", f"publisher /odometer {FLOAT}")
+def odometer(node: GradedNode) -> None:
+    """A topic: `/odometer` tells the metres by itself, again and again."""
+    node.expect("/odometer")
+    node.expect("/odometer", within_s=1.0)
+
+
+@step("04_choosing_a_pattern", f"action /unload {FIBONACCI}")
+def unload(node: GradedNode) -> None:
+    """An action: `/unload` says how far it is, and stops when it is cancelled."""
+    expect_feedback_and_cancel(node, node.goal("/unload", order=100))
+
+
+@step("04_choosing_a_pattern", "node /conveyor")
+def belt(node: GradedNode) -> None:
+    """A parameter: `belt_speed` can be read and changed."""
+    node.set(belt_speed=0.3, of="/conveyor").accepted()
+
+
+@step("04_choosing_a_pattern", f"service /honk {TRIGGER}")
+def honk(node: GradedNode) -> None:
+    """A service: `/honk` answers whether it worked."""
+    node.call("/honk").expect(success=True)
+
+
+@step("05_command_line", POSITION)
+def home(node: GradedNode) -> None:
+    """The robot is at x = 1, y = 1."""
+    expect_robot_at(node, 1.0, 1.0, near=0.05)
+
+
+@step("05_command_line", "node /robot")
+def quick(node: GradedNode) -> None:
+    """The speed limit of `/robot` is 2.5 m/s."""
+    limit = node.get("max_velocity", of="/robot")["max_velocity"]
+    if limit != 2.5:  # noqa: PLR2004 - as the lesson says
+        raise Failed(Evidence("get max_velocity", "2.5", repr(limit)), f"max_velocity has to be 2.5, and is {limit!r}.")
+
+
+@step("05_command_line", f"service /sum {ADD}", "node /second")
+def second(node: GradedNode) -> None:
+    """The node `second` adds numbers as `/sum`."""
+    node.call("/sum", a=20, b=22).expect(sum=42)
+
+
+@step("05_command_line", "node /visitor")
+def riddle(node: GradedNode) -> None:
+    """The visitor has its word back."""
+    if not node.get("word", of="/visitor")["word"]:  # the visitor takes no other word than the right one
+        raise Failed(Evidence("get word", "the word of its answer", "an empty one"), "The visitor has no word yet.")
+
+
+@step("06_best_practices", f"service /close_gripper {TRIGGER}")
+def close(node: GradedNode) -> None:
+    """`/close_gripper` succeeds, and says what was done."""
+    node.call("/close_gripper").expect(success=True).expect(
+        message=bool, why="The message is empty: say what was done."
+    )
+
+
+@step("06_best_practices", f"action /rest {FIBONACCI}")
+def rest(node: GradedNode) -> None:
+    """`/rest` reports each step, and stops when it is cancelled."""
+    node.goal("/rest", order=3).accepted_by().ends(sequence=[0, 1, 2])
+    expect_feedback_and_cancel(node, node.goal("/rest", order=30))
+
+
+@step("06_best_practices", f"service /measure {TRIGGER}")
+def measure(node: GradedNode) -> None:
+    """`/measure` answers although its sensor fails, and says why."""
+    node.call("/measure").refused(what="to measure without an echo")
+
+
+@step("06_best_practices", "node /guarded")
+def robot_name(node: GradedNode) -> None:
+    """`robot_name` takes a name, and refuses an empty one."""
+    node.set(robot_name="Ada", of="/guarded").accepted()
+    node.set(robot_name="", of="/guarded").refused()

@@ -1,4 +1,4 @@
-"""A robot to be sent about on the map of lesson 2: how an action is used comes before how one is written.
+"""A robot to be sent about on a map, from the first lesson on: how an action is used comes before how one is written.
 
 It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, cannot climb, and
 does not measure its way.
@@ -22,17 +22,21 @@ if TYPE_CHECKING:
 
     from course_kit.ros.messages import Message
 
+_TELLS_S = 0.2  # seconds from one position to the next
 _STEPS = 4  # from one feedback message to the next: five a metre, as exercise 2 asks for
 
 
 class DemoRobot(Node):
-    """Offers `course_interfaces/action/MoveRobot` under /move_robot."""
+    """Offers `course_interfaces/action/MoveRobot` under /move_robot, and publishes where it is on /position."""
 
     def __init__(self) -> None:
         super().__init__("demo_robot")
         from course_interfaces.action import MoveRobot
+        from geometry_msgs.msg import Point
 
         self._type = MoveRobot
+        self._place = self.create_publisher(Point, "position", 10)
+        self.create_timer(_TELLS_S, lambda: self._place.publish(self._point()))
         self._robot = SimulatedRobot()
         self._free = threading.Semaphore()
         self._server = ActionServer(

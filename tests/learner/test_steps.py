@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 NOTEBOOKS = Path(__file__).resolve().parent.parent.parent / "notebooks"
 FEWEST, MOST = 3, 5  # steps of a lesson
 IMPORTS = """
+import time
+from threading import Event
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
@@ -36,11 +39,39 @@ class Slip(NamedTuple):
 
 
 PERSON = ("9c831d96", "f5c2dbc9")
+FIBONACCI = ("6f51471a", "104af7ba", "85fb217a")
+OVEN = ("001c237f",)
+COUNT = ("f09c89cf",)
+REASON = 'reason="above 100.0 degrees the water boils"'
 SLIPS = {
+    "drive": Slip('"x": 2.0', '"x": 0.5', "has to say x=2, y=1", ("robot",)),
+    "thermometer": Slip("data=21.5", "data=25.1", "has to be 21.5, and is 25.1.", ("7854a701",)),
+    "bumper": Slip("< 0.5", "<= 0.5", "has to be False, and is True."),
+    "clock": Slip("1.0", "0.1", "data has to be 1.0, and is 0.1."),
     "subtract": Slip("request.a - request.b", "request.b - request.a", "sum has to be 2, and is -2."),
     "greet": Slip("response.success = True", "response.success = False", "success has to be True", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),
     "triple": Slip("3 * ", "2 * ", "sum has to be 42, and is 28."),
+    "succeed": Slip("goal_handle.succeed()", "goal_handle.abort()", "ABORTED", FIBONACCI),
+    "short_orders": Slip("<= 20", "<= 21", "Your server accepted an order of 21.", FIBONACCI),
+    "corner": Slip('"y": 2.0', '"y": 0.5', "has to say x=1, y=2", ("34cf6d0a", "5240fb15")),
+    "countdown": Slip("order, -1, -1", "order, 0, -1", "sequence of the result has to be [3, 2, 1, 0]", FIBONACCI),
+    "radio": Slip("108.0", "180.0", "accepted", OVEN),
+    "greeter": Slip('self.get_parameter("word").value', '"hello"', "has to say 'moin'", OVEN),
+    "kettle": Slip("> 100.0", "> 1000.0", "accepted", ("ab90d110",)),
+    "lamp": Slip("bad luck", "a curse", "does not contain the word luck", (*OVEN, "ab90d110")),
+    "odometer": Slip('"odometer", 10', '"odometre", 10', "No node publishes /odometer."),
+    "unload": Slip("goal.publish_feedback(", "print(", "No feedback says how far it is."),
+    "belt": Slip("belt_speed", "speed", "belt_speed"),
+    "honk": Slip("response.success = True", "response.success = False", "success has to be True, and is False."),
+    "home": Slip("x: 1.0", "x: 0.5", "has to say x=1, y=1", ("robot",)),
+    "quick": Slip("2.5", "2.0", "max_velocity has to be 2.5, and is 2.0.", ("28a049d2",)),
+    "second": Slip("add_two_ints:=sum", "add_two_ints:=total", "No service /sum", ("e1eb8744",)),
+    "riddle": Slip("word discovery", "word riddle", "The visitor has no word yet.", ("11427637",)),
+    "close": Slip('"closed: the fingers are 0 m apart"', '""', "say what was done"),
+    "rest": Slip("if goal_handle.is_cancel_requested", "if False", "went on to its end", COUNT),
+    "measure": Slip("str(problem)", '""', "its message is empty"),
+    "robot_name": Slip("not change.value", "change.value is None", "accepted", ("0548236d", "cfbd3a1e")),
 }
 
 
