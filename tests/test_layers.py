@@ -64,8 +64,8 @@ STILL_ABOVE = {
     "course_kit/lab": 7253,
     "course_kit/grading": 11060,
     "course_kit/graders": 2450,
-    "course_kit/learner": 1350,  # with the steps of the lessons
-    "course_kit/panels": 2935,
+    "course_kit/learner": 1480,  # with the steps of the lessons
+    "course_kit/panels": 2950,
     "course_kit/integrations": 1240,  # with %check, %solution and the second day
     "course_kit/dev": 790,  # with the steps of the lessons
     "tests": 40221,

@@ -77,13 +77,6 @@ def drive(node: GradedNode) -> None:
     expect_robot_at(node, 2.0, 1.0, near=0.5)
 
 
-@step("00_welcome", f"publisher /temperature {FLOAT}")
-def thermometer(node: GradedNode) -> None:
-    """`/temperature` says 21.5, again and again."""
-    node.expect("/temperature", 21.5)
-    node.expect("/temperature", 21.5)
-
-
 @step("00_welcome", f"subscription /distance {FLOAT}", "publisher /too_close std_msgs/msg/Bool")
 def bumper(node: GradedNode) -> None:
     """`/too_close` is true for a distance below 0.5, and false for any other."""
@@ -192,17 +185,17 @@ def lamp(node: GradedNode) -> None:
         change.fail("The reason does not contain the word luck.", expected="refused, with a reason about luck")
 
 
+@step("04_choosing_a_pattern", f"action /unload {FIBONACCI}")
+def unload(node: GradedNode) -> None:
+    """An action: `/unload` says how far it is, and stops when it is cancelled."""
+    expect_feedback_and_cancel(node, node.goal("/unload", order=100))
+
+
 @step("04_choosing_a_pattern", f"publisher /odometer {FLOAT}")
 def odometer(node: GradedNode) -> None:
     """A topic: `/odometer` tells the metres by itself, again and again."""
     node.expect("/odometer")
     node.expect("/odometer", within_s=1.0)
-
-
-@step("04_choosing_a_pattern", f"action /unload {FIBONACCI}")
-def unload(node: GradedNode) -> None:
-    """An action: `/unload` says how far it is, and stops when it is cancelled."""
-    expect_feedback_and_cancel(node, node.goal("/unload", order=100))
 
 
 @step("04_choosing_a_pattern", "node /conveyor")

@@ -36,7 +36,7 @@ class DemoRobot(Node):
 
         self._type = MoveRobot
         self._place = self.create_publisher(Point, "position", 10)
-        self.create_timer(_TELLS_S, lambda: self._place.publish(self._point()))
+        self.create_timer(_TELLS_S, self._tell)
         self._robot = SimulatedRobot()
         self._free = threading.Semaphore()
         self._server = ActionServer(
@@ -47,6 +47,11 @@ class DemoRobot(Node):
             goal_callback=self._decide,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
+
+    def _tell(self) -> None:
+        """Say where it is, to whom it may concern: a recording of something else stays free of it."""
+        if self._place.get_subscription_count():
+            self._place.publish(self._point())
 
     def _decide(self, goal: Message) -> GoalResponse:
         size = SimulatedRobot.ARENA_SIZE

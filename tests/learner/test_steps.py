@@ -45,7 +45,6 @@ COUNT = ("f09c89cf",)
 REASON = 'reason="above 100.0 degrees the water boils"'
 SLIPS = {
     "drive": Slip('"x": 2.0', '"x": 0.5', "has to say x=2, y=1", ("robot",)),
-    "thermometer": Slip("data=21.5", "data=25.1", "has to be 21.5, and is 25.1.", ("7854a701",)),
     "bumper": Slip("< 0.5", "<= 0.5", "has to be False, and is True."),
     "clock": Slip("1.0", "0.1", "data has to be 1.0, and is 0.1."),
     "subtract": Slip("request.a - request.b", "request.b - request.a", "sum has to be 2, and is -2."),
