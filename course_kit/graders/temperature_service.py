@@ -39,7 +39,8 @@ ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}
 _WITHIN_S = 1.5  # one answer
 _TOGETHER, _AT_A_TIME, _TOGETHER_S = 50, 10, 5.0
 _FEWEST = 10  # right answers of the fifty: a wrong formula for one direction is for its own check to say
-_EDGE = 0.01  # degrees; how near to absolute zero we test beside -273.15 C itself
+_EDGE = 0.01  # degrees Fahrenheit; how near to absolute zero we test there
+_FINE_EDGE = 0.001  # degrees Celsius
 _ORDINARY = 1e4  # who refuses what is hotter refuses only that
 _LARGEST = 1e9  # up to which every digit counts
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
@@ -71,9 +72,21 @@ _KNOWN = (
     12345678.9,
     1e7 + 0.3,
     3.7e12,
+    1e200,
 )
 _DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777)
-_ODD = ("kelvin", "rankine", "fahrenheit0", "", "\N{DEGREE SIGN}C", "celsius\N{DEGREE SIGN}", "\u83ef\u6c0f", "furlong")
+_ODD = (
+    "kelvin",
+    "rankine",
+    "fahrenheit0",
+    "",
+    "\N{DEGREE SIGN}C",
+    "\N{DEGREE SIGN}celsius",
+    "\N{DEGREE SIGN}fahrenheit",
+    "celsius\N{DEGREE SIGN}",
+    "\u83ef\u6c0f",
+    "furlong",
+)
 _NEAR = tuple(
     word
     for unit in UNITS
@@ -180,6 +193,16 @@ class Temperatures(Model):
             self.refuses(node, Sample(value, *units), what)
 
     @step_rule(
+        "unknown_unit",
+        case=draw_one_of(
+            *product((math.nan, math.inf, -math.inf, -1e5), (("kelvin", CELSIUS), (FAHRENHEIT, "rankine"), ("", "")))
+        ),
+    )
+    def doubly_wrong(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
+        """An unknown unit is refused with a value that makes no sense, too."""
+        self.refuses(node, Sample(case[0], *case[1]), "an unknown unit with an impossible value")
+
+    @step_rule(
         "not_a_number",
         case=draw_one_of(*((value, *pair) for value in (math.nan, math.inf, -math.inf) for pair in _PAIRS)),
     )
@@ -188,15 +211,16 @@ class Temperatures(Model):
         what = "NaN" if math.isnan(case[0]) else "infinity" if case[0] > 0 else "minus infinity"
         self.refuses(node, Sample(*case), what)
 
-    @step_rule("absolute_zero", case=draw_one_of(*product((_EDGE, 1.0, 1e5, draw_between(10.0, 1e4)), _PAIRS)))
+    @step_rule("absolute_zero", case=draw_one_of(*product((_FINE_EDGE, 1.0, 1e5, draw_between(10.0, 1e4)), _PAIRS)))
     def too_cold(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """A temperature below absolute zero is refused."""
         below, units = case
         zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
-        sample = Sample(ABSOLUTE_ZERO[units[0]] - below, *units)
+        colder = max(below, _EDGE) if units[0] == FAHRENHEIT else below
+        sample = Sample(ABSOLUTE_ZERO[units[0]] - colder, *units)
         self.refuses(node, sample, f"a temperature below absolute zero ({zeros})")
 
-    @step_rule("absolute_zero", case=draw_one_of(*product((0.0, _EDGE, 1.0), _PAIRS)))
+    @step_rule("absolute_zero", case=draw_one_of(*product((0.0, _FINE_EDGE, 1.0), _PAIRS)))
     def barely_valid(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """Absolute zero itself is valid, in Celsius."""
         above, units = case
