@@ -23,7 +23,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     from course_kit.interfaces.sources import PATH_VARIABLE
     from course_kit.ros2cli.cli import ros2_line
 
-    magics.register(shell)
+    magics.register_magics(shell)
     shell.register_magics(grade_magics.GradeMagics)
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")

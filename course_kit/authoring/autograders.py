@@ -38,7 +38,7 @@ _EXECUTABLE, _ORDINARY = 0o100755, 0o100644
 _RUNTIME = {"runs-on": "ubuntu-24.04", "python": "3.12"}  # what a Classroom 50 assignment is set to
 
 
-def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
+def write_gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit."""
     files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
     if target.exists():
@@ -47,7 +47,7 @@ def gradescope(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     return target
 
 
-def classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
+def write_classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the folder `autograders/ASSIGNMENT` of Classroom 50: `autograder.py` and the kit beside it."""
     scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
     kit = _zipped(list(_kit(exercise_id)))
@@ -77,7 +77,7 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
     exercise = load_exercise(exercise_id)
     if exercise_folders.is_added(exercise.folder):  # its files are not among those of the kit
-        for name, path in carried_exercises.files(exercise).items():
+        for name, path in carried_exercises.carried_files(exercise).items():
             yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
     for part in _PARTS:
         top = root / part

@@ -23,7 +23,7 @@ _PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
 _KINDS = (".msg", ".srv", ".action")
 
 
-def files(exercise: Exercise) -> dict[str, Path]:
+def carried_files(exercise: Exercise) -> dict[str, Path]:
     """The files of an exercise, by the names they have in a course's folder."""
     folder = exercise.folder
     found = {folder / TOML, folder / exercise.starter, folder / exercise.notebook, *_checks(folder)}
@@ -33,7 +33,7 @@ def files(exercise: Exercise) -> dict[str, Path]:
     return {f"{FOLDER}/{place}/{path.relative_to(folder).as_posix()}": path for path in sorted(found)}
 
 
-def added() -> list[str]:
+def added_exercises() -> list[str]:
     """The ids of the exercises that lie in other folders, those too that the course has itself.
 
     Whoever loads one of these is told that it is there twice.

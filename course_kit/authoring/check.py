@@ -42,20 +42,22 @@ class ProofOutcome:
     duration_s: float  # seconds on the wall
 
 
-def check(root: Path, exercises: Sequence[str] = (), *, workers: int = 0, seed: int | None = None) -> ProofOutcome:
+def check_proofs(
+    root: Path, exercises: Sequence[str] = (), *, workers: int = 0, seed: int | None = None
+) -> ProofOutcome:
     """Grade all submissions of some exercises and judge the outcome."""
     began = time.monotonic()
-    chosen = tuple(corpus.load(name, root) for name in exercises or corpus.all_exercises(root))
+    chosen = tuple(corpus.load_corpus(name, root) for name in exercises or corpus.all_exercises(root))
     drawn = secrets.randbits(30) if seed is None else seed
     with Gradings([one.exercise for one in chosen], workers) as pool:
-        reports = grade(pool, chosen, drawn)
-    found = [fault for one in chosen for fault in rules.faults(one, reports)]
+        reports = grade_corpora(pool, chosen, drawn)
+    found = [fault for one in chosen for fault in rules.find_faults(one, reports)]
     if not exercises:
         found += rules.codes_without_submission({one.name for each in chosen for one in each.submissions})
     return ProofOutcome(chosen, drawn, reports, tuple(found), time.monotonic() - began)
 
 
-def grade(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubmission, Report]:
+def grade_corpora(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubmission, Report]:
     """Grade all submissions of these sets, and tell on stderr how far it is."""
     begun = {pool.begin(one, _seed_for(one, each, seed)): one for each in chosen for one in _longest_first(each)}
     reports = {}
@@ -79,7 +81,7 @@ def _longest_first(one: Corpus) -> list[ProofSubmission]:
     return sorted(one.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
 
 
-def describe(found: ProofOutcome) -> Iterator[str]:
+def describe_outcome(found: ProofOutcome) -> Iterator[str]:
     """How many submissions there are, what does not hold, and a summary, in lines."""
     width = max(len(one.exercise.id) for one in found.sets)
     heads = [*_KINDS, "checks", "sentences"]
@@ -94,10 +96,8 @@ def describe(found: ProofOutcome) -> Iterator[str]:
     for fault in found.faults:
         yield from wrap_text(f"✗ {fault}", following="    ", width=_WIDTH)
     proven = f"NOT PROVEN: {len(found.faults)} faults." if found.faults else "PROVEN."
-    yield from (
-        "",
-        f"{proven} {len(found.reports)} submissions graded in {found.duration_s:.0f} s (seed {found.seed}).",
-    )
+    yield ""
+    yield f"{proven} {len(found.reports)} submissions graded in {found.duration_s:.0f} s (seed {found.seed})."
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -107,10 +107,10 @@ def main(arguments: Sequence[str]) -> int:
     if root is None or not (root / "tests").is_dir():
         return refuse("the submissions belong to the course's folder; run this in a clone of it.")
     try:
-        found = check(root, options.exercises, workers=options.workers, seed=options.seed)
+        found = check_proofs(root, options.exercises, workers=options.workers, seed=options.seed)
     except GradingError as problem:
         return refuse(problem)
-    print("\n".join(describe(found)))
+    print("\n".join(describe_outcome(found)))
     return 1 if found.faults else 0
 
 

@@ -82,7 +82,7 @@ def folders_of(exercise: Exercise, root: Path) -> tuple[Path, Path, Path]:
     return proof / "correct", proof / "broken", proof / "slips.toml"
 
 
-def load(exercise_id: str, root: Path) -> Corpus:
+def load_corpus(exercise_id: str, root: Path) -> Corpus:
     """The sets of one exercise of the checkout `root`, or of one that was added."""
     own = root / "exercises" / exercise_id
     exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
@@ -92,13 +92,9 @@ def load(exercise_id: str, root: Path) -> Corpus:
         found.append(ProofSubmission(exercise.id, "solution", exercise.solution.name, exercise.solution))
     correct, broken, table = folders_of(exercise, root)
     slips, breaks = _slips(exercise, correct, table)
-    for kind, folder in (("variant", correct), ("broken", broken)):
-        found += [
-            ProofSubmission(
-                exercise.id, kind, path.stem, path, breaks=breaks.pop(path.stem, ()) if kind == "broken" else ()
-            )
-            for path in sorted(folder.glob("*.py"))
-        ]
+    found += [ProofSubmission(exercise.id, "variant", path.stem, path) for path in sorted(correct.glob("*.py"))]
+    for path in sorted(broken.glob("*.py")):
+        found.append(ProofSubmission(exercise.id, "broken", path.stem, path, breaks=breaks.pop(path.stem, ())))
     if breaks:
         raise GradingError(f"{broken} has no {next(iter(breaks))}.py, though [broken] says what it breaks.")
     found += slips

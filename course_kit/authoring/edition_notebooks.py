@@ -13,7 +13,7 @@ def has_answers(notebook: Any) -> bool:
     return any(_is_instructors(cell) for cell in notebook.cells)
 
 
-def without_answers(notebook: Any) -> Any:
+def remove_answers(notebook: Any) -> Any:
     """A notebook without the cells of the instructor; the others are numbered anew."""
     notebook.cells = [cell for cell in notebook.cells if not _is_instructors(cell)]
     number_anew(notebook)

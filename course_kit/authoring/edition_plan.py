@@ -97,9 +97,9 @@ class EditionPlan:
         return sorted({*self.instructors, *self.undecided, *self.untracked})
 
 
-def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
+def plan_edition(root: Path, without: Collection[str] = ()) -> EditionPlan:
     """Decide what goes into the student edition."""
-    found, parts = look(root), read_parts()
+    found, parts = list_course_files(root), read_parts()
     made = EditionPlan(git=found.git)
     of_exercises: dict[str, list[str]] = {}
     for name in sorted(found.known | found.new):
@@ -112,7 +112,7 @@ def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
             of_exercises.setdefault(exercise_id, []).append(name)
         else:
             made.files[name] = root / name
-    added = carried_exercises.added()
+    added = carried_exercises.added_exercises()
     _require_all(without, {*of_exercises, *added})
     made.changed = sorted(name for name in found.changed if parts.owner(name) is Owner.STUDENTS)
     _require_pristine([name for name in made.changed if name.startswith(f"{_EXERCISES}/")], without)
@@ -127,7 +127,7 @@ def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
             made.files.update({name: root / name for name in names})
     made.unwanted += [name for name in added if name in without]
     for exercise in (load_exercise(name) for name in added if name not in without):
-        _put(made, exercise, carried_exercises.files(exercise))
+        _put(made, exercise, carried_exercises.carried_files(exercise))
         made.added[exercise.id] = exercise.folder
     made.files["README.md"] = README
     return made
@@ -135,7 +135,7 @@ def plan(root: Path, without: Collection[str] = ()) -> EditionPlan:
 
 def _put(made: EditionPlan, exercise: Exercise, names: Collection[str]) -> dict[str, Path]:
     """Put an exercise in, of these files those that it is known to need; returns all of the latter."""
-    needed = carried_exercises.files(exercise)
+    needed = carried_exercises.carried_files(exercise)
     made.files.update({name: path for name, path in needed.items() if name in names})
     (made.drills if exercise.practice else made.exercises).append(exercise.id)
     made.solutions[exercise.id] = exercise.solution
@@ -185,7 +185,7 @@ class CourseFiles:
     git: str = ""  # why git could not be asked; empty where it answered
 
 
-def look(root: Path) -> CourseFiles:
+def list_course_files(root: Path) -> CourseFiles:
     """The files of the course in `root`, by git where this is a clone."""
     there = frozenset(_walk(root))
     if not (root / ".git").exists():

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.executors import Local
+from course_kit.classroom.executors import LocalExecutor
 from course_kit.grading.engine import GradingRequest, unreadable
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
@@ -33,7 +33,7 @@ class Gradings(Closable):
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-gradings-")
         self._reader = Reader()
         graders = [one.grader for one in exercises if one.grader]
-        self._pool = Local(workers or None, graders, [one.limits for one in exercises])
+        self._pool = LocalExecutor(workers or None, graders, [one.limits for one in exercises])
 
     def close(self) -> None:
         """End it; what is under way is given up."""

@@ -36,7 +36,7 @@ class Leak:
     why: str
 
 
-def find(edition: Path, solutions: Mapping[str, Path]) -> list[Leak]:
+def find_leaks(edition: Path, solutions: Mapping[str, Path]) -> list[Leak]:
     """Look for answers in an edition."""
     exercises = [load_exercise(name, edition / "exercises") for name in solutions]
     texts = {path: _read_code(path) for path in sorted(edition.rglob("*")) if path.suffix in (".py", ".ipynb", ".md")}

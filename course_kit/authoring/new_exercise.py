@@ -51,7 +51,7 @@ _GRADING = (
 )
 
 
-def create(name: str, kind: str, folder: Path) -> Exercise:
+def create_exercise(name: str, kind: str, folder: Path) -> Exercise:
     """Make a new exercise.
 
     It appears under its name only when it is complete.
@@ -70,23 +70,23 @@ def create(name: str, kind: str, folder: Path) -> Exercise:
             (made / path).write_text(text, encoding="utf-8")
         exercise = read_exercise(made)
         (made / exercise.notebook).write_text(_new_notebook(exercise), encoding="utf-8")
-        refresh(exercise)
+        refresh_exercise(exercise)
         made.rename(target)
     return read_exercise(target)
 
 
-def refresh(exercise: Exercise) -> list[Path]:
+def refresh_exercise(exercise: Exercise) -> list[Path]:
     """Write the sentences of an exercise anew into its starter and its notebook; returns what has changed.
 
     Of an exercise that is not the course's own, title, points and starter are written into the notebook, too.
     """
     program, notebook = exercise.folder / exercise.starter, exercise.folder / exercise.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (program, notebook)}
-    starter, cells = task_text.in_starter(before[program], exercise), before[notebook]
+    starter, cells = task_text.fill_starter(before[program], exercise), before[notebook]
     if exercise_folders.is_added(exercise.folder):
         starter = _titled(starter, exercise)
         cells = _renewed_notebook(cells, exercise, starter)
-    after = {program: starter, notebook: task_text.in_notebook(cells, exercise)}
+    after = {program: starter, notebook: task_text.fill_notebook(cells, exercise)}
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])

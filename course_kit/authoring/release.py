@@ -44,11 +44,11 @@ class AnswersFoundError(ReleaseError):
     """There are answers in the edition; the text names them."""
 
 
-def run(target: str, without: Collection[str] = (), left_out_file: str | None = None) -> int:
+def release_edition(target: str, without: Collection[str] = (), left_out_file: str | None = None) -> int:
     """Make the student edition and say what it is."""
     try:
-        path, planned = make(Path(target), without)
-        print("\n".join([f"The student edition is in {path}.", *describe(planned)]))
+        path, planned = make_edition(Path(target), without)
+        print("\n".join([f"The student edition is in {path}.", *describe_edition(planned)]))
         if left_out_file is not None:
             listed = "".join(f"{name}\n" for name in planned.left_out)
             environment.write_atomically(Path(left_out_file), os.fsencode(listed))
@@ -62,31 +62,31 @@ def run(target: str, without: Collection[str] = (), left_out_file: str | None = 
     return 0
 
 
-def make(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan]:
+def make_edition(target: Path, without: Collection[str] = ()) -> tuple[Path, EditionPlan]:
     """Write the student edition, which appears under its name only when it is complete and holds no answers."""
     root = environment.checkout_folder()
     if root is None:
         raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
     target = target.absolute()
     _require_free(target)
-    planned = edition_plan.plan(root, without)
+    planned = edition_plan.plan_edition(root, without)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".release-", dir=target.parent) as workshop:
         built = Path(workshop) / NAME
-        build(planned, built)
+        build_edition(planned, built)
         note("Grading the programs in the edition; this takes a minute.")
-        if found := leaks.find(built, planned.solutions):
+        if found := leaks.find_leaks(built, planned.solutions):
             raise AnswersFoundError(_describe_leaks(found))
         if _is_zip(target):
             packed = Path(workshop) / "student.zip"
-            pack(built, packed)
+            pack_edition(built, packed)
             packed.replace(target)
         else:
             built.replace(target)
     return target, planned
 
 
-def build(planned: EditionPlan, folder: Path) -> None:
+def build_edition(planned: EditionPlan, folder: Path) -> None:
     """Write the files of an edition."""
     for name, source in planned.files.items():
         target = folder / name
@@ -97,7 +97,7 @@ def build(planned: EditionPlan, folder: Path) -> None:
             _leave_answers_out(target, name)
 
 
-def pack(folder: Path, archive: Path) -> None:
+def pack_edition(folder: Path, archive: Path) -> None:
     """Zip an edition's folder, which within the zip has the course's name; who may run a file stays with it."""
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for path in sorted(folder.rglob("*")):
@@ -105,7 +105,7 @@ def pack(folder: Path, archive: Path) -> None:
                 packed.write(path, f"{NAME}/{path.relative_to(folder).as_posix()}")
 
 
-def describe(planned: EditionPlan) -> Iterator[str]:
+def describe_edition(planned: EditionPlan) -> Iterator[str]:
     """What to say of an edition, in lines."""
     yield (
         f"It holds {_count(len(planned.files), 'file')} and {_count(len(planned.exercises), 'exercise')}: "
@@ -158,7 +158,7 @@ def _leave_answers_out(target: Path, name: str) -> None:
     except (ValueError, KeyError, AttributeError) as problem:
         raise ReleaseError(f"{name} is not a notebook: {problem}. Mend it, or take it away.") from problem
     if edition_notebooks.has_answers(notebook):
-        nbformat.write(edition_notebooks.without_answers(notebook), target)
+        nbformat.write(edition_notebooks.remove_answers(notebook), target)
 
 
 def _count(number: int, thing: str) -> str:

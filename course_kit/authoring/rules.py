@@ -35,7 +35,7 @@ class Fault:
         return f"{where}: {self.text}" if where else self.text
 
 
-def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """The starter and its notebook run, do not pass, and are helped on by the first rung of the exercise's ladder."""
     if not sets.of("starter"):
         yield "there is no starter."
@@ -46,21 +46,21 @@ def starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmiss
         failed = [check for check in report.checks if check.status == "failed"]
         seen.add(tuple((check.id, check.status, check.diagnosis) for check in report.checks))
         if exit_code(report) != 1 or not failed:
-            yield one, f"it should be graded and not passed, and is: {outcome(report)}"
+            yield one, f"it should be graded and not passed, and is: {describe_report(report)}"
         elif failed[0].hint not in rungs:
             yield one, f"its first failed check, {failed[0].id}, has no hint from the ladder in exercise.toml."
     if len(seen) > 1:
         yield "the starter program and the starter notebook get different verdicts."
 
 
-def solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """There is a solution, and it gets full marks."""
     if not sets.of("solution"):
         yield "there is no solution."
     yield from _not_full_marks(sets.of("solution"), reports)
 
 
-def variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Right programs in other styles get full marks."""
     yield from _not_full_marks(sets.of("variant"), reports)
 
@@ -70,7 +70,7 @@ def _is_added(sets: Corpus) -> bool:
     return (sets.exercise.folder / exercise_folders.PROOF).is_dir()
 
 
-def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint.
 
     Beside an exercise of another folder it may have any name, and then loses points.
@@ -82,52 +82,52 @@ def broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmissi
         if not is_code and not _is_added(sets):
             yield one, "it is named after a code that diagnoses.toml does not have."
         elif is_code and got != {one.name}:
-            yield one, f"it should get this code alone, and gets: {outcome(report)}"
+            yield one, f"it should get this code alone, and gets: {describe_report(report)}"
         elif report.score >= report.max_score:
             yield one, "it gets full marks."
         yield from ((one, text) for text in _poor_feedback(report))
 
 
-def slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each slip fails the checks it is listed with, with those diagnoses, and no other."""
     for one in sets.of("slip"):
         report = reports[one]
         failed = [check for check in report.checks if check.status in ("failed", "error")]
         if {(check.id, check.diagnosis) for check in failed} != one.failed:
             wanted = ", ".join(f"{check} ({code or 'no code'})" for check, code in sorted(one.failed, key=str))
-            yield one, f"it should fail {wanted}, and gets: {outcome(report)}"
+            yield one, f"it should fail {wanted}, and gets: {describe_report(report)}"
         elif one.says not in " ".join(check.message for check in failed):
-            yield one, f"a message should say '{one.says}', and this is said: {outcome(report)}"
+            yield one, f"a message should say '{one.says}', and this is said: {describe_report(report)}"
         yield from ((one, text) for text in _poor_feedback(report))
 
 
-def checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
+def judge_checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each check can fail: some submission turns it red."""
     red = {check.id for one in sets.submissions for check in reports[one].checks if check.status == "failed"}
     known = {check.id: None for one in sets.of("solution") for check in reports[one].checks}
     yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
 
 
-def told(sets: Corpus, reports: Reports) -> Iterator[str]:
+def judge_sentences(sets: Corpus, reports: Reports) -> Iterator[str]:
     """Each sentence of the task is tested, and each test is told: see `sentences`. Not asked of a task without any."""
     if not sets.exercise.sentences:
         return
-    yield from sentences.faults(sets.exercise, sentences.checks_of(sets.exercise))
-    yield from sentences.unproven(sets, reports)
+    yield from sentences.find_sentence_faults(sets.exercise, sentences.checks_of(sets.exercise))
+    yield from sentences.find_unproven(sets, reports)
 
 
 RULES: Mapping[str, Callable[[Corpus, Reports], Iterator[str | tuple[ProofSubmission, str]]]] = {
-    "starter": starter,
-    "solution": solution,
-    "variants": variants,
-    "broken": broken,
-    "slips": slips,
-    "checks": checks,
-    "sentences": told,
+    "starter": judge_starter,
+    "solution": judge_solution,
+    "variants": judge_variants,
+    "broken": judge_broken,
+    "slips": judge_slips,
+    "checks": judge_checks,
+    "sentences": judge_sentences,
 }
 
 
-def faults(sets: Corpus, reports: Reports) -> list[Fault]:
+def find_faults(sets: Corpus, reports: Reports) -> list[Fault]:
     """All that does not hold of one exercise."""
     found = []
     for name, rule in RULES.items():
@@ -153,7 +153,7 @@ def codes_without_submission(names: set[str]) -> list[Fault]:
     return [Fault("", "codes", "", f"{code}: {text}") for code in catalogue.catalogue() if code not in names]
 
 
-def outcome(report: Report) -> str:
+def describe_report(report: Report) -> str:
     """A report in one line: its score, and each check that is neither passed nor skipped."""
     wrong = [
         f"{check.id} {check.status} ({check.diagnosis or 'no code'}: {check.message[:160]})"
@@ -169,7 +169,7 @@ def _not_full_marks(right: tuple[ProofSubmission, ...], reports: Reports) -> Ite
         report = reports[one]
         full = all(check.status == "passed" for check in report.checks) and report.status == "graded"
         if not (full and report.passed and report.score == report.max_score):
-            yield one, f"it should get full marks, and gets: {outcome(report)}"
+            yield one, f"it should get full marks, and gets: {describe_report(report)}"
         elif sum(check.max_points for check in report.checks) != report.max_score:
             yield one, f"the points of its checks do not add up to {report.max_score:g}."
 

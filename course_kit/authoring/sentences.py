@@ -25,7 +25,7 @@ def checks_of(exercise: Exercise, seed: int | None = None) -> Sequence[Check]:
     return exercise_job.checks_of(exercise, drawn)
 
 
-def faults(exercise: Exercise, checks: Sequence[Check]) -> list[str]:
+def find_sentence_faults(exercise: Exercise, checks: Sequence[Check]) -> list[str]:
     """What does not fit between the sentences of a task and the checks of its grader."""
     known = {one.id for one in exercise.sentences}
     found = [
@@ -44,7 +44,7 @@ def faults(exercise: Exercise, checks: Sequence[Check]) -> list[str]:
     return found
 
 
-def unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterator[str]:
+def find_unproven(sets: Corpus, reports: Mapping[ProofSubmission, Report]) -> Iterator[str]:
     """The sentences that nothing proves, and what submissions break that no sentence is."""
     known = {one.id for one in sets.exercise.sentences}
     yield from (

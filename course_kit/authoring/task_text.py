@@ -24,7 +24,7 @@ _PLACES = ("- ", "|")
 _QUOTES = '"""'
 
 
-def blocks(sentences: Sequence[Sentence], *, width: int = 0) -> str:
+def format_sentences(sentences: Sequence[Sentence], *, width: int = 0) -> str:
     """Sentences as a list in Markdown, with tables where there are rows."""
     parts = [
         _table(group) if rows else "\n".join(_items(group, width))
@@ -33,7 +33,7 @@ def blocks(sentences: Sequence[Sentence], *, width: int = 0) -> str:
     return "\n\n".join(parts)
 
 
-def of_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
+def group_by_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
     """The sentences by the notebook's cell in which they stand."""
     cells: dict[str, list[Sentence]] = {}
     cell = ""
@@ -43,28 +43,30 @@ def of_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
     return cells
 
 
-def in_starter(text: str, exercise: Exercise) -> str:
+def fill_starter(text: str, exercise: Exercise) -> str:
     """A starter's program with the sentences of its exercise in its docstring."""
     before, *rest = text.split(_QUOTES, 2)
     if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
         raise GradingError(f"{exercise.starter} does not begin with a docstring, into which its task belongs.")
-    docstring = replaced(rest[0], blocks(exercise.sentences, width=_WIDTH), f"the docstring of {exercise.starter}")
+    block = format_sentences(exercise.sentences, width=_WIDTH)
+    docstring = replace_block(rest[0], block, f"the docstring of {exercise.starter}")
     return _QUOTES.join([before, docstring, rest[1]])
 
 
-def in_notebook(text: str, exercise: Exercise) -> str:
+def fill_notebook(text: str, exercise: Exercise) -> str:
     """A notebook's file with the sentences of its exercise in its cells."""
     notebook = json.loads(text)
-    for name, told in of_cell(exercise.sentences).items():
+    for name, sentences in group_by_cell(exercise.sentences).items():
         cell = next((cell for cell in notebook["cells"] if cell.get("id") == name), None)
         if cell is None:
             raise GradingError(f"{exercise.notebook} has no cell with the id '{name}', where a sentence is to stand.")
-        source = replaced("".join(cell["source"]), blocks(told), f"the cell '{name}' of {exercise.notebook}")
+        where = f"the cell '{name}' of {exercise.notebook}"
+        source = replace_block("".join(cell["source"]), format_sentences(sentences), where)
         cell["source"] = source.splitlines(keepends=True)
     return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
 
 
-def replaced(text: str, block: str, where: str) -> str:
+def replace_block(text: str, block: str, where: str) -> str:
     """A text in which `block` stands where lists and tables were."""
     lines = text.splitlines()
     marked = [number for number, line in enumerate(lines) if line.startswith(_PLACES)]

@@ -96,7 +96,7 @@ class BundleError(RuntimeError):
     """The files could not be downloaded; the text is for the user."""
 
 
-def make(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: Path, *, tests: bool) -> None:
+def make_bundle(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: Path, *, tests: bool) -> None:
     """Download what the Pythons need that are asked for, `all` or else this one, and say how much it is."""
     wanted = list(dict.fromkeys(asked or [".".join(platform.python_version_tuple()[:2])]))
     wanted = list(known) if "all" in wanted else wanted
@@ -104,9 +104,9 @@ def make(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: 
         raise BundleError(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
     folder.mkdir(parents=True, exist_ok=True)
     for python in wanted:
-        found = packages(root, python, tests=tests)
+        found = locked_packages(root, python, tests=tests)
         print(f"course: {len(found)} packages for Python {python}", flush=True)
-        download(found, python, folder)
+        download_packages(found, python, folder)
     size = sum(path.stat().st_size for path in folder.glob("*.whl")) // _MB
     print(
         f"course: {size} MB in {folder}. Take it to the classroom with the course's folder; there run: "
@@ -114,7 +114,7 @@ def make(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: 
     )
 
 
-def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:
+def locked_packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:
     """What a set-up on a Python such as "3.12" installs where no ROS 2 is sourced."""
     try:
         found = read_lock(root, [*_PARTS, *(_TEST_PARTS if tests else ())])
@@ -123,7 +123,7 @@ def packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPack
     return list(dict.fromkeys(package for package in found if package.is_for(python)))
 
 
-def download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
+def download_packages(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
     """Download the files of packages into a folder; what is there already is not downloaded again."""
     for batch in _batches(wanted):
         _download(batch, python, folder)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import collecting
-from course_kit.classroom.intake.listing import FOLDER, Item, of_a_tool
-from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.intake.listing import FOLDER, Item, why_a_tools
+from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, load_exercise
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 _STUDENT = "submission"  # there is only one, and the platform knows who
 
 
-def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isolation: bool = False) -> Record:
+def grade_path(
+    exercise_id: str, path: Path, *, seed: int | None = None, require_isolation: bool = False
+) -> GradeRecord:
     """Grade a file, or what is found in a folder by the rules of a class's intake."""
     exercise = load_exercise(exercise_id)
     if seed is None:  # drawn here, for the result to tell it
@@ -44,19 +46,19 @@ def grade(exercise_id: str, path: Path, *, seed: int | None = None, require_isol
         return _record(exercise, found.name, report, seed)
 
 
-def _record(exercise: Exercise, source: str, report: Report, seed: int) -> Record:
+def _record(exercise: Exercise, source: str, report: Report, seed: int) -> GradeRecord:
     """The result as a class's exports take it."""
     if report.status == "error":
         raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
     entry = Entry("", exercise.id, source)
-    return Record(entry, "", 0, seed, report.to_mapping(), title=exercise.title, isolation=report.isolation)
+    return GradeRecord(entry, "", 0, seed, report.to_mapping(), title=exercise.title, isolation=report.isolation)
 
 
 def _find(handed_over: Path, exercise: Exercise, workspace: Path) -> Path | None:
     """The file to grade; None where there is none."""
     if not any((handed_over / _STUDENT).iterdir()):
         return None
-    found = collecting.collect(handed_over, [exercise], workspace, "folders")
+    found = collecting.collect_submissions(handed_over, [exercise], workspace, "folders")
     return found.root / found.entries[0].source if found.entries else None
 
 
@@ -66,7 +68,7 @@ def _copy(source: Path, target: Path) -> None:
 
 
 def _of_tools(folder: str, names: Iterable[str]) -> set[str]:
-    return {name for name in names if Path(folder, name).is_dir() and of_a_tool(Item(name, FOLDER))}
+    return {name for name in names if Path(folder, name).is_dir() and why_a_tools(Item(name, FOLDER))}
 
 
 def _copy_file(source: str, target: str) -> None:

@@ -43,7 +43,7 @@ class Urgency(IntEnum):
     NONE = 2
 
 
-def early(things: Iterable[Thing], urgency: Callable[[Thing], Urgency]) -> list[Thing]:
+def put_urgent_early(things: Iterable[Thing], urgency: Callable[[Thing], Urgency]) -> list[Thing]:
     """The things with the urgent ones early, as long as there are any; otherwise in their order."""
     by_urgency: dict[Urgency, deque[Thing]] = {one: deque() for one in Urgency}
     for thing in things:
@@ -62,7 +62,7 @@ def _every(nth: int, some: deque[Thing], others: deque[Thing], *, first: int) ->
     return order
 
 
-class Turns:
+class GradingQueue:
     """Threads that take requests in the order they come, when it is their turn."""
 
     def __init__(

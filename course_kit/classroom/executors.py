@@ -11,7 +11,7 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any, Protocol
 
-from course_kit.classroom.concurrency import Turns
+from course_kit.classroom.concurrency import GradingQueue
 from course_kit.grading.errors import GradingError
 from course_kit.grading.sandbox import machine, needs
 from course_kit.grading.workers.pool import Pool
@@ -56,7 +56,7 @@ class SchedulerLostError(GradingError):
     """The scheduler of a cluster has ended, or cannot be reached any more, while submissions were graded."""
 
 
-class Local:
+class LocalExecutor:
     """Workers on this machine, started ahead of time."""
 
     def __init__(
@@ -69,7 +69,7 @@ class Local:
         waiting = 0 if workers else min(_MORE_THAT_WAIT * usual, most, machine.free_memory() // (_ROOM * _EACH))
         self.slots = max(idle, waiting)
         self._pool = Pool(self.slots, graders, awake=usual)
-        self._turns = Turns(self._pool.grade, usual, idle, most_that_wait=waiting)
+        self._turns = GradingQueue(self._pool.grade, usual, idle, most_that_wait=waiting)
 
     def submit(self, request: GradingRequest) -> Future[Report]:
         return self._turns.submit(request)
@@ -83,7 +83,7 @@ class Local:
         self._turns.join()
 
 
-class Cluster:
+class ClusterExecutor:
     """Workers on the machines of a Dask cluster; each of them needs the course kit of this version."""
 
     def __init__(self, address: str) -> None:

@@ -12,7 +12,7 @@ from importlib import metadata
 from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.classroom.records import outcome
+from course_kit.classroom.records import outcome_of
 from course_kit.grading import engine
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.render.html import render_page
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.executors import Executor
-    from course_kit.classroom.records import Record, Records
-    from course_kit.classroom.submissions import Handed
+    from course_kit.classroom.records import GradeRecord, RecordFolder
+    from course_kit.classroom.submissions import ClassSubmission
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
 
@@ -52,18 +52,18 @@ class RunProgress:
         self._total = self._before = self._now = 0
         self._began = self._shown = clock()
 
-    def begin(self, total: int, ready: Sequence[Record]) -> None:
+    def begin(self, total: int, ready: Sequence[GradeRecord]) -> None:
         """So many submissions, and the results that are there already; whatever was counted before is over."""
         self._total, self._before, self._now = total, len(ready), 0
-        self._counts = Counter(outcome(record) for record in ready)
+        self._counts = Counter(outcome_of(record) for record in ready)
         self._began = self._clock()
         known = f", {len(ready)} of them already have a result from an earlier run" if ready else ""
         self._print(f"{total} submission{'s' * (total != 1)}{known}.")
 
-    def done(self, record: Record) -> None:
+    def done(self, record: GradeRecord) -> None:
         """One more has its result."""
         self._now += 1
-        self._counts[outcome(record)] += 1
+        self._counts[outcome_of(record)] += 1
 
     def tick(self) -> None:
         """Some time has passed."""
@@ -107,7 +107,7 @@ class GradingLoop:
 
     def __init__(
         self,
-        records: Records,
+        records: RecordFolder,
         progress: RunProgress,
         stops: Callable[[], int],
         hidden: tuple[str, ...],
@@ -120,12 +120,12 @@ class GradingLoop:
         self._hidden = hidden
         self._require_isolation = require_isolation
         self._versions: dict[str, dict[str, str]] = {}
-        self.done: list[Record] = []
+        self.done: list[GradeRecord] = []
 
-    def run(self, groups: Sequence[list[Handed]], executor: Executor) -> None:
+    def run(self, groups: Sequence[list[ClassSubmission]], executor: Executor) -> None:
         """Grade each group once; those in one are identical. What has its result stands in `done`."""
         waiting = iter(groups)
-        under_way: dict[Future[Report], list[Handed]] = {}
+        under_way: dict[Future[Report], list[ClassSubmission]] = {}
         stopping = False
         while self._stops() < _AT_ONCE:
             if self._stops() and not stopping:
@@ -149,8 +149,8 @@ class GradingLoop:
     def _fill(
         self,
         executor: Executor,
-        waiting: Iterator[list[Handed]],
-        under_way: dict[Future[Report], list[Handed]],
+        waiting: Iterator[list[ClassSubmission]],
+        under_way: dict[Future[Report], list[ClassSubmission]],
     ) -> None:
         """Give the executor enough to do."""
         while len(under_way) < _AHEAD * executor.slots:
@@ -163,7 +163,7 @@ class GradingLoop:
             else:
                 under_way[executor.submit(request)] = group
 
-    def _keep(self, group: list[Handed], report: Report) -> None:
+    def _keep(self, group: list[ClassSubmission], report: Report) -> None:
         """Write the result of a submission and of those identical to it."""
         first = group[0]
         exercise = first.exercise
@@ -178,7 +178,7 @@ class GradingLoop:
             self._progress.done(record)
 
 
-def _result(submission: Handed, future: Future[Report]) -> Report:
+def _result(submission: ClassSubmission, future: Future[Report]) -> Report:
     """The report; where grading itself has failed one that says so, as nothing may end the grading of the others."""
     try:
         return future.result()

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.rules.adjustments import Adjustment, sentences
+from course_kit.classroom.rules.adjustments import Adjustment, describe_adjustment
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.text.sanitize import make_encodable
@@ -60,7 +60,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Record:
+class GradeRecord:
     """The result of one submission, and what the instructor has made of it; only the result is stored."""
 
     entry: Entry  # what was handed in
@@ -106,7 +106,7 @@ class Record:
     @property
     def remarks(self) -> list[str]:
         """What the student is told of lateness, penalty, override and comment, a sentence each."""
-        return list(sentences(self.adjustment, None if self.status == "error" else self.graded_score))
+        return list(describe_adjustment(self.adjustment, None if self.status == "error" else self.graded_score))
 
     @property
     def max_score(self) -> float:
@@ -131,7 +131,7 @@ class Record:
         return make_encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
 
     @classmethod
-    def from_json(cls, text: str) -> Record:
+    def from_json(cls, text: str) -> GradeRecord:
         """The inverse of `to_json`."""
         try:
             values = json.loads(text)
@@ -144,7 +144,7 @@ class Record:
             raise ValueError(f"it is not a valid record: {problem}") from problem
 
 
-class Records:
+class RecordFolder:
     """The records in an output folder."""
 
     def __init__(self, folder: Path) -> None:
@@ -155,7 +155,7 @@ class Records:
         """Where a submission's record or report (`.html`) stands."""
         return self.folder / safe_name(entry.student) / f"{entry.exercise}{suffix}"
 
-    def keep(self, record: Record, page: str | None = None) -> None:
+    def keep(self, record: GradeRecord, page: str | None = None) -> None:
         """Write a record and its report page; the page first, so that a record that is there is complete."""
         if page is not None:
             before = self.find(record.entry)
@@ -164,7 +164,7 @@ class Records:
             write_atomically(self.path(record.entry, ".html"), page)
         write_atomically(self.path(record.entry), record.to_json() + "\n")
 
-    def require_kept(self, records: Iterable[Record]) -> None:
+    def require_kept(self, records: Iterable[GradeRecord]) -> None:
         """See that results are still where they were written."""
         if not all(self.path(one.entry).exists() for one in records):
             raise GradingError(
@@ -172,7 +172,7 @@ class Records:
                 "Run the same command again, with --resume."
             )
 
-    def find(self, entry: Entry) -> Record | None:
+    def find(self, entry: Entry) -> GradeRecord | None:
         """The record of a submission if there is one that can be read."""
         return _read(self.path(entry))
 
@@ -182,7 +182,7 @@ class Records:
         found = sorted(self.folder.glob("*/*.json"))
         return [path for path in found if path not in here and path.stem in exercises]
 
-    def supersede(self, path: Path) -> Record | None:
+    def supersede(self, path: Path) -> GradeRecord | None:
         """Move a result, and its page, to `superseded`; returns it if it can be read."""
         record = _read(path)
         self._copy_superseded(path)
@@ -213,15 +213,15 @@ class Records:
             write_atomically(copy.with_suffix(".html"), path.with_suffix(".html").read_bytes())
         write_atomically(copy, content)
 
-    def __iter__(self) -> Iterator[Record]:
+    def __iter__(self) -> Iterator[GradeRecord]:
         for path in sorted(self.folder.glob("*/*.json")):
             if (record := _read(path)) is not None:
                 yield record
 
 
-def _read(path: Path) -> Record | None:
+def _read(path: Path) -> GradeRecord | None:
     try:
-        return Record.from_json(path.read_text(encoding="utf-8"))
+        return GradeRecord.from_json(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
 
@@ -241,7 +241,7 @@ class Gradebook:
     """The results of a class run."""
 
     exercises: tuple[Exercise, ...]  # the exercises that were set, in the order of the course
-    records: tuple[Record, ...]  # one for each student and exercise that was handed in, by student and exercise
+    records: tuple[GradeRecord, ...]  # one for each student and exercise that was handed in, by student and exercise
     missing: tuple[tuple[str, str], ...] = ()  # student and exercise of those who handed in something else only
     left: tuple[tuple[str, str], ...] = ()  # path and reason of each file that is no submission
     layout: str = ""  # the layout the submissions were in
@@ -276,26 +276,26 @@ class Gradebook:
         """Everybody who handed in anything, sorted."""
         return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
 
-    def graded(self, exercise_id: str | None = None) -> list[Record]:
-        """The records that hold a grade, of one exercise or of all; see `Record.has_grade`."""
+    def graded(self, exercise_id: str | None = None) -> list[GradeRecord]:
+        """The records that hold a grade, of one exercise or of all; see `GradeRecord.has_grade`."""
         of = self.records if exercise_id is None else self.of(exercise_id)
         return [record for record in of if record.has_grade]
 
     @property
-    def not_graded(self) -> list[Record]:
+    def not_graded(self) -> list[GradeRecord]:
         """The records of submissions that have to be graded again, as the grader itself failed."""
         return [record for record in self.records if not record.has_grade]
 
-    def of(self, exercise_id: str) -> list[Record]:
+    def of(self, exercise_id: str) -> list[GradeRecord]:
         """The records of one exercise, by student."""
         return [record for record in self.records if record.entry.exercise == exercise_id]
 
     def tally(self) -> Counter[str]:
         """How many passed, did not pass, crashed, were unreadable, or met an error of the grader."""
-        return Counter(outcome(record) for record in self.records)
+        return Counter(outcome_of(record) for record in self.records)
 
 
-def outcome(record: Record) -> str:
+def outcome_of(record: GradeRecord) -> str:
     """A record in a word or two: passed, not passed, crashed, unreadable or error."""
     if record.status == "graded" or record.passed or record.adjustment.override is not None:
         return "passed" if record.passed else "not passed"

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import submissions
-from course_kit.classroom.exports.texts import csv_text, lines_of_table, number, score
+from course_kit.classroom.exports.texts import csv_text, format_number, lines_of_table, score_of
 from course_kit.classroom.grading_loop import GradingLoop, versions_of
-from course_kit.classroom.records import Records, outcome
+from course_kit.classroom.records import RecordFolder, outcome_of
 from course_kit.environment import write_atomically
 from course_kit.grading.reading.reader import Reader
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import RunProgress
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.classroom.run import ClassRun
-    from course_kit.classroom.submissions import Handed
+    from course_kit.classroom.submissions import ClassSubmission
 
 STAGING = "regrade"
 TABLE = "regrade.csv"
@@ -36,8 +36,8 @@ HEADER = ("student", "name", "exercise", "was", "is", "checks that changed", "re
 class GradeChange:
     """One line of the table: a result before and after, each with its penalty and override."""
 
-    before: Record
-    after: Record
+    before: GradeRecord
+    after: GradeRecord
 
     @property
     def checks(self) -> list[str]:
@@ -58,26 +58,18 @@ class GradeChange:
     @property
     def row(self) -> list[str]:
         """Its cells, see `HEADER`."""
-        entry = self.after.entry
-        remarks = " ".join(self.after.remarks)
-        return [
-            entry.student,
-            entry.name,
-            entry.exercise,
-            _told(self.before),
-            _told(self.after),
-            "; ".join(self.checks),
-            remarks,
-        ]
+        entry, points = self.after.entry, (_points(self.before), _points(self.after))
+        checks, remarks = "; ".join(self.checks), " ".join(self.after.remarks)
+        return [entry.student, entry.name, entry.exercise, *points, checks, remarks]
 
 
-def _statuses(record: Record) -> dict[str, str]:
+def _statuses(record: GradeRecord) -> dict[str, str]:
     return {check["id"]: check["status"] for check in record.report["checks"]}
 
 
-def _told(record: Record) -> str:
-    points = score(record)
-    return outcome(record) if points is None else f"{number(points)} ({outcome(record)})"
+def _points(record: GradeRecord) -> str:
+    points = score_of(record)
+    return outcome_of(record) if points is None else f"{format_number(points)} ({outcome_of(record)})"
 
 
 class Regrade:
@@ -91,9 +83,9 @@ class Regrade:
         self._exercises = {one.id: one for one in book.exercises}
         # A score for nothing handed in stays.
         self._chosen = [one for one in book.records if one.entry.source and one.entry.exercise in exercises]
-        self._records = Records(out)
-        self._staging = Records(out / STAGING)
-        self._new: list[Record] = []
+        self._records = RecordFolder(out)
+        self._staging = RecordFolder(out / STAGING)
+        self._new: list[GradeRecord] = []
         self.complete = False
 
     def grade(self, start: Callable[[], Executor], stops: Callable[[], int]) -> list[GradeChange]:
@@ -114,7 +106,7 @@ class Regrade:
         return changes
 
     @property
-    def failed(self) -> list[Record]:
+    def failed(self) -> list[GradeRecord]:
         """New results that are none, as the grader itself failed; the old ones stay."""
         return [record for record in self._new if record.status == "error"]
 
@@ -143,7 +135,7 @@ class Regrade:
                 pairs.append(GradeChange(old, self._run.adjusted(record)))
         return [change for change in pairs if change.is_one]
 
-    def _take_stock(self, stops: Callable[[], int]) -> list[list[Handed]]:
+    def _take_stock(self, stops: Callable[[], int]) -> list[list[ClassSubmission]]:
         """Read what is graded again; identical ones together."""
         now = {one.id: versions_of(one) for one in self._exercises.values()}
         found = ((record, self._staged(record, now)) for record in self._chosen)
@@ -153,22 +145,22 @@ class Regrade:
         self._progress.begin(len(self._chosen), self._new)
         return groups
 
-    def _staged(self, record: Record, now: dict[str, dict[str, str]]) -> Record | None:
+    def _staged(self, record: GradeRecord, now: dict[str, dict[str, str]]) -> GradeRecord | None:
         """What an earlier regrade has found, by the rules of now."""
         staged = self._staging.find(record.entry)
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
 
-    def _read(self, record: Record, readings: Reader, staged: Record | None) -> Handed:
+    def _read(self, record: GradeRecord, readings: Reader, staged: GradeRecord | None) -> ClassSubmission:
         exercise = self._exercises[record.entry.exercise]
         seed = self._run.seed if record.seed is None else record.seed
-        return submissions.read(record.entry, self._run.intake.root, exercise, seed, readings, known=staged)
+        return submissions.read_submission(record.entry, self._run.intake.root, exercise, seed, readings, known=staged)
 
 
-def _key(record: Record) -> tuple[str, str]:
+def _key(record: GradeRecord) -> tuple[str, str]:
     return (record.entry.student, record.entry.exercise)
 
 
-def table(changes: Sequence[GradeChange]) -> Iterator[str]:
+def change_table(changes: Sequence[GradeChange]) -> Iterator[str]:
     """The table for a terminal, line by line."""
     name = HEADER.index("name")
     rows: list[Sequence[str]] = [HEADER, *(change.row for change in changes)]

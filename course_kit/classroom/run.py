@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom import run_folder, submissions
 from course_kit.classroom.grading_loop import GradingLoop
 from course_kit.classroom.intake import collecting, table
-from course_kit.classroom.records import Gradebook, Records
+from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.tables import People
 from course_kit.environment.files import remove_half_written
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
-    from course_kit.classroom.records import Entry, Record
+    from course_kit.classroom.records import Entry, GradeRecord
     from course_kit.classroom.rules.seeds import Seeds
-    from course_kit.classroom.submissions import Handed
+    from course_kit.classroom.submissions import ClassSubmission
     from course_kit.grading.model.exercise import Exercise
 
 WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
@@ -63,27 +63,27 @@ class ClassRun:
         self._progress = progress
         self._stops = stops
         self.readings = Reader(self._stopped)
-        self._records = Records(plan.out)
+        self._records = RecordFolder(plan.out)
         require_folders_apart(plan.sources, plan.out)
         self.seed = self._choose_seed()
         self.exercises = (*plan.exercises, *self._earlier_exercises())
-        self._instructions = instructor.read(plan.out, self.exercises)
+        self._instructions = instructor.read_instructions(plan.out, self.exercises)
         try:
-            self.intake = collecting.collect(
+            self.intake = collecting.collect_submissions(
                 plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self.readings, plan.roster
             )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None  # nothing has begun
-        table.write(self.intake, plan.out)
+        table.write_intake(self.intake, plan.out)
         require_submissions(self.intake, plan.sources, plan.exercises)
         self._apply_to_class()
-        run_folder.write(plan, self.seed)
+        run_folder.write_note(plan, self.seed)
         # No submission may see these: one student's program must not read another's, nor the results.
         self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
         self._loop = GradingLoop(
             self._records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
         )
-        self._kept: list[Record] = []
+        self._kept: list[GradeRecord] = []
         self.gone: list[str] = []
 
     def grade(self, start: Callable[[], Executor]) -> Gradebook:
@@ -107,7 +107,7 @@ class ClassRun:
         found = (self._records.find(entry) for entry in self.intake.entries)
         return self._gradebook([record for record in found if record is not None])
 
-    def adjusted(self, record: Record) -> Record:
+    def adjusted(self, record: GradeRecord) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
         return self._instructions.adjusted(record, self.exercises)
 
@@ -133,7 +133,7 @@ class ClassRun:
         there = {record.entry.exercise for record in self._records} - named
         return tuple(run_folder.exercise_of(self._plan.out, one) for one in sorted(there))
 
-    def _earlier_records(self) -> list[Record]:
+    def _earlier_records(self) -> list[GradeRecord]:
         """The results of exercises that are not graded now."""
         named = {one.id for one in self._plan.exercises}
         return [record for record in self._records if record.entry.exercise not in named]
@@ -154,7 +154,7 @@ class ClassRun:
             whose = record.entry.called if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
 
-    def _take_stock(self) -> list[list[Handed]]:
+    def _take_stock(self) -> list[list[ClassSubmission]]:
         """Read all submissions; returns those without a result, identical ones together."""
         found = ((entry, self._records.find(entry)) for entry in self.intake.entries)
         with self.readings:
@@ -164,7 +164,7 @@ class ClassRun:
         self._progress.begin(len(self.intake.entries), self._kept)
         return groups
 
-    def _keep(self, record: Record, known: Record) -> None:
+    def _keep(self, record: GradeRecord, known: GradeRecord) -> None:
         here = {entry.student for entry in self.intake.entries}
         if record.same_as and record.same_as not in here:
             record = replace(record, same_as="")
@@ -172,14 +172,14 @@ class ClassRun:
             self._records.keep(record)
         self._kept.append(record)
 
-    def _read(self, entry: Entry, known: Record | None) -> Handed:
+    def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
         exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
         usual = self.seed if exercise.seed is None else exercise.seed
         own = self._seeds.of(entry) if self._seeds else None
         seed = usual if own is None else own
-        return submissions.read(entry, self.intake.root, exercise, seed, self.readings, known=known)
+        return submissions.read_submission(entry, self.intake.root, exercise, seed, self.readings, known=known)
 
-    def _gradebook(self, done: list[Record]) -> Gradebook:
+    def _gradebook(self, done: list[GradeRecord]) -> Gradebook:
         fit, earlier = self.intake.roster, self._earlier_records()
         records = sorted([*done, *earlier], key=lambda one: (one.entry.student, one.entry.exercise))
         there = {(one.entry.student, one.entry.exercise) for one in records}
@@ -213,25 +213,22 @@ def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake
     require_folders_apart(plan.sources, plan.out)
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
         try:
-            found = collecting.collect(
+            found = collecting.collect_submissions(
                 plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Reader(stopped), plan.roster
             )
         except ReadingStoppedError:
             raise KeyboardInterrupt from None
-        table.write(found, plan.out)
+        table.write_intake(found, plan.out)
     return found
 
 
 def stored_gradebook(out: Path) -> Gradebook:
     """The results in a folder, without what was handed in."""
-    records = tuple(sorted(Records(out), key=lambda one: (one.entry.student, one.entry.exercise)))
+    records = tuple(sorted(RecordFolder(out), key=lambda one: (one.entry.student, one.entry.exercise)))
     if not records:
         raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
-    found = sorted(
-        (run_folder.exercise_of(out, one) for one in {record.entry.exercise for record in records}),
-        key=lambda one: one.order,
-    )
-    return Gradebook(tuple(found), records)
+    exercises = (run_folder.exercise_of(out, name) for name in {record.entry.exercise for record in records})
+    return Gradebook(tuple(sorted(exercises, key=lambda exercise: exercise.order)), records)
 
 
 def require_submissions(found: Intake, sources: Sequence[Path], exercises: Sequence[Exercise]) -> None:

@@ -32,7 +32,7 @@ LOCK = ".run.lock"  # stays when the run has ended: taking it away would let two
 _LONGEST = 1000  # bytes
 
 
-def write(plan: Plan, seed: int) -> None:
+def write_note(plan: Plan, seed: int) -> None:
     """Note a run."""
     added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
     folders = {**_noted_folders(plan.out), **added}
@@ -40,7 +40,7 @@ def write(plan: Plan, seed: int) -> None:
     write_atomically(plan.out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 
 
-def read(out: Path) -> dict[str, Any]:
+def read_note(out: Path) -> dict[str, Any]:
     """What the run that has written into a folder has noted; empty where there was none, or it cannot be read."""
     try:
         noted = json.loads((out / NOTE).read_text(encoding="utf-8"))
@@ -52,7 +52,7 @@ def read(out: Path) -> dict[str, Any]:
 def seed_of(out: Path) -> int | None:
     """The seed a run has noted; None if there was none."""
     try:
-        return int(read(out)["seed"])
+        return int(read_note(out)["seed"])
     except (ValueError, KeyError, TypeError):
         return None
 
@@ -70,12 +70,12 @@ def exercise_of(out: Path, exercise_id: str) -> Exercise:
 
 
 def _noted_folders(out: Path) -> dict[str, Any]:
-    folders = read(out).get("exercise_folders")
+    folders = read_note(out).get("exercise_folders")
     return folders if isinstance(folders, dict) else {}
 
 
 @contextmanager
-def hold(folder: Path) -> Iterator[None]:
+def hold_folder(folder: Path) -> Iterator[None]:
     """Have a folder of results for this process alone; makes the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     # Closed when another program is started: nobody who outlives this process holds the lock.

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.concurrency import Urgency, early
-from course_kit.classroom.records import Record
+from course_kit.classroom.concurrency import Urgency, put_urgent_early
+from course_kit.classroom.records import GradeRecord
 from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Handed:
+class ClassSubmission:
     """A submission that has been read."""
 
     entry: Entry  # who handed it in, and where it lies
@@ -63,9 +63,9 @@ class Handed:
         """The report of one that has no text."""
         return engine.unreadable(self.exercise, self.entry.source, self.problem, self.status)
 
-    def record(self, report: Report) -> Record:
+    def record(self, report: Report) -> GradeRecord:
         """Its result."""
-        return Record(
+        return GradeRecord(
             entry=self.entry,
             digest=self.digest,
             size=self.size,
@@ -76,7 +76,7 @@ class Handed:
             wall_s=round(report.duration_s, 3),
         )
 
-    def own_report(self, report: Report, twin: Handed) -> Report:
+    def own_report(self, report: Report, twin: ClassSubmission) -> Report:
         """Its report where an identical submission was graded: what names the twin's file names its own."""
         if self.text is None or twin.text is None:
             return replace(report, submission=self.entry.source)
@@ -97,13 +97,13 @@ class Handed:
             problem=own(report.problem),
         )
 
-    def has_result(self, record: Record) -> bool:
+    def has_result(self, record: GradeRecord) -> bool:
         """Whether a record is of this submission as it is now, wherever it lies; a grader's error gets another try."""
         if record.status == "error" or (record.digest, record.seed) != (self.digest, self.seed):
             return False
         return bool(self.digest) or record.entry.source == self.entry.source
 
-    def kept_record(self, record: Record) -> Record:
+    def kept_record(self, record: GradeRecord) -> GradeRecord:
         """The result it has, as of what was handed in now: it may have got a name, a time or another place."""
         if record.entry == self.entry:
             return record
@@ -111,11 +111,11 @@ class Handed:
 
 
 def sort_out(
-    read: Iterable[tuple[Handed, Record | None]],
-) -> tuple[list[tuple[Handed, Record]], list[list[Handed]]]:
+    read: Iterable[tuple[ClassSubmission, GradeRecord | None]],
+) -> tuple[list[tuple[ClassSubmission, GradeRecord]], list[list[ClassSubmission]]]:
     """Those that have a result, with it; and the others: identical ones together, what may last early."""
-    ready: list[tuple[Handed, Record]] = []
-    groups: dict[tuple[str, str, int], list[Handed]] = {}
+    ready: list[tuple[ClassSubmission, GradeRecord]] = []
+    groups: dict[tuple[str, str, int], list[ClassSubmission]] = {}
     try:
         for one, known in read:
             if known is not None and one.has_result(known):
@@ -124,17 +124,17 @@ def sort_out(
                 groups.setdefault(one.key, []).append(one)
     except ReadingStoppedError:
         groups = {}
-    return ready, early(groups.values(), lambda group: group[0].urgency)
+    return ready, put_urgent_early(groups.values(), lambda group: group[0].urgency)
 
 
-def read(  # noqa: PLR0913 - what a submission is read for
-    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: Record | None = None
-) -> Handed:
+def read_submission(  # noqa: PLR0913 - what a submission is read for
+    entry: Entry, root: Path, exercise: Exercise, seed: int, reader: Reader, *, known: GradeRecord | None = None
+) -> ClassSubmission:
     """Read a submission; never fails, as there is a report for whatever was handed in."""
     path = root / entry.source
     try:
         with Copy(path) as copy:
-            one = Handed(entry, exercise, seed, copy.digest, copy.size)
+            one = ClassSubmission(entry, exercise, seed, copy.digest, copy.size)
             if known is not None and one.has_result(known):
                 return one
             text = reader.read(copy, exercise)
@@ -142,10 +142,10 @@ def read(  # noqa: PLR0913 - what a submission is read for
     except UnreadableError as problem:
         if not os.path.lexists(path):
             gone = f"{path.name} is no longer there: it was removed while the class was graded."
-            return Handed(entry, exercise, seed, problem=gone, status="error")
-        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path))
+            return ClassSubmission(entry, exercise, seed, problem=gone, status="error")
+        return ClassSubmission(entry, exercise, seed, problem=str(problem), size=_size(path))
     except GradingError as problem:
-        return Handed(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")
+        return ClassSubmission(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")
 
 
 def _size(path: Path) -> int:

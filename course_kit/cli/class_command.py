@@ -7,6 +7,7 @@ import shlex
 import signal
 import sys
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
-    from course_kit.classroom.intake.roster_matching import Fit
+    from course_kit.classroom.intake.roster_matching import RosterFit
     from course_kit.classroom.records import Entry, Gradebook
     from course_kit.classroom.regrade import GradeChange
     from course_kit.classroom.rules.seeds import Seeds
@@ -86,15 +87,15 @@ def add_to(verbs: Any) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
-        type=positive,
+        type=positive_number,
         metavar="N",
         help="number of gradings at the same time on this machine, more while they only wait",
     )
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=grade_class)
 
 
-def run(options: argparse.Namespace) -> int:
+def grade_class(options: argparse.Namespace) -> int:
     """Grade the class, and say in a sentence what stopped it."""
     from course_kit.classroom.executors import SchedulerLostError
     from course_kit.grading import GradingError
@@ -102,18 +103,18 @@ def run(options: argparse.Namespace) -> int:
     try:
         return _run(options)
     except KeyboardInterrupt:  # before the first grading; what had begun ends by itself, and says how to go on
-        say("\ncourse-kit: stopped. Nothing was graded; run the same command again.")
+        print_safely("\ncourse-kit: stopped. Nothing was graded; run the same command again.")
         return INTERRUPTED
     except SchedulerLostError as problem:
-        say(
+        print_safely(
             f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"
             f"  {command_to_continue(options)}"
         )
     except GradingError as problem:
-        say(f"course-kit: {problem}")
+        print_safely(f"course-kit: {problem}")
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
-        say(
+        print_safely(
             f"\ncourse-kit: a result could not be written: {problem.strerror or problem}{where}. The results before it "
             f"are safe. Fix this, then run:\n  {command_to_continue(options)}"
         )
@@ -142,7 +143,7 @@ def _run(options: argparse.Namespace) -> int:
     with ExitStack() as ends:
         early = None  # the workers of this machine get ready while all else is loaded; a resumed run may need none
         if not (options.scheduler or options.resume):
-            early = executor(options, list(chosen.values()))
+            early = start_executor(options, list(chosen.values()))
             ends.callback(early.close)
         return _grade(options, _plan(options, chosen.values()), early)
 
@@ -154,11 +155,11 @@ def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
 
     return Plan(
         sources=tuple(options.submissions),
-        roster=roster.read(options.roster) if options.roster else None,
+        roster=roster.read_roster(options.roster) if options.roster else None,
         out=options.out,
         exercises=tuple(sorted(exercises, key=lambda one: one.order)),
         seed=options.seed,
-        seeds=seeds.read(options.seeds) if options.seeds else None,
+        seeds=seeds.read_seeds(options.seeds) if options.seeds else None,
         layout=options.layout,
         resume=options.resume,
         require_isolation=options.require_isolation,
@@ -173,24 +174,26 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
 
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
-    with run_folder.hold(plan.out):
-        with interrupts() as stops:
+    with run_folder.hold_folder(plan.out):
+        with count_interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
-            book = grading.grade(lambda: early or executor(options, plan.exercises))
+            start = partial(start_executor, options, plan.exercises)
+            book = grading.grade(lambda: early or start())
             if options.again and book.complete:
-                book = grade_again(options, grading, tally, lambda: executor(options, plan.exercises), stops) or book
+                book = grade_again(options, grading, tally, start, stops) or book
         tally.end()
         say_of_intake(grading.intake, plan.exercises)
         if grading.gone:
-            say(
-                f"{many(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
-                f"there: {some(grading.gone, '; ')}."
+            print_safely(
+                f"{count_of(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
+                f"there: {first_of(grading.gone, '; ')}."
             )
         for one in plan.exercises:
             if practised := _practised(book, one, plan.seeds):
-                say(
-                    f"course-kit: {one.id}: {many(practised, 'submission')} graded with the practice questions (seed "
-                    f"{one.seed}), whose answers every student has. For a grade that counts, give each a seed: --seeds."
+                print_safely(
+                    f"course-kit: {one.id}: {count_of(practised, 'submission')} graded with the practice questions "
+                    f"(seed {one.seed}), whose answers every student has. "
+                    "For a grade that counts, give each a seed: --seeds."
                 )
         return _finish(book, options)
 
@@ -209,14 +212,14 @@ def _dry_run(plan: Plan) -> int:
     from course_kit.classroom.run import look_only, require_submissions
     from course_kit.text.sanitize import make_printable
 
-    with interrupts() as stops:
+    with count_interrupts() as stops:
         found = look_only(plan, lambda: stops() > 0)
-    print(make_printable(table.as_text(found)))
+    print(make_printable(table.format_intake(found)))
     say_of_intake(found, plan.exercises)
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
-        say(f"course-kit: {_left_out(found.dropped, (*found.entries, *found.others))}")
+        print_safely(f"course-kit: {_left_out(found.dropped, (*found.entries, *found.others))}")
     return FAILED if found.dropped else 0
 
 
@@ -226,18 +229,18 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     out = options.out
     page = exports.write_all(book, out)
     if book.left:
-        say(f"Not graded: {many(book.left, 'other file')} in the folder. {page.name} says why.")
+        print_safely(f"Not graded: {count_of(book.left, 'other file')} in the folder. {page.name} says why.")
     if book.odd:
-        odd = _each_named(book.odd, book.entries)
-        say(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {some(odd)}.")
+        odd = first_of(_each_named(book.odd, book.entries))
+        print_safely(f"Graded as separate students, because their names do not fit the layout '{book.layout}': {odd}.")
     print(page)
     for notice in _notices(book):
-        say(notice)
+        print_safely(notice)
     worries = list(_worries(book))
     for worry in worries:
-        say(f"course-kit: {worry}")
+        print_safely(f"course-kit: {worry}")
     if not book.complete:
-        say(f"course-kit: stopped. To continue, run:\n  {command_to_continue(options)}")
+        print_safely(f"course-kit: stopped. To continue, run:\n  {command_to_continue(options)}")
         return INTERRUPTED
     return FAILED if worries else 0
 
@@ -247,7 +250,7 @@ def _notices(book: Gradebook) -> Iterator[str]:
     from course_kit.classroom import regrade
     from course_kit.classroom.rules import instructor
 
-    yield from instructor.warnings(book)
+    yield from instructor.moment_warnings(book)
     if others := regrade.graded_otherwise(book):
         counts = ", ".join(f"{count} of {exercise}" for exercise, count in others.items())
         yield (
@@ -263,8 +266,8 @@ def _worries(book: Gradebook) -> Iterator[str]:
     if failed := book.not_graded:
         whose = [f"{record.entry.called}, {record.entry.exercise}" for record in failed]
         yield (
-            f"{many(whose, 'submission')} could not be graded, through no fault of the student: {some(whose, '; ')}. "
-            "Run the same command with --resume."
+            f"{count_of(whose, 'submission')} could not be graded, through no fault of the student: "
+            f"{first_of(whose, '; ')}. Run the same command with --resume."
         )
 
 
@@ -276,23 +279,24 @@ def _each_named(reasons: Sequence[tuple[str, str]], entries: Iterable[Entry]) ->
 
 def _left_out(dropped: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> str:
     reasons = _each_named(dropped, entries)
-    return f"{many(reasons, 'student')} handed in something that was not graded: {some(reasons)}."
+    return f"{count_of(reasons, 'student')} handed in something that was not graded: {first_of(reasons)}."
 
 
-def executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
+def start_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
     """Where submissions are graded, as the options say."""
     from course_kit.classroom import executors
 
     if options.scheduler:
-        return executors.Cluster(options.scheduler)
-    started = executors.Local(options.workers, [one.grader for one in exercises], [one.limits for one in exercises])
+        return executors.ClusterExecutor(options.scheduler)
+    graders, limits = [one.grader for one in exercises], [one.limits for one in exercises]
+    started = executors.LocalExecutor(options.workers, graders, limits)
     from course_kit.classroom import exports
 
     exports.get_ready()  # needed at the end: now it costs no time, as the workers take as long
     return started
 
 
-def positive(text: str) -> int:
+def positive_number(text: str) -> int:
     """A number of workers."""
     number = int(text)
     if number < 1:
@@ -306,26 +310,26 @@ def command_to_continue(options: argparse.Namespace) -> str:
     return shlex.join([environment.course_command(), *options.arguments, *more])
 
 
-def say(text: str) -> None:
+def print_safely(text: str) -> None:
     """Tell a person something in which names of strangers may stand."""
     from course_kit.text.sanitize import make_printable
 
     print(make_printable(text), file=sys.stderr)
 
 
-def many(of_what: Sequence[object], name: str) -> str:
+def count_of(of_what: Sequence[object], name: str) -> str:
     """`1 student`, `2 students`."""
     return f"{len(of_what)} {name}{'s' * (len(of_what) != 1)}"
 
 
-def some(parts: Sequence[str], between: str = ", ") -> str:
+def first_of(parts: Sequence[str], between: str = ", ") -> str:
     """The first ones, and how many more there are."""
     more = len(parts) - _MOST_NAMED
     return between.join(parts[:_MOST_NAMED]) + (f"{between}and {more} more" if more > 0 else "")
 
 
 @contextmanager
-def interrupts() -> Iterator[Callable[[], int]]:
+def count_interrupts() -> Iterator[Callable[[], int]]:
     """Count Ctrl-C instead of being cut off by it in the middle of a result."""
     pressed: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
@@ -338,28 +342,28 @@ def interrupts() -> Iterator[Callable[[], int]]:
 def say_of_intake(found: Intake, exercises: Iterable[Exercise]) -> None:
     """Tell what somebody should look at."""
     for sentence in _sentences(found, exercises):
-        say(sentence)
+        print_safely(sentence)
 
 
 def _sentences(found: Intake, exercises: Iterable[Exercise]) -> Iterator[str]:
     called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
     doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
     if doubtful:
-        yield f"Look at the choice of file in intake.csv: {some(doubtful)}."
+        yield f"Look at the choice of file in intake.csv: {first_of(doubtful)}."
     if found.roster is not None:
         yield from _of_roster(found.roster, called)
         yield from _of_canvas(found.roster.roster, exercises)
 
 
-def _of_roster(fit: Fit, called: Mapping[str, str]) -> Iterator[str]:
+def _of_roster(fit: RosterFit, called: Mapping[str, str]) -> Iterator[str]:
     read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
     total = len(fit.roster.people)
     yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
     if fit.absent:
-        yield f"Not handed in: {some([one.name or one.student for one in fit.absent])}."
+        yield f"Not handed in: {first_of([one.name or one.student for one in fit.absent])}."
     if fit.unknown:
         unknown = [f"{called.get(who, who)} ({why})" for who, why in fit.unknown]
-        yield f"Not matched with {fit.roster.called}: {some(unknown)}."
+        yield f"Not matched with {fit.roster.called}: {first_of(unknown)}."
 
 
 def _of_canvas(roster: Roster, exercises: Iterable[Exercise]) -> Iterator[str]:
@@ -389,34 +393,34 @@ def grade_again(
     regrade = Regrade(class_run, options.out, options.again, progress)
     changes = regrade.grade(start, stops)
     if not regrade.complete:
-        say("course-kit: stopped. No result was changed. The same command goes on.")
+        print_safely("course-kit: stopped. No result was changed. The same command goes on.")
         return None
     book = regrade.write() if _is_wanted(changes, options) else None
     if regrade.failed:
         whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
-        say(
-            f"course-kit: the grader failed for {many(whose, 'submission')}: "
-            f"{some(whose, '; ')}. Their results stay as they are. Run the same command again."
+        print_safely(
+            f"course-kit: the grader failed for {count_of(whose, 'submission')}: "
+            f"{first_of(whose, '; ')}. Their results stay as they are. Run the same command again."
         )
     return book
 
 
 def _is_wanted(changes: Sequence[GradeChange], options: argparse.Namespace) -> bool:
     """Show what would change, and ask."""
-    from course_kit.classroom.regrade import TABLE, table
+    from course_kit.classroom.regrade import TABLE, change_table
     from course_kit.text.sanitize import make_printable
 
-    for line in table(changes) if changes else ["No result changes."]:
+    for line in change_table(changes) if changes else ["No result changes."]:
         print(make_printable(line))
     print(f"The same as a file: {options.out / TABLE}", flush=True)
     if options.write or not changes:
         return bool(options.write)
     if not sys.stdin.isatty():
-        say("Nothing was written. To write it, run the same command with --write; nothing is graded twice.")
+        print_safely("Nothing was written. To write it, run the same command with --write; nothing is graded twice.")
         return False
-    wanted = many([change.row[0] for change in changes], "result")
+    wanted = count_of([change.row[0] for change in changes], "result")
     print(f"Write {wanted}? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() in ("y", "yes"):
         return True
-    say("Nothing was written.")
+    print_safely("Nothing was written.")
     return False

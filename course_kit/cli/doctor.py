@@ -50,19 +50,19 @@ class Finding:
     advice: str = ""
 
 
-def run() -> int:
+def run_doctor() -> int:
     """Print the findings as they come; return 0 when nothing is bad, else 1."""
     bad = 0
-    for finding in findings():
+    for finding in all_findings():
         bad += finding.verdict == "bad"
-        print(render(finding), flush=True)
+        print(render_finding(finding), flush=True)
     print()
     problems = f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
     print(problems if bad else "Everything the course needs is here.")
     return 1 if bad else 0
 
 
-def render(finding: Finding) -> str:
+def render_finding(finding: Finding) -> str:
     """A finding as text of at most 80 columns: verdict, subject, what was found, then the advice."""
     head = f"{VERDICTS[finding.verdict]}  {finding.subject:<17} "
     body = textwrap.wrap(finding.found, 80 - len(head)) or [""]
@@ -71,27 +71,27 @@ def render(finding: Finding) -> str:
     return "\n".join(lines)
 
 
-def findings() -> Iterator[Finding]:
+def all_findings() -> Iterator[Finding]:
     """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
-    for check in (python, packages, course_folder, own_files):
-        yield guarded(check)
-    graph = guarded(settings)
+    for check in (check_python, check_packages, course_folder, own_files):
+        yield guard_check(check)
+    graph = guard_check(check_settings)
     yield graph
-    for check in (jupyter, isolation):
-        yield guarded(check)
-    ros = guarded(rclpy_itself)
+    for check in (check_jupyter, check_isolation):
+        yield guard_check(check)
+    ros = guard_check(rclpy_itself)
     yield ros
     if "bad" not in (graph.verdict, ros.verdict):  # the rest would only fail after it
-        for check in (rclpy_names, middleware, interfaces, discovery):
-            yield guarded(check)
+        for check in (rclpy_names, check_middleware, check_interfaces, check_discovery):
+            yield guard_check(check)
 
 
-def guarded(check: Callable[[], Finding]) -> Finding:
+def guard_check(check: Callable[[], Finding]) -> Finding:
     """The finding of `check`, or a bad one that tells what went wrong."""
     try:
         return check()
     except Exception as problem:  # noqa: BLE001 - a doctor must not fall ill
-        subject = check.__name__.replace("_", " ")
+        subject = check.__name__.removeprefix("check_").replace("_", " ")
         return Finding(
             subject,
             f"{type(problem).__name__}: {problem}",
@@ -100,7 +100,7 @@ def guarded(check: Callable[[], Finding]) -> Finding:
         )
 
 
-def python() -> Finding:
+def check_python() -> Finding:
     """The interpreter."""
     found = f"{platform.python_version()} in {sys.prefix}"
     if (3, 10) <= sys.version_info[:2] < (3, 15):
@@ -110,7 +110,7 @@ def python() -> Finding:
     )
 
 
-def packages() -> Finding:
+def check_packages() -> Finding:
     """Whether packages have lost files to others."""
     from course_kit.environment import packages as installed
 
@@ -150,7 +150,7 @@ def own_files() -> Finding:
     return Finding("your files", found, "note", advice)
 
 
-def settings() -> Finding:
+def check_settings() -> Finding:
     """The private graph."""
     try:
         chosen = environment.apply_settings()
@@ -207,7 +207,7 @@ def rclpy_names() -> Finding:
     return Finding("inside rclpy", " ".join(off), "note", advice)
 
 
-def middleware() -> Finding:
+def check_middleware() -> Finding:
     """The RMW that is loaded, and whether the live interfaces can work on it."""
     from rclpy.utilities import get_rmw_implementation_identifier
 
@@ -222,13 +222,13 @@ def middleware() -> Finding:
     return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 
-def jupyter() -> Finding:
+def check_jupyter() -> Finding:
     """JupyterLab and the kernel."""
     names = ("jupyterlab", "ipykernel", "ipywidgets")
     return Finding("Jupyter", ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names))
 
 
-def interfaces() -> Finding:
+def check_interfaces() -> Finding:
     """The course's own message types, in a Python that never imports the kit."""
     program = (
         "from example_interfaces.srv import AddTwoInts as T; T.__class__.__import_type_support__(); print(T.__module__)"
@@ -257,7 +257,7 @@ def _run(program: str, **environ: str) -> tuple[str, bool]:
     return ((done.stderr if failed else done.stdout).strip().splitlines() or ["no message"])[-1], failed
 
 
-def discovery() -> Finding:
+def check_discovery() -> Finding:
     """Time until a client has found and asked a server in another process, on a domain of its own."""
     try:
         seconds = seconds_to_discover()
@@ -270,7 +270,7 @@ def discovery() -> Finding:
     return Finding("discovery", f"a server in another process answered {seconds:.2f} s after it was started")
 
 
-def isolation() -> Finding:
+def check_isolation() -> Finding:
     """What isolates a submission when it is graded."""
     from course_kit.grading.sandbox import isolation as sandbox
 

@@ -145,15 +145,15 @@ def _add_bundle(verbs: Verbs) -> None:
 def _release(options: argparse.Namespace) -> int:
     from course_kit.authoring import release
 
-    return release.run(options.target, options.without, options.left_out)
+    return release.release_edition(options.target, options.without, options.left_out)
 
 
 def _seeds(options: argparse.Namespace) -> int:
     from course_kit.classroom.exports.texts import csv_text
     from course_kit.classroom.rules import seeds
 
-    before = seeds.read(options.out) if options.out and options.out.exists() else None
-    drawn = seeds.draw(seeds.students_of(options.roster, options.layout), before)
+    before = seeds.read_seeds(options.out) if options.out and options.out.exists() else None
+    drawn = seeds.draw_seeds(seeds.students_of(options.roster, options.layout), before)
     text = csv_text([seeds.COLUMNS, *((student, seed) for student, seed in drawn.items())])
     if options.out:
         environment.write_atomically(options.out, text)
@@ -168,12 +168,13 @@ def _export(options: argparse.Namespace) -> int:
     from course_kit.classroom.run import stored_gradebook
 
     if options.kind == "anonymous":
-        path, then = anonymous.write(stored_gradebook(options.results), options.to), "reports and scores by pseudonyms."
+        path = anonymous.write_anonymous_pages(stored_gradebook(options.results), options.to)
+        then = "reports and scores by pseudonyms."
     elif options.kind == "gradescope":
-        path = autograders.gradescope(options.exercise, options.to, options.seed)
+        path = autograders.write_gradescope(options.exercise, options.to, options.seed)
         then = "upload it under Configure Autograder; choose a base image of Ubuntu 22.04 or newer."
     else:
-        path = autograders.classroom50(options.exercise, options.to, options.seed)
+        path = autograders.write_classroom50(options.exercise, options.to, options.seed)
         then = (
             "put what is in it into CLASSROOM/autograders/ASSIGNMENT of your classroom50 repository, but "
             "runtime.json, which is for `gh teacher assignment add --runtime`."
@@ -184,12 +185,12 @@ def _export(options: argparse.Namespace) -> int:
 
 def _new(options: argparse.Namespace) -> int:
     from course_kit.authoring import new_exercise
-    from course_kit.learner.workspace import shown
+    from course_kit.learner.workspace import shorten_path
 
     if options.refresh:
         return _refresh(options)
-    exercise = new_exercise.create(options.name, options.kind, options.folder or Path.cwd())
-    folder, program = (shlex.quote(str(shown(path))) for path in (exercise.folder, exercise.solution))
+    exercise = new_exercise.create_exercise(options.name, options.kind, options.folder or Path.cwd())
+    folder, program = (shlex.quote(str(shorten_path(path))) for path in (exercise.folder, exercise.solution))
     command = environment.course_command()
     there = "" if options.folder is None else f" --in {shlex.quote(str(options.folder))}"
     print(f"The exercise {exercise.id} is in {folder}. It works as it is:")
@@ -204,13 +205,13 @@ def _refresh(options: argparse.Namespace) -> int:
     from course_kit.authoring import new_exercise
     from course_kit.grading.model.exercise import load_exercise, read_exercise
     from course_kit.grading.model.exercise_folders import TOML
-    from course_kit.learner.workspace import shown
+    from course_kit.learner.workspace import shorten_path
 
     folder = (options.folder or Path.cwd()) / options.name
     exercise = read_exercise(folder) if (folder / TOML).is_file() else load_exercise(options.name)
-    changed = new_exercise.refresh(exercise)
+    changed = new_exercise.refresh_exercise(exercise)
     for path in changed:
-        print(shown(path))
+        print(shorten_path(path))
     if not changed:
         print(f"The starter and the notebook of {exercise.id} are as its exercise.toml says.")
     return 0
@@ -224,7 +225,7 @@ def _bundle(options: argparse.Namespace) -> int:
     if root is None:
         return refuse("the list of packages belongs to the course's folder; run this in a clone of it.")
     try:
-        wheel_bundle.make(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
+        wheel_bundle.make_bundle(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
     except wheel_bundle.BundleError as problem:
         return refuse(problem)
     return 0
@@ -242,7 +243,7 @@ def _present(words: Sequence[str]) -> int:
     if named > 1:
         return refuse(f"present shows one demo, and these are {named}: {' '.join(words[:named])}. Name one of them.")
     try:
-        return session.present(root, "".join(words[:named]), words[named:])
+        return session.present_notebook(root, "".join(words[:named]), words[named:])
     except (PresentationError, LabStartError) as problem:
         return refuse(problem)
 
@@ -270,7 +271,7 @@ def _add_prove(verbs: Verbs) -> None:
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
     parser.add_argument(
         "--workers",
-        type=class_command.positive,
+        type=class_command.positive_number,
         default=0,
         metavar="N",
         help="gradings at a time (as fit this machine)",
@@ -283,6 +284,6 @@ def _prove(options: argparse.Namespace) -> int:
     from course_kit.grading.model.exercise import load_exercise
 
     exercise = load_exercise(options.exercise)
-    proof = proving.prove(exercise, quick=options.quick, seed=options.seed, workers=options.workers)
-    print("\n".join(proving.describe(proof, quick=options.quick)))
+    proof = proving.prove_grader(exercise, quick=options.quick, seed=options.seed, workers=options.workers)
+    print("\n".join(proving.describe_proof(proof, quick=options.quick)))
     return 0 if proof.holds else 1

@@ -223,7 +223,7 @@ def _lab(options: argparse.Namespace) -> int:
 def _copy(options: argparse.Namespace) -> int:
     from course_kit.learner import workspace
 
-    return workspace.copy(options.path)
+    return workspace.copy_course(options.path)
 
 
 def _hub(options: argparse.Namespace) -> int:
@@ -235,7 +235,7 @@ def _hub(options: argparse.Namespace) -> int:
 def _doctor(_options: argparse.Namespace) -> int:
     from course_kit.cli import doctor
 
-    return doctor.run()
+    return doctor.run_doctor()
 
 
 def _quiz(options: argparse.Namespace) -> int:
@@ -258,7 +258,7 @@ def _grade(options: argparse.Namespace) -> int:
     if options.to is not None:  # nobody waits for a file that other formats do not write
         raise grading.GradingError(f"--to is for --format {' and '.join(FORMATS)}. Redirect the output instead.")
     if not options.attach and options.exec_command is None:
-        options.path, remark = workspace.to_grade(options.exercise, options.path)
+        options.path, remark = workspace.choose_to_grade(options.exercise, options.path)
         note(remark)
     report = grading.grade(
         options.exercise,
@@ -272,7 +272,7 @@ def _grade(options: argparse.Namespace) -> int:
         print_json(report.to_json())
     else:
         print(grading.render_text(report))
-    note(progress.record(report))
+    note(progress.record_report(report))
     if report.passed and options.format != "json":
         print("\n".join(["", *wrap_text(next_step(options.exercise))]))
     return grading.exit_code(report)
@@ -281,17 +281,17 @@ def _grade(options: argparse.Namespace) -> int:
 def _watch(options: argparse.Namespace) -> int:
     from course_kit.learner import watch
 
-    return watch.watch(options.exercise, options.path)
+    return watch.watch_file(options.exercise, options.path)
 
 
 def _list(options: argparse.Namespace) -> int:
     from course_kit.learner import course_list
 
-    rows, told = course_list.rows()
+    rows, told = course_list.list_rows()
     if options.format == "json":
-        print_json(course_list.to_json(rows))
+        print_json(course_list.format_json(rows))
     else:
-        print(course_list.to_text(rows, sys.stdout.encoding))
+        print(course_list.format_list(rows, sys.stdout.encoding))
     for sentence in told:
         note(sentence)
     return 0
@@ -313,7 +313,7 @@ def _drills(options: argparse.Namespace) -> int:
 def _hint(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    text, trouble = handouts.hint(options.exercise, f"{environment.course_command()} hint", again=options.again)
+    text, trouble = handouts.next_hint(options.exercise, f"{environment.course_command()} hint", again=options.again)
     print(text, end="")
     note(trouble)
     return 0
@@ -322,13 +322,13 @@ def _hint(options: argparse.Namespace) -> int:
 def _reset(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    return handouts.reset(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
+    return handouts.reset_exercise(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    return handouts.solution(options.exercise, show=options.show, copy=options.copy)
+    return handouts.hand_out_solution(options.exercise, show=options.show, copy=options.copy)
 
 
 def read_names_as_utf_8() -> None:
@@ -369,7 +369,7 @@ def _autograde(options: argparse.Namespace) -> int:
         raise GradingError(f"--format {options.format} grades what was handed in. Name the file or folder.")
     if options.format == "classroom50":  # before the grading: it would be for nothing
         autograder_results.require_runner(os.environ)
-    record = autograder.grade(
+    record = autograder.grade_path(
         options.exercise, Path(options.path), seed=options.seed, require_isolation=options.require_isolation
     )
     if options.format == "gradescope":

@@ -43,7 +43,7 @@ def steps_of(notebook: NotebookNode) -> list[StepCells]:
     return [StepCells(match[1], *cells[place - 1 : place + 2]) for match, place in found if match]
 
 
-def solve(notebook: NotebookNode) -> list[StepCells]:
+def solve_steps(notebook: NotebookNode) -> list[StepCells]:
     """Put each solution into its empty cell, and have each check raise unless it passes; returns the steps."""
     found = steps_of(notebook)
     for step in found:
@@ -52,7 +52,7 @@ def solve(notebook: NotebookNode) -> list[StepCells]:
     return found
 
 
-def empty(steps: list[StepCells], sources: list[str]) -> None:
+def empty_steps(steps: list[StepCells], sources: list[str]) -> None:
     """Take the solutions out again, with all that was printed: a learner begins with an empty cell."""
     for step, source in zip(steps, sources, strict=True):
         step.empty.source, step.check.source = source, f"%check {step.name}"

@@ -75,7 +75,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         there = [name for name in _HEADERS if name != "numpy-1" and (root / wheel_bundle.LOCK / f"{name}.txt").exists()]
         before = [] if options.upgrade else wheel_bundle.read_lock(root, there)
-        parts = resolve(root, uv, before)
+        parts = resolve_lock(root, uv, before)
     except GradingError as problem:
         return refuse(problem)
     except (OSError, ValueError) as problem:
@@ -86,7 +86,7 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def resolve(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[str, list[LockedPackage]]:
+def resolve_lock(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[str, list[LockedPackage]]:
     """The packages of each file of the lock; the versions of those `before` stay where they fit."""
     build = [*tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["build-system"]["requires"], *_BUILD_TOOLS]
     compiled = partial(_compile, root, uv)

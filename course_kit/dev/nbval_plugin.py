@@ -92,7 +92,7 @@ def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, p
     """Solve the steps of a notebook once its cells are collected; what they print is not stored."""
     report = yield
     if isinstance(collector, nbval.plugin.IPyNbFile):
-        solved = [id(cell) for step in lesson_steps.solve(collector.nb) for cell in (step.empty, step.check)]
+        solved = [id(cell) for step in lesson_steps.solve_steps(collector.nb) for cell in (step.empty, step.check)]
         for item in report.result:
             if isinstance(item, nbval.plugin.IPyNbCell) and id(item.cell) in solved:
                 item.options["check"] = False

@@ -36,19 +36,19 @@ def main(arguments: Sequence[str]) -> int:
         return refuse("the notebooks belong to the course's folder; run this in a clone of it.")
     paths = [Path(os.path.relpath(name, root)) for name in arguments]
     os.chdir(root)
-    return run(environment.child_environment(COURSE_KIT_PROGRESS="off"), paths)
+    return run_notebooks(environment.child_environment(COURSE_KIT_PROGRESS="off"), paths)
 
 
-def with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
+def list_with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
     """The notebooks of a course whose outputs are stored: its lessons, demos and drills."""
     folders = ("notebooks", "exercises/drills") if drills else ("notebooks",)
     found = [path for folder in folders for path in (course / folder).rglob("*.ipynb")]
     return sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
 
 
-def run(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
+def run_notebooks(environ: Mapping[str, str], paths: Sequence[Path] = ()) -> int:
     """Run nbval, strict, over notebooks (all when none is named), side by side; 0 when every output was as stored."""
-    longest_first = sorted(paths or with_outputs(Path()), key=lambda path: path.stat().st_size, reverse=True)
+    longest_first = sorted(paths or list_with_outputs(Path()), key=lambda path: path.stat().st_size, reverse=True)
     with ThreadPoolExecutor(_AT_ONCE) as threads:
         return max(threads.map(lambda path: _run_one(path, environ), longest_first), default=2)
 

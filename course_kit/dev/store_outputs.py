@@ -22,18 +22,18 @@ CELL_TIMEOUT_S = 60
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
-def run(path: Path) -> None:
+def store_outputs(path: Path) -> None:
     """Execute one notebook in its own folder, its steps solved, and write it back with its outputs."""
     notebook = nbformat.read(path, as_version=4)
     given = [step.empty.source for step in lesson_steps.steps_of(notebook)]
-    steps = lesson_steps.solve(notebook)
+    steps = lesson_steps.solve_steps(notebook)
     client = NotebookClient(notebook, timeout=CELL_TIMEOUT_S, resources={"metadata": {"path": str(path.parent)}})
     client.execute()
-    lesson_steps.empty(steps, given)
-    nbformat.write(normalised(notebook), path)
+    lesson_steps.empty_steps(steps, given)
+    nbformat.write(normalise_notebook(notebook), path)
 
 
-def normalised(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
+def normalise_notebook(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """The notebook with times, kernel versions and widget models of this run left out."""
     notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"}}
     number_anew(notebook)
@@ -53,7 +53,7 @@ def main(arguments: list[str]) -> int:
             os.environ["ROS_DOMAIN_ID"] = str(domain_id)
             os.environ["COURSE_KIT_PROGRESS"] = "off"  # the author has passed nothing here
             for name in arguments:
-                run(Path(name))
+                store_outputs(Path(name))
                 print(f"stored {name}")
     except environment.DomainError as problem:
         return refuse(problem)

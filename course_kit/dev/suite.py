@@ -46,10 +46,10 @@ def main(arguments: list[str]) -> int:
         environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
         marks = MARKS.get(size, [])
         if chosen:
-            codes = [pytest([*marks, *chosen], environ)]
+            codes = [run_pytest([*marks, *chosen], environ)]
         else:
             lessons = sorted(Path("notebooks").glob(FIRST_LESSONS)) if size == QUICK else []
-            codes = [pytest([*SIDE_BY_SIDE, *marks, "tests"], environ), notebooks.run(environ, lessons)]
+            codes = [run_pytest([*SIDE_BY_SIDE, *marks, "tests"], environ), notebooks.run_notebooks(environ, lessons)]
         if size == ALL:
             codes.append(_run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])))
     except environment.DomainError as problem:
@@ -96,7 +96,7 @@ def find_or_install_browser() -> str | None:
     return find_browser()
 
 
-def pytest(arguments: list[str], environ: dict[str, str]) -> int:
+def run_pytest(arguments: list[str], environ: dict[str, str]) -> int:
     """Run pytest in a process of its own."""
     return subprocess.run([sys.executable, "-m", "pytest", *arguments], env=environ, check=False).returncode
 

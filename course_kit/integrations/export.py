@@ -28,7 +28,7 @@ class StillAndFolded(Preprocessor):
     ) -> tuple[NotebookNode, dict[str, Any]]:
         """Called by nbconvert for each cell."""
         if cell.cell_type == "markdown":
-            cell.source = folded(cell.source)
+            cell.source = fold_answers(cell.source)
         show_pictures(cell)
         return cell, resources
 
@@ -41,7 +41,7 @@ def show_pictures(cell: NotebookNode) -> None:
             data.pop(_WIDGET, None)
 
 
-def folded(source: str) -> str:
+def fold_answers(source: str) -> str:
     """Markdown in which each `<details>` is a single piece of HTML, which nothing can close too early."""
     return _FOLDED.sub(_in_one_piece, source)
 

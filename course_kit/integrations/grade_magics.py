@@ -76,14 +76,14 @@ class GradeMagics(Magics):
         """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`."""
         exercise = line.strip()
         if not exercise:
-            complain(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
+            print_complaint(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
             return
         from course_kit.grading.model.exercise import load_exercise
 
         try:
             load_exercise(exercise)
         except GradingError as problem:
-            complain(str(problem))
+            print_complaint(str(problem))
             return
         first = f"%%submission {line}\n"
         self._submissions.keep(exercise, self._cell_id(), first + cell, self._number())
@@ -100,23 +100,23 @@ class GradeMagics(Magics):
     def grade(self, line: str) -> None:
         """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--seed N]`."""
         try:
-            exercise, file, seed = parse(line)
+            exercise, file, seed = parse_line(line)
         except ValueError:
-            complain(f"{USAGE} {the_exercises()}")
+            print_complaint(f"{USAGE} {the_exercises()}")
             return
         from course_kit import grading
         from course_kit.learner import progress
         from course_kit.learner.course_list import next_step
 
         if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
-            complain(f"{advice[:1].upper()}{advice[1:]}")
+            print_complaint(f"{advice[:1].upper()}{advice[1:]}")
         try:
             report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
         except GradingError as problem:
-            complain(str(problem))
+            print_complaint(str(problem))
             return
         if report is None:
-            complain(
+            print_complaint(
                 f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again. "
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
@@ -124,8 +124,8 @@ class GradeMagics(Magics):
         if not file:
             self._say_what_was_graded(exercise)
         display(Card(report, _notebook_folder()))
-        if trouble := progress.record(report):
-            complain(trouble)
+        if trouble := progress.record_report(report):
+            print_complaint(trouble)
         if report.passed:
             print(next_step(exercise))
 
@@ -154,7 +154,7 @@ class GradeMagics(Magics):
         cells = self._submissions.of(exercise)
         print(f"Graded: {'; '.join(map(str, cells))}.")
         for warning in self._submissions.warnings(exercise):
-            complain(warning)
+            print_complaint(warning)
 
     def _run_in_its_cell(self, first: str, cell: str) -> None:
         """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them."""
@@ -198,7 +198,7 @@ class GradeMagics(Magics):
         return f"cell {self.shell.execution_count}" if _in_an_autograder() else None
 
 
-def of_this_notebook(caller: str) -> GradeMagics:
+def magics_of_notebook(caller: str) -> GradeMagics:
     """The magics of the notebook we run in, for `caller`, a function that an instructor writes there."""
     shell = get_ipython()
     magics = shell.magics_manager.registry.get("GradeMagics") if shell else None
@@ -220,7 +220,7 @@ def _in_an_autograder() -> bool:
     return NBGRADER in os.environ or bool(getattr(otter, "_grading_mode", False))
 
 
-def parse(line: str) -> tuple[str, str | None, int | None]:
+def parse_line(line: str) -> tuple[str, str | None, int | None]:
     """Exercise, file and seed of a `%grade` line."""
     words = shlex.split(line)
     seed = None
@@ -243,7 +243,7 @@ def the_exercises() -> str:
         return str(problem)
 
 
-def complain(sentence: str) -> None:
+def print_complaint(sentence: str) -> None:
     """Say what is wrong, without a traceback."""
     print(sentence, file=sys.stderr)
 
@@ -257,7 +257,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
         raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")
     points_of_exercise = load_exercise(exercise).points
     most = points_of_exercise if points is None else points
-    magics = of_this_notebook("nbgrader.points")
+    magics = magics_of_notebook("nbgrader.points")
     _put_all_on_stdout(magics.shell)
     report = magics.grade_cells(exercise, seed)
     if report is None:
@@ -266,10 +266,10 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
     sys.stdout.write(f"{render_text(report)}\n")
     if report.status == "error":
         raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
-    return scaled(report.score, points_of_exercise, most)
+    return scale_score(report.score, points_of_exercise, most)
 
 
-def scaled(score: float, of: float, most: float) -> float:
+def scale_score(score: float, of: float, most: float) -> float:
     """`score` of `of` points as so many of `most`: without the last digits' noise, a whole number as an int."""
     number = min(round(score / of * most, _DIGITS), most)
     return int(number) if number == int(number) else number

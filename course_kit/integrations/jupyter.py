@@ -72,7 +72,7 @@ def run_lab(arguments: Sequence[str]) -> int:
 
 def running_server(folder: Path) -> str:
     """The address of a JupyterLab that shows a folder already; empty where there is none."""
-    runtime = Path(replacements().get("JUPYTER_RUNTIME_DIR") or paths.jupyter_runtime_dir())
+    runtime = Path(replacement_folders().get("JUPYTER_RUNTIME_DIR") or paths.jupyter_runtime_dir())
     for file in runtime.glob("jpserver-*.json"):
         with suppress(OSError, ValueError, LookupError, TypeError):  # one that has ended, or another program's file
             server = json.loads(file.read_bytes())
@@ -175,7 +175,7 @@ def server_options(root: Path) -> list[str]:
 
 def server_variables(folder: Path) -> dict[str, str]:
     """What its environment has beside the settings of ROS."""
-    found = {**replacements(), environment.paths.FOLDER_VARIABLE: str(folder)}
+    found = {**replacement_folders(), environment.paths.FOLDER_VARIABLE: str(folder)}
     if len(found) > 1:
         spare = environment.state_dir()
         note(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
@@ -210,7 +210,7 @@ def make_ready(root: Path, folder: Path) -> None:
     except OSError as problem:
         what = f"{problem.filename or folder} could not be written: {problem.strerror or problem}"
         raise LabStartError(f"Your folder for the lessons could not be made: {what}.") from problem
-    prepare(_workspaces(folder))
+    prepare_workspace(_workspaces(folder))
     if environment.checkout_folder() is not None and environment.paths.is_shared(root):
         note(f"{root} is read-only for you, so JupyterLab opens your copy: {folder}. Your changes there are kept.")
     elif is_new:
@@ -244,7 +244,7 @@ def last_notebook(folder: Path) -> str:
     return FIRST_LESSON
 
 
-def prepare(workspaces: Path) -> None:
+def prepare_workspace(workspaces: Path) -> None:
     """Write the first workspace of a folder; close what is open in a later one: each notebook would start a kernel."""
     first = (_CONFIG / "workspace.json").read_text(encoding="utf-8")
     file, content = _load_workspace(workspaces)
@@ -271,7 +271,7 @@ _FOLDERS: dict[str, tuple[Callable[[], str], str]] = {
 }
 
 
-def replacements() -> dict[str, str]:
+def replacement_folders() -> dict[str, str]:
     """Variables for a Jupyter server and its kernels; empty where the usual folders can be written."""
     spare = environment.state_dir() / "jupyter"
     found: dict[str, str] = {}

@@ -36,7 +36,7 @@ class MagicError(LabError):
     """A magic was used in a way it cannot be; the message says how it is used."""
 
 
-def register(shell: InteractiveShell) -> None:
+def register_magics(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
     shell.register_magic_function(interface_magic(shell), "cell", "interface")
     shell.register_magic_function(ros_script, "line_cell", "ros_script")
@@ -136,7 +136,7 @@ def hint_line(line: str) -> None:
         sys.stderr.write(f"{USAGE} {the_exercises()}\n")
         return
     try:
-        text, trouble = handouts.hint(names[0], "%hint", again=again)
+        text, trouble = handouts.next_hint(names[0], "%hint", again=again)
     except GradingError as problem:
         sys.stderr.write(f"{problem}\n")
         return

@@ -38,9 +38,9 @@ def test_{id}():
 
 def check(exercise: str, name: str, *, seed: int | None = None) -> None:
     """Return when this notebook's submission passes a check of the exercise, and raise when it does not."""
-    from course_kit.integrations.grade_magics import nothing_from, of_this_notebook
+    from course_kit.integrations.grade_magics import magics_of_notebook, nothing_from
 
-    report = of_this_notebook("otter.check").report(exercise, seed)
+    report = magics_of_notebook("otter.check").report(exercise, seed)
     if report is None:
         raise AssertionError(nothing_from(exercise))
     if told := feedback(report, name):

@@ -52,9 +52,9 @@ class Row:
         }
 
 
-def rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
+def list_rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used."""
-    records, trouble = progress.read()
+    records, trouble = progress.read_progress()
     found_folders = find_exercises(folder)
     names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
     loaded = [_load(name, folder) for name in sorted(names)]
@@ -73,7 +73,7 @@ def _load(name: str, folder: Path | None) -> Exercise | str:
         return str(problem)
 
 
-def to_json(found: list[Row]) -> str:
+def format_json(found: list[Row]) -> str:
     """One JSON document."""
     questions = [asdict(score) for score in guesses.lesson_scores()]
     exercises = [row.to_mapping() for row in found]
@@ -81,18 +81,20 @@ def to_json(found: list[Row]) -> str:
     return json.dumps(content, indent=2, ensure_ascii=False)
 
 
-def to_text(found: list[Row], encoding: str | None) -> str:
+def format_list(found: list[Row], encoding: str | None) -> str:
     """A table of at most 80 columns, with a tick where the terminal has one."""
     width = max((len(row.exercise.id) for row in found), default=0)
     lines = [f"       {'exercise':<{width}}  points  to pass  best  tries"]
     for row in found:
-        lines += _lines(row, width, tick(encoding))
+        lines += _lines(row, width, tick_mark(encoding))
     passed = sum(row.known.passed for row in found)
     lines += ["", f"{passed} of {len(found)} passed."]
     following = next((row.exercise for row in found if not row.known.passed), None)
     if following is not None:
         folder = workspace.exercise_folder(following)
-        where = f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shown(folder)}"
+        where = (
+            f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
+        )
         lines.append(f"Next: {following.id}, {where}")
     return "\n".join([*lines, *_guessed()])
 
@@ -118,11 +120,11 @@ def _lines(row: Row, width: int, tick: str) -> list[str]:
     lines = [f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  {state}"]
     lines += wrap_text(exercise.title, " " * 7, " " * 7)
     if exercise_folders.is_added(exercise.folder):
-        lines.append(f"       {workspace.shown(exercise.folder / exercise.notebook)}")
+        lines.append(f"       {workspace.shorten_path(exercise.folder / exercise.notebook)}")
     return lines
 
 
-def tick(encoding: str | None) -> str:
+def tick_mark(encoding: str | None) -> str:
     """The mark for what is done, as far as a terminal can show it."""
     try:
         "✓".encode(encoding or "ascii")
@@ -133,13 +135,13 @@ def tick(encoding: str | None) -> str:
 
 def next_step(passed: str, root: Path | None = None) -> str:
     """What to do after an exercise was passed: the next lesson and the next exercise; after a drill the next drill."""
-    drills, _ = rows(practice=True)
+    drills, _ = list_rows(practice=True)
     if (drill := next((row.exercise for row in drills if row.exercise.id == passed), None)) is not None:
         left = next((row.exercise.id for row in drills if not row.known.passed and row.exercise is not drill), None)
         way = f"Next: {environment.course_command()} drills {left}." if left else "That was the last drill."
         return f"{way}{_comparison(drill)}"
     root = root or environment.course_files()
-    exercises = [row.exercise for row in rows()[0]]
+    exercises = [row.exercise for row in list_rows()[0]]
     number = next((exercise.order for exercise in exercises if exercise.id == passed), 0)
     following = next((exercise for exercise in exercises if exercise.order > number), None)
     lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
@@ -160,10 +162,10 @@ def _comparison(exercise: Exercise | None) -> str:
 
 def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
     """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files."""
-    found, told = rows(practice=True)
+    found, told = list_rows(practice=True)
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
-        mark, done = (tick(encoding), ": done") if row.known.passed else (" ", "")
+        mark, done = (tick_mark(encoding), ": done") if row.known.passed else (" ", "")
         lines.append(f"[{mark}] {row.exercise.order} {row.exercise.id}{done}")
         lines += wrap_text(row.exercise.symptom, _INDENT, _INDENT)
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
@@ -175,7 +177,7 @@ def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
 
 def begin_drill(drill_id: str) -> str:
     """What a drill is about, and how to work on it; its program is put where it belongs if it is not there."""
-    drills = {row.exercise.id: row.exercise for row in rows(practice=True)[0]}
+    drills = {row.exercise.id: row.exercise for row in list_rows(practice=True)[0]}
     if drill_id not in drills:
         if drill_id in list_exercise_ids():
             raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.course_command()} list.")
@@ -185,14 +187,14 @@ def begin_drill(drill_id: str) -> str:
     place = workspace.exercise_folder(exercise)
     if place is None:
         raise workspace.no_files_of(exercise, "watch")
-    for missing in handouts.changed(exercise, place):
+    for missing in handouts.changed_files(exercise, place):
         if not missing.file.exists():
             missing.carry_out()
-    command, program = environment.course_command(), workspace.shown(place / exercise.starter)
+    command, program = environment.course_command(), workspace.shorten_path(place / exercise.starter)
     lines = [*wrap_text(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrap_text(exercise.symptom), ""]
     lines += [
         f"The program:     {program}",
-        f"In a notebook:   {workspace.shown(place / exercise.notebook)}",
+        f"In a notebook:   {workspace.shorten_path(place / exercise.notebook)}",
         f"While you work:  {command} watch {exercise.id}",
         f"Is it done?      {command} grade {exercise.id} {program}",
         f"A hint:          {command} hint {exercise.id}",

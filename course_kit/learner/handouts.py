@@ -18,7 +18,7 @@ from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.learner import progress, workspace
-from course_kit.learner.workspace import shown
+from course_kit.learner.workspace import shorten_path
 from course_kit.text.console import note, refuse, wrap_text
 
 if TYPE_CHECKING:
@@ -39,14 +39,14 @@ class HintLadder:
     in_report: int = 0
 
 
-def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
+def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
     """The next hint, and from then on the one after it; never the solution."""
     exercise = load_exercise(exercise_id, folder)
-    records, trouble = progress.read()
+    records, trouble = progress.read_progress()
     known = records.get(exercise.id, progress.ProgressRecord())
     if known.tries and known.failed is None:
         return f"Nothing failed when {exercise.id} was last graded, so there are no hints to give.\n", trouble
-    found = ladder(exercise, known)
+    found = hint_ladder(exercise, known)
     given = min(known.hints.get(found.key, 0), len(found.rungs))
     if again:
         return _text(exercise, found, 0, max(given, found.in_report), command), trouble
@@ -54,7 +54,7 @@ def hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | 
     first, last = (given, given + 1) if given else (0, 1 + found.in_report)
     last = min(last, len(found.rungs))
     if last > given:
-        trouble = progress.update(exercise.id, lambda old: _with_hints(old, found.key, last)) or trouble
+        trouble = progress.update_progress(exercise.id, lambda old: _with_hints(old, found.key, last)) or trouble
     return _text(exercise, found, min(first, max(last - 1, 0)), last, command), trouble
 
 
@@ -62,7 +62,7 @@ def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
     return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
-def ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
+def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     """The hints for what failed last: those of its cause, then those of its check. Without a failure, all there are."""
     failed = known.failed
     if failed is None:
@@ -96,7 +96,7 @@ def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command:
 
 
 @dataclass(frozen=True)
-class Return:
+class ChangedFile:
     """A learner's file that is not the starter any more, or is gone."""
 
     file: Path
@@ -123,18 +123,18 @@ class Return:
             raise GradingError(
                 f"{self.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
             ) from problem
-        print(f"{shown(self.file)} is the starter{kept}.")
+        print(f"{shorten_path(self.file)} is the starter{kept}.")
 
 
-def changed(exercise: Exercise, place: Path | None = None) -> list[Return]:
+def changed_files(exercise: Exercise, place: Path | None = None) -> list[ChangedFile]:
     """The starter files of an exercise that the learner has changed, or that are not there."""
     found = []
     try:
         for name, file in _files(exercise, exercise.folder if place is None else place).items():
             starter = (exercise.folder / name).read_bytes()
-            content = starter if file.parent == exercise.folder else workspace.as_handed_out(name, starter)
+            content = starter if file.parent == exercise.folder else workspace.clear_for_learner(name, starter)
             if not file.exists() or file.read_bytes() not in (content, starter):
-                found.append(Return(file, content))
+                found.append(ChangedFile(file, content))
     except OSError as problem:
         raise GradingError(f"{problem.filename} cannot be read: {problem.strerror}. Nothing was changed.") from None
     return found
@@ -150,15 +150,15 @@ def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
 
 
-def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None) -> int:
+def reset_exercise(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None) -> int:
     """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no."""
     exercise = load_exercise(exercise_id)
     place = place or workspace.exercise_folder(exercise)
     if place is None and not forget:
         raise workspace.no_files_of(exercise, "reset")
-    returns = [] if place is None else changed(exercise, place)
+    returns = [] if place is None else changed_files(exercise, place)
     if not returns and not forget and place is not None:
-        print(f"{exercise.id} already matches the starter: {shown(place)}")
+        print(f"{exercise.id} already matches the starter: {shorten_path(place)}")
         return 0
     nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
     if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
@@ -169,18 +169,18 @@ def reset(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = Non
     if returns:
         print("If it is open in JupyterLab: File > Reload from Disk.")
     if forget:
-        if trouble := progress.update(exercise.id, lambda _: None):
+        if trouble := progress.update_progress(exercise.id, lambda _: None):
             return refuse(trouble)
         print(f"The progress of {exercise.id} is deleted.")
     return 0
 
 
-def _agreed(returns: list[Return], *, forget: bool) -> bool:
+def _agreed(returns: list[ChangedFile], *, forget: bool) -> bool:
     for each in returns:
         if each.file.exists():
-            print(f"{shown(each.file)} will be the starter again (yours is kept as {each.backup.name}).")
+            print(f"{shorten_path(each.file)} will be the starter again (yours is kept as {each.backup.name}).")
         else:
-            print(f"{shown(each.file)} will be created.")
+            print(f"{shorten_path(each.file)} will be created.")
     if forget:
         print("Its progress will be deleted: best score, tries, hints.")
     if not sys.stdin.isatty():
@@ -194,13 +194,13 @@ def _agreed(returns: list[Return], *, forget: bool) -> bool:
         return False
 
 
-def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
+def hand_out_solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
     """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
     exercise = load_exercise(exercise_id)
     source = exercise.solution
     if not source.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
-    records, trouble = progress.read()
+    records, trouble = progress.read_progress()
     note(trouble)
     known = records.get(exercise.id, progress.ProgressRecord())
     if not known.passed and not show:
@@ -216,7 +216,7 @@ def solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
         raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
     except OSError as problem:
         raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
-    print(f"The solution of {exercise.id} is in {shown(target)}.")
+    print(f"The solution of {exercise.id} is in {shorten_path(target)}.")
     return 0
 
 

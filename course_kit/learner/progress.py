@@ -63,11 +63,11 @@ class ProgressRecord:
         return bool(self.first_passed)
 
 
-def record(report: Report) -> str:
+def record_report(report: Report) -> str:
     """Add a grading to the file."""
     if report.status not in _COUNTED:
         return ""
-    return update(report.exercise, lambda old: _after(old, report))
+    return update_progress(report.exercise, lambda old: _after(old, report))
 
 
 def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
@@ -83,7 +83,7 @@ def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
     )
 
 
-def read() -> tuple[dict[str, ProgressRecord], str]:
+def read_progress() -> tuple[dict[str, ProgressRecord], str]:
     """All records by exercise, none when they cannot be read, and what to tell the user about that."""
     try:
         path = environment.paths.progress_file()
@@ -92,7 +92,7 @@ def read() -> tuple[dict[str, ProgressRecord], str]:
         return {}, _reason(problem)
 
 
-def update(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
+def update_progress(exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> str:
     """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile."""
     try:
         if (path := environment.paths.progress_file()) is not None:

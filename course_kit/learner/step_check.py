@@ -93,7 +93,7 @@ def check_step(step: LessonStep) -> StepResult:
             result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
     finally:
         context.close()
-    trouble = progress.update(step.key, lambda old: _count(old, passed=result.passed))
+    trouble = progress.update_progress(step.key, lambda old: _count(old, passed=result.passed))
     return replace(result, text="\n".join(filter(None, (result.text, trouble))))
 
 

@@ -27,7 +27,7 @@ _GONE_POLLS = 10  # editors that write beside the file and rename need a moment;
 _NOT_GRADED = frozenset({"unreadable", "error"})
 
 
-def watch(exercise_id: str, path: Path | None = None) -> int:
+def watch_file(exercise_id: str, path: Path | None = None) -> int:
     """Grade at once and after each save, until Ctrl-C, which is the way to end it: 0."""
     exercise = load_exercise(exercise_id)
     path = workspace.choose_own(exercise, "watch")[0] if path is None else path
@@ -42,15 +42,15 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
         if advice := advice_for_root():
             print("\n".join(wrap_text(f"{advice[:1].upper()}{advice[1:]}")))
         print(f"Watching {path}: it is graded each time you save it. Ctrl-C ends.", flush=True)
-        for _ in saves(path, threading.Event()):
+        for _ in wait_for_saves(path, threading.Event()):
             try:
                 report = grade(exercise.id, path, worker=worker)
             except GradingError:  # killed for want of memory, perhaps; a new one deserves its chance
                 worker.close()
                 worker = Worker()
                 report = grade(exercise.id, path, worker=worker)
-            note(progress.record(report))
-            print(card(report, before), flush=True)
+            note(progress.record_report(report))
+            print(verdict_card(report, before), flush=True)
             before = report
             best = report if best is None or report.score > best.score else best
     except KeyboardInterrupt:
@@ -60,7 +60,7 @@ def watch(exercise_id: str, path: Path | None = None) -> int:
     return 0
 
 
-def saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -> Iterator[None]:
+def wait_for_saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -> Iterator[None]:
     """Yield once at the beginning and once after each save, when the file has come to rest; ends when `stop` is set."""
     seen = before = None
     gone = 0
@@ -84,7 +84,7 @@ def _signature(path: Path) -> tuple[int, int, int] | None:
     return status.st_mtime_ns, status.st_size, status.st_ino
 
 
-def card(report: Report, before: Report | None) -> str:
+def verdict_card(report: Report, before: Report | None) -> str:
     """The verdict in a few lines of at most 80 columns: what changed, what to fix first, and what else is wrong."""
     verdict = "Not graded." if report.status in _NOT_GRADED else f"{report.verdict} ({report.duration_s:.1f} s)"
     lines = ["", f"{time.strftime('%H:%M:%S')}  {verdict}{_difference(report, before)}"]

@@ -43,7 +43,7 @@ _LEFT_OUT = shutil.ignore_patterns(
 )
 
 
-def copy(target: Path | None) -> int:
+def copy_course(target: Path | None) -> int:
     """Make a learner's folder, or bring one up to date, and say where it is; 2 where that cannot be done."""
     root = environment.course_files()
     if root is None:
@@ -64,7 +64,8 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
     """Make a learner's folder, or bring new versions into one; with `restore` also what the learner has deleted."""
     target.parent.mkdir(parents=True, exist_ok=True)
     course = {
-        source.relative_to(root).as_posix(): as_handed_out(source.name, source.read_bytes()) for source in _files(root)
+        source.relative_to(root).as_posix(): clear_for_learner(source.name, source.read_bytes())
+        for source in _files(root)
     }
     for sentence in bring_up_to_date(target, course, restore=restore):
         note(sentence)
@@ -80,7 +81,7 @@ def bring_up_to_date(folder: Path, course: Mapping[str, bytes], *, restore: bool
     known = _read_manifest(folder)
     renewed: list[str] = []
     beside: list[str] = []
-    handed_out = {path: digest(path, content) for path, content in course.items()}
+    handed_out = {path: digest_answer(path, content) for path, content in course.items()}
     for path, content in course.items():
         file, new, given = folder / path, handed_out[path], known.get(path)
         theirs = _digest_of(file)
@@ -101,7 +102,7 @@ def bring_up_to_date(folder: Path, course: Mapping[str, bytes], *, restore: bool
     return told
 
 
-def as_handed_out(name: str, content: bytes) -> bytes:
+def clear_for_learner(name: str, content: bytes) -> bytes:
     """A file of the course as a learner gets it: a notebook opens without outputs, which would tell what comes."""
     notebook = _notebook(name, content)
     if notebook is None:
@@ -120,7 +121,7 @@ def language_info() -> dict[str, Any]:
     return dict(IPythonKernel.language_info)
 
 
-def digest(name: str, content: bytes) -> str:
+def digest_answer(name: str, content: bytes) -> str:
     """What a learner has written in a file, as a hash: of a notebook its cells, whatever their outputs are."""
     if (notebook := _notebook(name, content)) is not None:
         cells = [[cell["cell_type"], "".join(cell.get("source", ""))] for cell in notebook["cells"]]
@@ -131,7 +132,7 @@ def digest(name: str, content: bytes) -> str:
 def _digest_of(path: Path) -> str | None:
     """The hash of a file; None where there is none, and "" for what cannot be read, such as a folder: nobody's hash."""
     try:
-        return digest(path.name, path.read_bytes())
+        return digest_answer(path.name, path.read_bytes())
     except FileNotFoundError:
         return None
     except (IsADirectoryError, PermissionError):
@@ -141,7 +142,7 @@ def _digest_of(path: Path) -> str | None:
 def _lay_beside(file: Path, content: bytes) -> str:
     """Write a new version beside a learner's file; returns its name. Another one that they changed stays, too."""
     number, name = 1, f"{file.stem}.{BESIDE}{file.suffix}"
-    while _digest_of(file.with_name(name)) not in (None, digest(name, content)):
+    while _digest_of(file.with_name(name)) not in (None, digest_answer(name, content)):
         number += 1
         name = f"{file.stem}.{BESIDE}-{number}{file.suffix}"
     environment.write_atomically(file.with_name(name), content)
@@ -255,7 +256,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     best, other = program, notebook
     if notebook.stat().st_mtime > program.stat().st_mtime + _AT_ONCE_S:
         best, other = notebook, program
-    named = f"{environment.course_command()} {verb} {exercise.id} {shown(other)}"
+    named = f"{environment.course_command()} {verb} {exercise.id} {shorten_path(other)}"
     return best, f", the newer of your two answers. For the other one: {named}"
 
 
@@ -266,21 +267,21 @@ def _glance(readings: Reader, path: Path, exercise: Exercise) -> FileSummary:
     return FileSummary()
 
 
-def to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
+def choose_to_grade(exercise_id: str, path: str | None) -> tuple[str, str]:
     """What `grade` means, and what to say about it: the file that is named, or where none is this user's own."""
     if path is None:
         own, why = choose_own(load_exercise(exercise_id), "grade")
-        return str(shown(own)), f"grading {shown(own)}{why}"
+        return str(shorten_path(own)), f"grading {shorten_path(own)}{why}"
     course, given = exercise_folders.course_folder(), Path(path).absolute()
     if course is not None and given.is_relative_to(course):
         yours = _my_folder() / "exercises" / given.relative_to(course)
         if yours.is_file():
             command = f"{environment.course_command()} grade {exercise_id}"
-            return path, f"{path} is the course's own file. Yours is {shown(yours)}: {command}"
+            return path, f"{path} is the course's own file. Yours is {shorten_path(yours)}: {command}"
     return path, ""
 
 
-def shown(path: Path) -> Path:
+def shorten_path(path: Path) -> Path:
     """A path as short as it can be said from here."""
     here = Path.cwd()
     return path.relative_to(here) if path.is_relative_to(here) else path

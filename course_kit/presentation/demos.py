@@ -17,7 +17,7 @@ class PresentationError(RuntimeError):
     """It cannot be presented; the text is for the speaker."""
 
 
-def demos(root: Path) -> list[Path]:
+def list_demos(root: Path) -> list[Path]:
     """The demos in their order."""
     found = sorted(path for path in (root / DEMOS).glob("*.ipynb") if path.is_file())
     if not found:
@@ -27,9 +27,9 @@ def demos(root: Path) -> list[Path]:
     return found
 
 
-def find(root: Path, name: str) -> Path:
+def find_notebook(root: Path, name: str) -> Path:
     """The demo or lesson that a speaker names; the first demo for an empty name."""
-    shown = demos(root)
+    shown = list_demos(root)
     if not name:
         return shown[0]
     everything = [*shown, *sorted((root / LESSONS).glob("*.ipynb"))]

@@ -14,7 +14,7 @@ import nbformat
 from course_kit.environment import PACKAGE
 from course_kit.learner import workspace
 from course_kit.presentation import projected
-from course_kit.presentation.demos import LESSONS, PresentationError, demos
+from course_kit.presentation.demos import LESSONS, PresentationError, list_demos
 from course_kit.presentation.scratch import make_writable
 from course_kit.text import templates
 
@@ -36,27 +36,26 @@ _SETTINGS: dict[str, dict[str, Any]] = {
 }
 
 
-def prepare(root: Path, folder: Path, opened: Path) -> None:
+def prepare_folder(root: Path, folder: Path, opened: Path) -> None:
     """Fill the folder of a presentation."""
     for name in _COPIED:
         kept_out = shutil.ignore_patterns(".ipynb_checkpoints")
         shutil.copytree(root / name, folder / FILES / name, ignore=kept_out, copy_function=shutil.copyfile)
     make_writable(folder)
     spoken = []
-    for path in dict.fromkeys((*demos(root), opened)):
+    for path in dict.fromkeys((*list_demos(root), opened)):
         with suppress(PresentationError) if path != opened else nullcontext():
             spoken.append(_spoken(path.relative_to(root).as_posix(), _read(path)))
     for path in (folder / FILES).rglob("*.ipynb"):
         with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
-            shown = projected.project(_read(path))
+            shown = projected.project_notebook(_read(path))
             shown.metadata["language_info"] = workspace.language_info()  # or JupyterLab calls it unsaved
             nbformat.write(shown, path)
     for name, values in _SETTINGS.items():
         path = folder / SETTINGS / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(values), encoding="utf-8")
-    page = templates.render_template(_TEMPLATE, notebooks=spoken)
-    (folder / SPEAKER_PAGE).write_text(page, encoding="utf-8")
+    (folder / SPEAKER_PAGE).write_text(templates.render_template(_TEMPLATE, notebooks=spoken), encoding="utf-8")
 
 
 def _read(path: Path) -> Any:
@@ -72,7 +71,8 @@ def _spoken(path: str, notebook: Any) -> dict[str, Any]:
     from nbconvert.filters.markdown import markdown2html  # Jupyter Server brings it
 
     cells = []
-    for cell in projected.script(notebook):
+    for cell in projected.speaker_script(notebook):
         html = Markup(markdown2html(cell.notes)) if cell.notes else ""  # noqa: S704 - the speaker's own
         cells.append({**asdict(cell), "notes": html})
-    return {"path": path, "title": projected.title(notebook), "minutes": projected.minutes(notebook), "cells": cells}
+    title, minutes = projected.notebook_title(notebook), projected.talk_minutes(notebook)
+    return {"path": path, "title": title, "minutes": minutes, "cells": cells}

@@ -32,7 +32,7 @@ class SpokenCell:
     notes: str
 
 
-def project(notebook: Any) -> Any:
+def project_notebook(notebook: Any) -> Any:
     """A notebook as a class sees it first: no outputs, no notes, no remarks, and the failure before the repair."""
     repairs = {repairs_of(cell): cell.source for cell in notebook.cells if repairs_of(cell)}
     notebook.cells = [cell for cell in notebook.cells if _is_projected(cell)]
@@ -44,12 +44,12 @@ def project(notebook: Any) -> Any:
     return notebook
 
 
-def script(notebook: Any) -> list[SpokenCell]:
+def speaker_script(notebook: Any) -> list[SpokenCell]:
     """What the speaker's window shows of a notebook, cell by cell; the repair is last before what follows it."""
     return [SpokenCell(cell_id, kind, label, "\n\n".join(notes)) for cell_id, kind, label, notes in _gathered(notebook)]
 
 
-def minutes(notebook: Any) -> int:
+def talk_minutes(notebook: Any) -> int:
     """How long it takes with talk, as its first cell says; 0 where it does not."""
     stated = notebook.cells[0].metadata.get(OURS, {}).get("minutes", 0) if notebook.cells else 0
     return stated if isinstance(stated, int) else 0
@@ -60,7 +60,7 @@ def repairs_of(cell: Any) -> str:
     return str(cell.metadata.get(OURS, {}).get(REPAIRS, ""))
 
 
-def title(notebook: Any) -> str:
+def notebook_title(notebook: Any) -> str:
     """The first heading."""
     first = notebook.cells[0].source if notebook.cells else ""
     return _label("markdown", first)

@@ -21,16 +21,16 @@ _ENDING = (signal.SIGTERM, signal.SIGHUP)  # a shutdown, and a terminal that is 
 _SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
 
 
-def present(root: Path, name: str, arguments: Sequence[str]) -> int:
+def present_notebook(root: Path, name: str, arguments: Sequence[str]) -> int:
     """Show a notebook to a class until it is over."""
-    opened = demos.find(root, name)
+    opened = demos.find_notebook(root, name)
     parent = environment.state_dir() / "present"
     for number in _ENDING:
         signal.signal(number, _end)
     with _own_domain() as domain_id:
         try:
             with scratch_folder(parent) as folder:
-                preparing.prepare(root, folder, opened)
+                preparing.prepare_folder(root, folder, opened)
                 return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
         except KeyboardInterrupt:
             return 0

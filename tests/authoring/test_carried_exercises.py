@@ -71,7 +71,7 @@ def test_an_edition_with_a_solved_starter_is_refused(
 
 def test_an_autograder_has_it_where_the_kit_looks(mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COURSE_EXERCISES", str(mine))
-    with zipfile.ZipFile(autograders.gradescope(ID, tmp_path / "autograder.zip")) as archive:
+    with zipfile.ZipFile(autograders.write_gradescope(ID, tmp_path / "autograder.zip")) as archive:
         names = archive.namelist()
     below = f"ros2-course/exercises/{ID}/"
     assert {name.removeprefix(below) for name in names if name.startswith(below)} == {*CARRIED, "picture.png"}

@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 
 
 def told(planned: edition_plan.EditionPlan) -> str:
-    return "\n".join(release.describe(planned))
+    return "\n".join(release.describe_edition(planned))
 
 
 def test_everything_that_git_knows_here_has_an_owner() -> None:
     """Red when somebody adds a folder: it stays out of the student edition until edition.toml says whose it is."""
     listed = edition_plan.read_parts()
-    undecided = [name for name in edition_plan.look(REPOSITORY).known if listed.owner(name) is Owner.UNDECIDED]
+    undecided = [
+        name for name in edition_plan.list_course_files(REPOSITORY).known if listed.owner(name) is Owner.UNDECIDED
+    ]
     assert undecided == []
 
 
@@ -48,7 +50,7 @@ def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:
         (clone.root / name).touch()
     (clone.root / "notebooks" / "07_draft.ipynb").write_text("{}")
     git(clone.root, "add", "lecture 3", "course_kit")  # whether git knows them or not
-    planned = edition_plan.plan(clone.root)
+    planned = edition_plan.plan_edition(clone.root)
     assert planned.undecided == ["course_kit/secrets/x.py", "exam.md", "lecture 3/answers.py", "lecture 3/more.py"]
     assert planned.untracked == ["notebooks/07_draft.ipynb"]
     assert not {*planned.undecided, *planned.untracked} & planned.files.keys()
@@ -75,13 +77,13 @@ def test_without_git_what_was_generated_stays_out_and_it_is_said(
     (tmp_path / ".venv").symlink_to("nowhere")  # as after somebody has removed .venvs
     (tmp_path / ".git").mkdir()
     monkeypatch.setenv("PATH", str(tmp_path))
-    planned = edition_plan.plan(tmp_path)
+    planned = edition_plan.plan_edition(tmp_path)
     assert sorted(planned.files) == ["README.md", "exercises/b/b.py", "notebooks/a.ipynb"]
     assert "Git could not be asked (git is not installed)" in told(planned)
 
 
 def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course) -> None:
-    planned = edition_plan.plan(clone.root)
+    planned = edition_plan.plan_edition(clone.root)
     found = {name for name in planned.files if name.startswith("exercises/drills/")}
     drill = "exercises/drills/dark_lamp"
     assert {name for name in found if name.startswith(drill)} == {

@@ -31,11 +31,11 @@ def test_a_counter_that_was_made_from_the_guide_alone_proves_itself(
 ) -> None:
     """By somebody who had not seen the kit: a number, a step that is a parameter, a reset that is refused at 0."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))
-    made = new_exercise.create("counter", "service", tmp_path).folder
+    made = new_exercise.create_exercise("counter", "service", tmp_path).folder
     shutil.rmtree(made / "proof")
     shutil.copytree(Path(__file__).parent / "counter", made, dirs_exist_ok=True)
-    new_exercise.refresh(read_exercise(made))
-    found = check.check(environment.checkout_folder() or Path(), ["counter"])
+    new_exercise.refresh_exercise(read_exercise(made))
+    found = check.check_proofs(environment.checkout_folder() or Path(), ["counter"])
     assert [str(one) for one in found.faults] == []
 
 
@@ -43,7 +43,7 @@ def test_a_counter_that_was_made_from_the_guide_alone_proves_itself(
 def test_its_first_page_is_an_exercise_that_proves_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Really graded; then its solution once more, by the check of one's own that comes later in the guide."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))
-    made = new_exercise.create("battery_monitor", "topic", tmp_path).folder
+    made = new_exercise.create_exercise("battery_monitor", "topic", tmp_path).folder
     toml, slips, *_ = blocks("toml")
     checks, solution, own = blocks("python")
     (made / "exercise.toml").write_text(toml)
@@ -52,8 +52,8 @@ def test_its_first_page_is_an_exercise_that_proves_itself(tmp_path: Path, monkey
     (made / "proof" / "slips.toml").write_text(slips)
     for name in ("correct", "broken"):
         shutil.rmtree(made / "proof" / name)
-    new_exercise.refresh(read_exercise(made))
-    found = check.check(environment.checkout_folder() or Path(), ["battery_monitor"])
+    new_exercise.refresh_exercise(read_exercise(made))
+    found = check.check_proofs(environment.checkout_folder() or Path(), ["battery_monitor"])
     assert [str(one) for one in found.faults] == []
     (made / "exercise.toml").write_text(toml.replace("points = 5.0", "points = 6.0"))
     (made / "checks.py").write_text(f"{checks}\n{own}\nCHECKS.append(reset_waits)\n")

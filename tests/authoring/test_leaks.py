@@ -28,7 +28,7 @@ def edition(tmp_path: Path) -> Path:
 
 
 def find(edition: Path) -> list[tuple[str, str]]:
-    return [(one.file, one.why) for one in leaks.find(edition, {TEMPERATURE: SOLUTION})]
+    return [(one.file, one.why) for one in leaks.find_leaks(edition, {TEMPERATURE: SOLUTION})]
 
 
 def variant(name: str = "class_only") -> str:

@@ -28,14 +28,14 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def make(folder: Path, kind: str = "topic", name: str = "dead_band") -> Exercise:
-    return new_exercise.create(name, kind, folder)
+    return new_exercise.create_exercise(name, kind, folder)
 
 
 @pytest.mark.parametrize("kind", new_exercise.KINDS)
 def test_what_is_made_is_proven_by_its_own_set(kind: str, mine: Path) -> None:
     """Really graded: the starter and its notebook, the solution, a right program, a wrong one, and slips."""
     exercise = make(mine, kind, f"my_{kind}")
-    found = check.check(ROOT, [exercise.id])
+    found = check.check_proofs(ROOT, [exercise.id])
     assert [str(one) for one in found.faults] == []
     scores = {(one.kind, one.name): report.score / exercise.points for one, report in found.reports.items()}
     assert {purpose for purpose, _ in scores} == {"starter", "solution", "variant", "broken", "slip"}
@@ -53,7 +53,7 @@ def test_a_fault_of_the_proof_set_is_found(mine: Path) -> None:
     shutil.copy(exercise.solution, proof / "broken" / "unchanged.py")
     slips = (proof / "slips.toml").read_text()
     (proof / "slips.toml").write_text(slips.replace('failed = { doubled = "" }', 'failed = { offered = "" }'))
-    found = check.check(ROOT, [exercise.id])
+    found = check.check_proofs(ROOT, [exercise.id])
     faults = {(one.rule, one.submission) for one in found.faults}
     assert {("broken", "broken proof/broken/unchanged.py"), ("slips", "slip twice (proof/slips.toml)")} <= faults
 
@@ -69,7 +69,7 @@ def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(
     content = json.loads(notebook.read_text())
     content["cells"].insert(1, {"cell_type": "markdown", "id": "own", "metadata": {}, "source": ["My own words."]})
     notebook.write_text(json.dumps(content))
-    assert set(new_exercise.refresh(read_exercise(exercise.folder))) == {starter, notebook}
+    assert set(new_exercise.refresh_exercise(read_exercise(exercise.folder))) == {starter, notebook}
     assert "comes back twice as large" in starter.read_text()
     assert starter.read_text().startswith('"""Twice.\n')
     cells = {cell["id"]: "".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"]}
@@ -79,7 +79,7 @@ def test_sentences_and_starter_are_written_anew_and_what_the_author_added_stays(
     assert cells["title"] == "# Twice\n\n5 points, 3 to pass."
     assert cells["answer"].startswith("%%submission dead_band\nimport rclpy\n")
     assert cells["answer"].endswith("# Yours.")
-    assert new_exercise.refresh(read_exercise(exercise.folder)) == []
+    assert new_exercise.refresh_exercise(read_exercise(exercise.folder)) == []
 
 
 def test_nothing_that_is_there_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

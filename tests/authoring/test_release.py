@@ -45,7 +45,7 @@ def edition(tmp_path_factory: pytest.TempPathFactory) -> Edition:
     """Made without the proof that no program in it scores, which takes a minute."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(release.leaks, "_find_scoring", lambda *_: ())
-        made = Edition(*release.make(tmp_path_factory.mktemp("release") / "student edition"))
+        made = Edition(*release.make_edition(tmp_path_factory.mktemp("release") / "student edition"))
     shutil.copy2(REPOSITORY / HELPER, made.root / HELPER)
     return made
 
@@ -89,7 +89,7 @@ def test_it_has_the_course_and_none_of_the_answers(student: Path) -> None:
 
 
 def test_no_program_in_it_scores(edition: Edition) -> None:
-    assert release.leaks.find(edition.root, edition.planned.solutions) == []
+    assert release.leaks.find_leaks(edition.root, edition.planned.solutions) == []
 
 
 def test_every_module_of_it_can_be_imported(student: Path) -> None:
@@ -172,11 +172,11 @@ def test_a_learner_is_graded_in_it(student: Path) -> None:
 
 
 def test_a_zip_holds_the_same_and_keeps_the_door_executable(student: Path, tmp_path: Path) -> None:
-    release.pack(student, tmp_path / "student.zip")
+    release.pack_edition(student, tmp_path / "student.zip")
     with zipfile.ZipFile(tmp_path / "student.zip") as packed:
         names = {name.removeprefix(f"{release.NAME}/") for name in packed.namelist()}
         assert packed.getinfo(f"{release.NAME}/course").external_attr >> 16 & 0o111
-    assert names >= edition_plan.plan(REPOSITORY).files.keys()
+    assert names >= edition_plan.plan_edition(REPOSITORY).files.keys()
 
 
 def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(
@@ -207,7 +207,7 @@ def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None
             cell("1 + 2", execution_count=3, outputs=[result]),
         ]
     )
-    kept = edition_notebooks.without_answers(notebook).cells
+    kept = edition_notebooks.remove_answers(notebook).cells
     assert [one.source for one in kept] == ["broken()", "later()", "1 + 2"]
     assert [one.execution_count for one in kept] == [1, None, 2]
     assert kept[2].outputs[0].execution_count == 2

@@ -27,13 +27,13 @@ CHECKS = sentences.checks_of(EXERCISE)
 @pytest.mark.parametrize("name", EXERCISES)
 def test_sentences_and_checks_fit_together(name: str) -> None:
     exercise = load_exercise(name)
-    assert sentences.faults(exercise, sentences.checks_of(exercise)) == []
+    assert sentences.find_sentence_faults(exercise, sentences.checks_of(exercise)) == []
     assert len(exercise.sentences) >= 10
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_freedoms_name_programs_that_are_there(name: str) -> None:
-    sets = corpus.load(name, ROOT)
+    sets = corpus.load_corpus(name, ROOT)
     right = {one.path.stem for one in sets.submissions if one.kind in ("solution", "variant")}
     right |= {one.name for one in sets.of("slip") if not one.failed}
     assert {one.freedom for one in sets.exercise.sentences if one.freedom} <= right
@@ -44,7 +44,7 @@ def without(checks: tuple[Check, ...], name: str) -> list[Check]:
 
 
 def test_sentence_without_a_check_is_named() -> None:
-    assert sentences.faults(EXERCISE, without(tuple(CHECKS), "same_unit")) == [
+    assert sentences.find_sentence_faults(EXERCISE, without(tuple(CHECKS), "same_unit")) == [
         "no sentence of the task says what the check 'same_unit' tests.",
         "no check tests the sentence 'same_unit'.",
     ]
@@ -70,12 +70,12 @@ def report(score: float, **statuses: str) -> Report:
 
 def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> None:
     reports = {BREAKS: report(0.0, node_name="failed", answers="failed"), RIGHT: report(1.0, node_name="passed")}
-    assert list(sentences.unproven(ALL, reports)) == []
+    assert list(sentences.find_unproven(ALL, reports)) == []
 
 
 def test_freedom_that_costs_points_is_none() -> None:
     reports = {BREAKS: report(0.0, node_name="failed"), RIGHT: report(0.5)}
-    assert list(sentences.unproven(ALL, reports)) == [
+    assert list(sentences.find_unproven(ALL, reports)) == [
         "the sentence 'free' grants a freedom, and there is no right program 'right' with full marks."
     ]
 
@@ -83,6 +83,6 @@ def test_freedom_that_costs_points_is_none() -> None:
 def test_submission_that_breaks_what_no_sentence_says_is_named() -> None:
     strange = replace(BREAKS, breaks=("node", "moon"))
     reports = {strange: report(0.0, node_name="failed"), RIGHT: report(1.0)}
-    assert list(sentences.unproven(replace(ALL, submissions=(strange, RIGHT)), reports)) == [
+    assert list(sentences.find_unproven(replace(ALL, submissions=(strange, RIGHT)), reports)) == [
         "slip breaks_it breaks the sentence 'moon', which exercise.toml does not have."
     ]

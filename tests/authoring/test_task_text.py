@@ -32,7 +32,7 @@ def words(text: str) -> list[str]:
 def test_starter_carries_the_whole_task(name: str) -> None:
     exercise = load_exercise(name)
     docstring = ast.get_docstring(ast.parse((exercise.folder / exercise.starter).read_text())) or ""
-    assert " ".join(words(task_text.blocks(exercise.sentences, width=100))) in " ".join(words(docstring))
+    assert " ".join(words(task_text.format_sentences(exercise.sentences, width=100))) in " ".join(words(docstring))
 
 
 @pytest.mark.parametrize("name", EXERCISES)
@@ -40,20 +40,22 @@ def test_notebook_carries_the_whole_task_in_this_order(name: str) -> None:
     exercise = load_exercise(name)
     cells = json.loads((exercise.folder / exercise.notebook).read_text())["cells"]
     prose = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
-    places = [prose.index(task_text.blocks(told)) for told in task_text.of_cell(exercise.sentences).values()]
+    places = [
+        prose.index(task_text.format_sentences(told)) for told in task_text.group_by_cell(exercise.sentences).values()
+    ]
     assert places == sorted(places)
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_nothing_is_left_to_write(name: str) -> None:
     exercise = load_exercise(name)
-    for file, put in ((exercise.starter, task_text.in_starter), (exercise.notebook, task_text.in_notebook)):
+    for file, put in ((exercise.starter, task_text.fill_starter), (exercise.notebook, task_text.fill_notebook)):
         before = (exercise.folder / file).read_text()
         assert words(put(before, exercise)) == words(before), f"run ./course new exercise {name} --refresh"
 
 
 def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
-    text = task_text.blocks([FIRST, SECOND, ROW, NEXT, Sentence("e", "An end.", heading="Last.")])
+    text = task_text.format_sentences([FIRST, SECOND, ROW, NEXT, Sentence("e", "An end.", heading="Last.")])
     assert text.splitlines() == [
         "- **One.** A first. A second.",
         "",
@@ -76,6 +78,6 @@ def test_a_change_of_a_sentence_reaches_notebook_and_starter(tmp_path: Path, mon
     toml = folder / "exercise.toml"
     toml.write_text(toml.read_text().replace("Any human language will do.", "Latin will do."))
     exercise = load_exercise(folder.name, tmp_path)
-    assert new_exercise.refresh(exercise) == [folder / exercise.starter, folder / exercise.notebook]
+    assert new_exercise.refresh_exercise(exercise) == [folder / exercise.starter, folder / exercise.notebook]
     assert all("Latin will do." in path.read_text() for path in (folder / exercise.starter, folder / exercise.notebook))
-    assert new_exercise.refresh(exercise) == []
+    assert new_exercise.refresh_exercise(exercise) == []

@@ -48,21 +48,21 @@ def test_the_wheels_for_another_python_and_an_older_linux_are_downloaded(source:
     wheel(source, "compiled", "cp312-cp312-manylinux_2_39_x86_64")  # for newer ones than `./course` asks for
     bundle = tmp_path / "a bundle"
     bundle.mkdir()
-    wheel_bundle.download(wanted, "3.12", bundle)
+    wheel_bundle.download_packages(wanted, "3.12", bundle)
     assert {path.name for path in bundle.iterdir()} == {f"{name}-1.0-{tag}.whl" for name, tag in tags.items()}
 
 
 def test_a_file_that_is_not_the_one_of_the_lock_is_refused(source: Path, tmp_path: Path) -> None:
     wheel(source, "plain", "py3-none-any")
     with pytest.raises(wheel_bundle.BundleError, match=r"Python 3\.12 did not finish; the lines above say why"):
-        wheel_bundle.download([LockedPackage("plain", "1.0", "", ("sha256:" + "0" * 64,))], "3.12", tmp_path)
+        wheel_bundle.download_packages([LockedPackage("plain", "1.0", "", ("sha256:" + "0" * 64,))], "3.12", tmp_path)
     assert list(tmp_path.glob("*.whl")) == []
 
 
 def test_it_holds_what_a_set_up_installs_and_what_builds_the_course() -> None:
-    found = {package.name for package in wheel_bundle.packages(REPOSITORY, "3.12")}
+    found = {package.name for package in wheel_bundle.locked_packages(REPOSITORY, "3.12")}
     assert {"pip", "jupyterlab", "numpy", "ros-rclpy", "hatchling", "editables", "ziglang", "setuptools"} <= found
     assert "pytest" not in found
-    assert "pytest" in {package.name for package in wheel_bundle.packages(REPOSITORY, "3.12", tests=True)}
+    assert "pytest" in {package.name for package in wheel_bundle.locked_packages(REPOSITORY, "3.12", tests=True)}
     assert ("tomli" in found, "appnope" in found) == (False, False)
-    assert "tomli" in {package.name for package in wheel_bundle.packages(REPOSITORY, "3.10")}
+    assert "tomli" in {package.name for package in wheel_bundle.locked_packages(REPOSITORY, "3.10")}

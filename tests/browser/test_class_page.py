@@ -9,7 +9,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Records
+from course_kit.classroom.records import RecordFolder
 from course_kit.grading.model.exercise import load_exercise
 from tests.browser.learner import ARTIFACTS, page
 from tests.browser.test_report_card import contrast
@@ -41,7 +41,7 @@ def written(out: Path) -> str:
         root=out / "in",
     )
     for record in gradebook.records:
-        Records(out).keep(record, f"<!DOCTYPE html><h1>Report of {record.entry.exercise}</h1>")
+        RecordFolder(out).keep(record, f"<!DOCTYPE html><h1>Report of {record.entry.exercise}</h1>")
     return exports.write_all(gradebook, out).as_uri()
 
 

@@ -197,7 +197,9 @@ def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
     asked: list[str] = []
     stage.page.context.on("request", lambda request: asked.append(request.url))
     stage.open("03_silent_parameter")
-    cells = projected.script(nbformat.read(REPOSITORY / "notebooks/demos/03_silent_parameter.ipynb", as_version=4))
+    cells = projected.speaker_script(
+        nbformat.read(REPOSITORY / "notebooks/demos/03_silent_parameter.ipynb", as_version=4)
+    )
     notes = stage.open_notes()
     expect(stage.bar.get_by_role("button", name="Notes")).to_be_hidden()
     shown = notes.locator(".notes:visible")

@@ -62,7 +62,7 @@ PEOPLE = tuple(Person(number) for number in range(CLASS_SIZE))
 
 
 @dataclass
-class Inbox:
+class OpenedSources:
     """What an instructor has downloaded.
 
     Attributes:
@@ -88,7 +88,7 @@ class Maker:
         self._system = system
         self._files: dict[str, tuple[bytes, int]] = {}
         is_zip = system in ("canvas", "moodle", "moodle flat", "gradescope")
-        self.inbox = Inbox(home / ("submissions.zip" if is_zip else "inbox"), system.partition(" ")[0])
+        self.inbox = OpenedSources(home / ("submissions.zip" if is_zip else "inbox"), system.partition(" ")[0])
         for person in PEOPLE:
             self._hand_in(person, of_student(person.number))
         self._add_what_the_system_adds()

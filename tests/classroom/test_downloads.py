@@ -40,7 +40,7 @@ def moodle(program: str, first: int) -> dict[str, str]:
 
 
 def collect(tmp_path: Path, *sources: Path, layout: str = "auto") -> collecting.Intake:
-    return collecting.collect(sources, (SERVICE, ROBOT), tmp_path / "workspace", layout)
+    return collecting.collect_submissions(sources, (SERVICE, ROBOT), tmp_path / "workspace", layout)
 
 
 def handed_in(found: collecting.Intake) -> dict[str, dict[str, str]]:
@@ -93,7 +93,7 @@ def test_work_of_moodles_default_group_is_no_participants(tmp_path: Path) -> Non
         f"Default group_assignsubmission_file/{SERVICE_PY}": "1",
         f"Team A_77_assignsubmission_file/{SERVICE_PY}": "2",
     }
-    found = collecting.collect(pack(tmp_path / "a.zip", group), (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect_submissions(pack(tmp_path / "a.zip", group), (SERVICE,), tmp_path / "workspace")
     assert {entry.student: entry.platform for entry in found.entries} == {
         "Default group": {"group": "Default group"},
         "77": {"group": "Team A"},
@@ -115,7 +115,7 @@ def test_a_folder_around_the_students_is_no_student(tmp_path: Path, layout: str,
     files = {f"{around}/{name}": text for name, text in WRAPPED[layout].items()}
     if mac:
         files |= {f"__MACOSX/{around}/._{name.replace('/', '_')}": "\0" for name in WRAPPED[layout]}
-    found = collecting.collect(pack(tmp_path / "class.zip", files), (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect_submissions(pack(tmp_path / "class.zip", files), (SERVICE,), tmp_path / "workspace")
     assert found.layout == layout
     assert len({entry.student for entry in found.entries}) == len(NAMES)
     assert (found.dropped, found.odd) == ((), ())
@@ -160,7 +160,7 @@ def test_a_group_of_gradescope_is_each_of_its_members(tmp_path: Path) -> None:
     )
     files = {f"assignment_9_export/submission_{one}/{SERVICE_PY}": f"# {one}" for one in (1, 2, 3)}
     source = pack(tmp_path / "all.zip", {**files, "assignment_9_export/submission_metadata.yml": metadata})
-    found = collecting.collect(source, (SERVICE,), tmp_path / "workspace")
+    found = collecting.collect_submissions(source, (SERVICE,), tmp_path / "workspace")
     entries = {entry.student: entry for entry in found.entries}
     assert entries.keys() == {"1", "2", "cem@x.example", "submission_3"}
     assert (entries["1"].source, entries["1"].name) == (entries["2"].source, "Ann")

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.attack("An inbox")
 
 
 def collect(source: Path, *exercises: Exercise, layout: str = "auto") -> collecting.Intake:
-    return collecting.collect(source, exercises or (SERVICE,), source.parent / "workspace", layout)
+    return collecting.collect_submissions(source, exercises or (SERVICE,), source.parent / "workspace", layout)
 
 
 def lay_out(root: Path, files: Iterable[str | bytes], text: str = "pass\n") -> Path:

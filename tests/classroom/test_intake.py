@@ -27,7 +27,7 @@ def lay_out(root: Path, files: dict[str, str]) -> Path:
 
 
 def collect(root: Path, *exercises: Exercise, layout: str = "auto") -> collecting.Intake:
-    return collecting.collect(root, exercises or (SERVICE,), root.parent / "workspace", layout)
+    return collecting.collect_submissions(root, exercises or (SERVICE,), root.parent / "workspace", layout)
 
 
 CANVAS = {
@@ -173,7 +173,9 @@ def test_what_is_no_program_is_there_to_get_its_report(tmp_path: Path, layout: s
     exercises = (SERVICE, ROBOT)
     if wrapping in ("folder", "zip"):
         sources, exercises = sources[:1], exercises[:1]
-    found = collecting.collect(sources, exercises, tmp_path / "workspace", "auto" if len(sources) == 1 else layout)
+    found = collecting.collect_submissions(
+        sources, exercises, tmp_path / "workspace", "auto" if len(sources) == 1 else layout
+    )
     texts = [(found.root / entry.source).read_text() for entry in found.entries]
     assert sorted(text for text in texts if text != "x") == sorted([*NO_PROGRAMS] * len(exercises))
 

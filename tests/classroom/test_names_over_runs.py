@@ -38,7 +38,7 @@ def download(path: Path, **programs: str) -> Path:
 
 def class_list(tmp_path: Path, text: str) -> Roster:
     (tmp_path / "list.csv").write_text(text)
-    return roster.read(tmp_path / "list.csv")
+    return roster.read_roster(tmp_path / "list.csv")
 
 
 def scores(book: Gradebook) -> dict[str, float]:
@@ -46,7 +46,7 @@ def scores(book: Gradebook) -> dict[str, float]:
 
 
 def worksheet(book: Gradebook) -> dict[int, dict[str, str]]:
-    [text] = [text for name, text in exports.files(book) if name.startswith("exports/moodle")]
+    [text] = [text for name, text in exports.export_files(book) if name.startswith("exports/moodle")]
     return rules.moodle(text)
 
 

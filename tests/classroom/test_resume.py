@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Record
+from course_kit.classroom.records import GradeRecord
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
 
@@ -84,7 +84,7 @@ def test_what_has_changed_is_graded_again_and_the_result_of_before_is_kept(inbox
         book, graded = again(inbox)
         assert graded == ["bob"]
         assert results(book)["bob"][1] == (10.0 if number == 1 else 0.0)
-    kept = [Record.from_json((out / f"superseded/bob/temperature_service.{n}.json").read_text()) for n in (1, 2)]
+    kept = [GradeRecord.from_json((out / f"superseded/bob/temperature_service.{n}.json").read_text()) for n in (1, 2)]
     assert [record.score for record in kept] == [0.0, 10.0]
 
 

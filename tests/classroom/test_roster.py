@@ -79,10 +79,10 @@ def test_a_list_gives_names_and_says_who_is_absent(
 ) -> None:
     inbox = Maker(system, tmp_path).inbox
     (tmp_path / "list.csv").write_bytes(text.encode(encoding))
-    people = roster.read(tmp_path / "list.csv")
+    people = roster.read_roster(tmp_path / "list.csv")
     assert read_as.items() <= dict(people.read_as).items()
     assert len(people.people) == len(EVERYBODY)
-    found = collecting.collect(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect_submissions(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert found.roster.unknown == ()
     assert found.roster.matched == len(PEOPLE)
@@ -90,7 +90,7 @@ def test_a_list_gives_names_and_says_who_is_absent(
     absent, name = away.student, away.name
     assert name == ("" if text == NO_HEADER else "Ned Absent")
     assert (absent, SERVICE.id) in found.missing
-    assert [row.why for row in table.rows(found) if row.student == absent] == ["not handed in"]
+    assert [row.why for row in table.intake_rows(found) if row.student == absent] == ["not handed in"]
     if text != NO_HEADER:
         names = {entry.student: entry.name for entry in found.entries}
         assert sorted(names.values()) == sorted(person.name for person in PEOPLE)
@@ -101,9 +101,9 @@ def test_names_join_where_no_identifier_does(tmp_path: Path) -> None:
         (tmp_path / "in" / folder).mkdir(parents=True)
         (tmp_path / "in" / folder / SERVICE.starter).write_bytes(program(len(folder)))
     (tmp_path / "list.csv").write_text("Name;Vorname;Matrikelnummer\nDoe;Jane;1\nMüller;Jörg;2\nLi;Na;3\nNa;Li;4\n")
-    people = roster.read(tmp_path / "list.csv")
+    people = roster.read_roster(tmp_path / "list.csv")
     assert dict(people.read_as) == {"Name": "last name", "Vorname": "first name", "Matrikelnummer": "student number"}
-    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect_submissions(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert {entry.student: (entry.name, entry.platform.get("sid")) for entry in found.entries} == {
         "Doe, Jane": ("Jane Doe", "1"),
@@ -123,8 +123,8 @@ def test_the_work_of_a_group_is_everybodys_in_it_and_its_number_is_no_participan
         "Participant 11,Cem C,c@x.example,Team B\nParticipant 12,Ann A,a@x.example,Team A\n"
         "Participant 13,Bob B,b@x.example,Team A\n"
     )
-    people = roster.read(tmp_path / "list.csv")
-    found = collecting.collect(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
+    people = roster.read_roster(tmp_path / "list.csv")
+    found = collecting.collect_submissions(tmp_path / "in", (SERVICE,), tmp_path / "handed_in", roster=people)
     assert {(entry.name, entry.platform["moodle_participant"], entry.platform["group"]) for entry in found.entries} == {
         ("Ann A", "12", "Team A"),
         ("Bob B", "13", "Team A"),
@@ -145,6 +145,6 @@ def test_the_work_of_a_group_is_everybodys_in_it_and_its_number_is_no_participan
 def test_a_list_of_something_else_is_said(tmp_path: Path, content: bytes, sentence: str) -> None:
     (tmp_path / "list.csv").write_bytes(content)
     with pytest.raises(GradingError, match=sentence):
-        roster.read(tmp_path / "list.csv")
+        roster.read_roster(tmp_path / "list.csv")
     with pytest.raises(GradingError, match="No such file"):
-        roster.read(tmp_path / "nowhere.csv")
+        roster.read_roster(tmp_path / "nowhere.csv")

@@ -11,7 +11,7 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.intake import roster
-from course_kit.classroom.records import Entry, Record, Records, safe_name
+from course_kit.classroom.records import Entry, GradeRecord, RecordFolder, safe_name
 from course_kit.classroom.rules.seeds import Seeds
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
@@ -34,8 +34,8 @@ def handed_in(tmp_path: Path) -> Path:
 
 def test_who_is_absent_is_in_the_grades_by_name(handed_in: Path, tmp_path: Path) -> None:
     (tmp_path / "list.csv").write_text("login,name\nada,Ada L\nned,Ned N\n")
-    book = run(handed_in, tmp_path / "out", StandInForGrading(), roster=roster.read(tmp_path / "list.csv"))
-    table = dict(exports.files(book))
+    book = run(handed_in, tmp_path / "out", StandInForGrading(), roster=roster.read_roster(tmp_path / "list.csv"))
+    table = dict(exports.export_files(book))
     assert "ned,Ned N,,10,missing" in table["grades.csv"]
     assert "ada,Ada L,10,10,passed" in table["grades.csv"]
     assert (tmp_path / "out/intake.csv").is_file()
@@ -139,13 +139,13 @@ def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed
 
 def test_a_record_survives_its_file(tmp_path: Path) -> None:
     entry = Entry('="Zoë", 😀', "temperature_service", "x/y.py", "Zoë; DROP", late=True, platform={"login": "zoë"})
-    record = Record(entry, "d" * 64, 3, 5, {"score": 1.0, "max_score": 2.0, "status": "graded", "checks": []})
-    records = Records(tmp_path)
+    record = GradeRecord(entry, "d" * 64, 3, 5, {"score": 1.0, "max_score": 2.0, "status": "graded", "checks": []})
+    records = RecordFolder(tmp_path)
     records.keep(record)
     assert records.find(entry) == record
     assert list(records) == [record]
     with pytest.raises(ValueError, match="another version"):
-        Record.from_json(json.dumps({**json.loads(record.to_json()), "format_version": 99}))
+        GradeRecord.from_json(json.dumps({**json.loads(record.to_json()), "format_version": 99}))
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ HOLDER = """
 import subprocess, sys
 from pathlib import Path
 from course_kit.classroom import run_folder
-with run_folder.hold(Path(sys.argv[1])):
+with run_folder.hold_folder(Path(sys.argv[1])):
     child = subprocess.Popen(["sleep", "100"])
     print(child.pid, flush=True)
     sys.stdin.read()
@@ -39,7 +39,7 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
     child = int(holder.stdout.readline())
     try:
         who = rf"at work in .*out: process {holder.pid} of \S+ on \S+, since 20\d\d-"
-        with pytest.raises(GradingError, match=who), run_folder.hold(out):
+        with pytest.raises(GradingError, match=who), run_folder.hold_folder(out):
             pass
         (tmp_path / "in/ann").mkdir(parents=True)
         (tmp_path / "in/ann/pattern_choice.py").write_text("answers = {}")
@@ -51,7 +51,7 @@ def test_a_second_run_is_told_who_has_the_folder_and_a_crash_gives_it_back(
         assert not (out / "run.json").exists()
         holder.kill()
         holder.wait()
-        with run_folder.hold(out):
+        with run_folder.hold_folder(out):
             os.kill(child, 0)  # it is still there
     finally:
         os.kill(child, 9)

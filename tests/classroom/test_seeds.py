@@ -26,7 +26,7 @@ def listed(tmp_path: Path, text: str) -> Path:
 def test_doubles_and_what_is_no_seed_are_told_together_with_their_lines(tmp_path: Path) -> None:
     path = listed(tmp_path, "student,seed\nann,1\nbo,x\nann,2\n,4\ncy,-1\ndi,99999999999\n")
     with pytest.raises(GradingError) as told:
-        seeds.read(path)
+        seeds.read_seeds(path)
     for said in (
         "line 3: the seed 'x' is no whole number",
         "line 4: ann stands in line 2 already",
@@ -42,7 +42,7 @@ def test_absent_and_unknown_students_are_told_together_before_anything_is_graded
         (tmp_path / "in" / student).mkdir(parents=True)
         (tmp_path / "in" / student / "temperature_service.py").write_text("right = 1")
     executor = StandInForGrading()
-    found = seeds.read(listed(tmp_path, "student,seed\nann,1\nboo,2\n"))
+    found = seeds.read_seeds(listed(tmp_path, "student,seed\nann,1\nboo,2\n"))
     with pytest.raises(GradingError) as told:
         run(tmp_path / "in", tmp_path / "out", executor, seeds=found)
     assert "line 3: there is no student 'boo' here. Did you mean bo?" in str(told.value)
@@ -57,11 +57,11 @@ def test_the_command_writes_a_list_that_class_takes_and_keeps_seeds_that_were_ha
     roster, out = tmp_path / "roster.csv", tmp_path / "seeds.csv"
     roster.write_text('login,name\nann,Ann Li\nzoe,"Zoë, the second"\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    before = seeds.read(out).found
+    before = seeds.read_seeds(out).found
     assert set(before) == {"ann", "zoe"}
     roster.write_text('name,login\nAnn Li,ann\nBo Li,bo\n"Zoë, the second",zoe\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    after = seeds.read(out).found
+    after = seeds.read_seeds(out).found
     assert {student: after[student][0] for student in before} == {
         student: seed for student, (seed, _) in before.items()
     }
@@ -74,7 +74,7 @@ def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
     entry = Entry("4711", "pattern_choice", "x.py", "Ann Li", platform={"login": "ann"})
     absent = Entry("bo", "", "", "Bo Li")  # who is on the roster, and has handed in nothing
     for name in ("4711", "Ann Li", "ANN"):
-        listed_seeds = seeds.read(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
+        listed_seeds = seeds.read_seeds(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
         assert listed_seeds.of_class([entry], People([entry, absent])).of(entry) == 5
         with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
             listed_seeds.of_class([entry], People([entry]))

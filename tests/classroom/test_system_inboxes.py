@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_student_and_every_file_is_in_the_table(tmp_path: Path, system: str) -> None:
     inbox = Maker(system, tmp_path).inbox
-    found = collecting.collect(inbox.source, (SERVICE,), tmp_path / "handed_in")
+    found = collecting.collect_submissions(inbox.source, (SERVICE,), tmp_path / "handed_in")
     assert found.layout == inbox.layout
-    rows = table.rows(found)
+    rows = table.intake_rows(found)
     assert {row.student: (row.file, row.why) for row in rows if row.student} == inbox.chosen
     assert len(inbox.chosen) == CLASS_SIZE
     others = {row.file: row.why for row in rows if not row.student}

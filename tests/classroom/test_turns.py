@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.classroom import concurrency
-from course_kit.classroom.concurrency import Turns, Urgency, early
+from course_kit.classroom.concurrency import GradingQueue, Urgency, put_urgent_early
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -50,11 +50,11 @@ def grade() -> StandInForGrading:
 
 
 @pytest.fixture
-def made(grade: StandInForGrading) -> Iterator[Callable[[float], Turns]]:
-    running: list[Turns] = []
+def made(grade: StandInForGrading) -> Iterator[Callable[[float], GradingQueue]]:
+    running: list[GradingQueue] = []
 
-    def make(idle: float) -> Turns:
-        running.append(Turns(grade, USUAL, MOST, lambda: idle, most_that_wait=MOST_THAT_WAIT))
+    def make(idle: float) -> GradingQueue:
+        running.append(GradingQueue(grade, USUAL, MOST, lambda: idle, most_that_wait=MOST_THAT_WAIT))
         return running[-1]
 
     yield make
@@ -63,12 +63,12 @@ def made(grade: StandInForGrading) -> Iterator[Callable[[float], Turns]]:
         one.join()
 
 
-def submit(turns_: Turns, *requests: Any) -> list[Future[Any]]:
+def submit(turns_: GradingQueue, *requests: Any) -> list[Future[Any]]:
     return [turns_.submit(request) for request in requests]
 
 
 def test_a_busy_machine_soon_gets_no_more_than_usual(
-    grade: StandInForGrading, made: Callable[[float], Turns], monkeypatch: pytest.MonkeyPatch
+    grade: StandInForGrading, made: Callable[[float], GradingQueue], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(concurrency, "_LOOK_S", 0.0)
     busy, silent = made(0.0), threading.Event()
@@ -84,7 +84,7 @@ def test_a_busy_machine_soon_gets_no_more_than_usual(
 
 
 def test_where_most_gradings_wait_still_more_are_begun(
-    grade: StandInForGrading, made: Callable[[float], Turns], monkeypatch: pytest.MonkeyPatch
+    grade: StandInForGrading, made: Callable[[float], GradingQueue], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(concurrency, "_LENT_AFTER_S", 0.0)
     idle, silent = made(1.0), threading.Event()
@@ -100,14 +100,14 @@ def test_what_may_last_begins_early_and_not_all_at_once() -> None:
     def urgency(thing: str) -> Urgency:
         return {"L": Urgency.LOOPS, "W": Urgency.WAITS}.get(thing, Urgency.NONE)
 
-    assert "".join(early("abWcdeLfWgL", urgency)) == "LabLcdWefWg"
-    assert "".join(early("WaLLLLL", urgency)) == "LaLLWLL"
-    assert "".join(early("aWLL", urgency)) == "LaLW"
-    assert early([], urgency) == []
+    assert "".join(put_urgent_early("abWcdeLfWgL", urgency)) == "LabLcdWefWg"
+    assert "".join(put_urgent_early("WaLLLLL", urgency)) == "LaLLWLL"
+    assert "".join(put_urgent_early("aWLL", urgency)) == "LaLW"
+    assert put_urgent_early([], urgency) == []
 
 
 def test_the_end_cancels_what_waits_and_lets_the_rest_finish(
-    grade: StandInForGrading, made: Callable[[float], Turns]
+    grade: StandInForGrading, made: Callable[[float], GradingQueue]
 ) -> None:
     busy, silent = made(0.0), threading.Event()
     futures = submit(busy, *[silent] * AT_FIRST, "late")

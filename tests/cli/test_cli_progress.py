@@ -137,7 +137,7 @@ def test_an_exercise_that_is_being_written_hides_no_other(tmp_path: Path) -> Non
         (tmp_path / name / "exercise.toml").write_text(text.format(name, -order))
     (tmp_path / "torn").mkdir()
     (tmp_path / "torn" / "exercise.toml").write_text("format_version = ")
-    rows, told = course_list.rows(tmp_path)
+    rows, told = course_list.list_rows(tmp_path)
     assert [row.exercise.id for row in rows] == ["first", "second"]
     assert len(told) == 1
     assert "torn" in told[0]

@@ -57,6 +57,6 @@ def test_of_a_picture_the_words_are_compared_and_its_html_is_not(words: str, cod
 
 def test_lessons_and_drills_are_compared_and_exercises_are_not() -> None:
     root = environment.checkout_folder() or Path()
-    found = {path.relative_to(root).parts[:2] for path in notebooks.with_outputs(root)}
+    found = {path.relative_to(root).parts[:2] for path in notebooks.list_with_outputs(root)}
     assert found >= {("notebooks", "01_services.ipynb"), ("exercises", "drills")}
     assert ("exercises", "move_robot") not in found

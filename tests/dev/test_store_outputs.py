@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import nbformat
 
-from course_kit.dev.store_outputs import WIDGET, normalised
+from course_kit.dev.store_outputs import WIDGET, normalise_notebook
 
 
 def test_numbers_begin_anew_and_times_and_widgets_are_left_out() -> None:
@@ -20,7 +20,7 @@ def test_numbers_begin_anew_and_times_and_widgets_are_left_out() -> None:
             cell("1 + 2", execution_count=9, outputs=[result]),
         ],
     )
-    stored = normalised(notebook)
+    stored = normalise_notebook(notebook)
     first, _, empty, last = stored.cells
     assert stored.metadata.language_info == {"name": "python"}
     assert first.metadata == {}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.executors import Local
+from course_kit.classroom.executors import LocalExecutor
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.sandbox import isolation, machine, needs
 from course_kit.process import libc, tree
@@ -176,7 +176,7 @@ def test_no_more_are_graded_at_once_than_a_container_has_processes_for(
     (tmp_path / "pids.current").write_text("50\n")
     monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
     monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
-    with closing(Local(4, promised=[Limits()])) as executor:
+    with closing(LocalExecutor(4, promised=[Limits()])) as executor:
         assert executor.slots == slots
 
 

@@ -110,7 +110,7 @@ def install(folder: Path) -> Path:
     root = environment.checkout_folder()
     assert root is not None
     course = Path(guide.moved(guide.COURSE, folder))
-    found = edition_plan.look(root)
+    found = edition_plan.list_course_files(root)
     for name in sorted(found.known | found.new):  # what `git clone` would bring, and what is not committed yet
         (course / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, course / name)

@@ -19,7 +19,7 @@ LAYOUT = "layout-restorer:data"
 def test_the_next_day_opens_the_last_notebook_alone_and_the_table_of_contents_only_on_the_first(tmp_path: Path) -> None:
     workspaces = tmp_path / ".course" / "workspaces"
     assert jupyter.last_notebook(tmp_path) == jupyter.FIRST_LESSON
-    jupyter.prepare(workspaces)
+    jupyter.prepare_workspace(workspaces)
     manager = WorkspacesManager(str(workspaces))
     made = manager.load("default")
     assert made["data"][LAYOUT]["left"]["current"] == "@jupyterlab/toc:plugin"
@@ -32,7 +32,7 @@ def test_the_next_day_opens_the_last_notebook_alone_and_the_table_of_contents_on
     (tmp_path / "notebooks").mkdir()
     (tmp_path / "notebooks" / "1.ipynb").touch()
     assert jupyter.last_notebook(tmp_path) == "notebooks/1.ipynb"
-    jupyter.prepare(workspaces)
+    jupyter.prepare_workspace(workspaces)
     again = manager.load("default")["data"]
     assert again[LAYOUT]["left"]["current"] == "filebrowser"
     assert again[LAYOUT]["main"]["dock"]["widgets"] == []
@@ -41,8 +41,8 @@ def test_the_next_day_opens_the_last_notebook_alone_and_the_table_of_contents_on
 
 def test_a_damaged_workspace_stops_nothing(tmp_path: Path) -> None:
     workspaces = tmp_path / ".course" / "workspaces"
-    jupyter.prepare(workspaces)
+    jupyter.prepare_workspace(workspaces)
     [file] = workspaces.iterdir()
     file.write_text("{")
-    jupyter.prepare(workspaces)
+    jupyter.prepare_workspace(workspaces)
     assert jupyter.last_notebook(tmp_path) == jupyter.FIRST_LESSON

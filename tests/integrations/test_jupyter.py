@@ -55,10 +55,10 @@ def test_one_folder_that_cannot_be_written_is_replaced_and_still_read(
     (home / ".local" / "share").mkdir(parents=True)
     (home / ".local" / "share" / "jupyter").touch()
     monkeypatch.setenv("HOME", str(home))
-    assert set(jupyter.replacements()) == {"JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"}
+    assert set(jupyter.replacement_folders()) == {"JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR"}
     monkeypatch.setenv("JUPYTER_DATA_DIR", "/proc/self")  # a folder that is there, and nobody can write
     monkeypatch.setenv("JUPYTER_PATH", "/mine")
-    found = jupyter.replacements()
+    found = jupyter.replacement_folders()
     assert found["JUPYTER_PATH"] == "/mine:/proc/self"
     assert Path(found["JUPYTER_DATA_DIR"]).is_relative_to(state)
 

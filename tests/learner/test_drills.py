@@ -106,7 +106,7 @@ def test_drills_of_an_instructor_are_listed_and_no_exercises(tmp_path: Path, mon
     (made / "exercise.toml").write_text(toml.replace(f'id = "{DRILL}"', 'id = "my_lamp"'))
     monkeypatch.setenv(exercise_folders.VARIABLE, str(tmp_path))
     assert "my_lamp" in course_list.describe_drills("utf-8")[0]
-    assert "my_lamp" not in [row.exercise.id for row in course_list.rows()[0]]
+    assert "my_lamp" not in [row.exercise.id for row in course_list.list_rows()[0]]
 
 
 def test_a_cell_that_also_runs_as_a_program_keeps_its_line_numbers() -> None:

@@ -54,11 +54,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def failed(check: str, code: str | None = None) -> None:
     found = progress.Failure(check, check.title(), code)
-    assert progress.update("walk", lambda old: replace(old, tries=old.tries + 1, failed=found)) == ""
+    assert progress.update_progress("walk", lambda old: replace(old, tries=old.tries + 1, failed=found)) == ""
 
 
 def ask(folder: Path, *, again: bool = False) -> list[str]:
-    text, trouble = handouts.hint("walk", "course-kit hint", again=again, folder=folder)
+    text, trouble = handouts.next_hint("walk", "course-kit hint", again=again, folder=folder)
     assert trouble == ""
     assert max(map(len, text.splitlines())) <= 80
     return [line for line in text.splitlines() if line.startswith("Hint ")]
@@ -71,7 +71,7 @@ def test_without_a_grading_the_ladder_begins_at_its_foot(folder: Path) -> None:
     assert ask(folder) == ["Hint 3 of 4: A shove."]
     assert ask(folder) == ["Hint 4 of 4: The end."]
     assert ask(folder) == ["Hint 4 of 4: The end."]
-    assert sum(progress.read()[0]["walk"].hints.values()) == 4
+    assert sum(progress.read_progress()[0]["walk"].hints.values()) == 4
 
 
 def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
@@ -88,24 +88,24 @@ def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
 
 def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(folder: Path) -> None:
     failed("start", "service.exception")
-    found = handouts.ladder(load_exercise("walk", folder), progress.read()[0]["walk"])
+    found = handouts.hint_ladder(load_exercise("walk", folder), progress.read_progress()[0]["walk"])
     assert found.rungs == ("A push.", "A nudge.", "A shove.")
 
 
 def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     failed("nowhere", "service.no_return")
-    text, _ = handouts.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.next_hint("walk", "%hint", folder=folder)
     assert catalogue.catalogue()["service.no_return"].notebook in text
     assert "%hint walk --again" in text
 
 
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
-    text, _ = handouts.hint("walk", "%hint", folder=folder)
+    text, _ = handouts.next_hint("walk", "%hint", folder=folder)
     assert "There are no hints for this one" in text
     assert "last one" not in text
 
 
 def test_an_exercise_that_is_misspelt_gets_the_nearest_name(folder: Path) -> None:
     with pytest.raises(GradingError, match="Did you mean walk"):
-        handouts.hint("wakl", "%hint", folder=folder)
+        handouts.next_hint("wakl", "%hint", folder=folder)

@@ -31,7 +31,7 @@ def notebook(source: str, output: str = "") -> bytes:
 
 
 def given(*sources: tuple[str, str]) -> dict[str, bytes]:
-    return {path: workspace.as_handed_out(path, notebook(source)) for path, source in sources}
+    return {path: workspace.clear_for_learner(path, notebook(source)) for path, source in sources}
 
 
 def cell_of(path: Path) -> dict[str, Any]:
@@ -40,13 +40,13 @@ def cell_of(path: Path) -> dict[str, Any]:
 
 
 def test_a_notebook_opens_without_outputs_and_jupyterlab_has_nothing_to_add() -> None:
-    opened = json.loads(workspace.as_handed_out(LESSON, notebook("1 + 1", "2")))
+    opened = json.loads(workspace.clear_for_learner(LESSON, notebook("1 + 1", "2")))
     assert opened["cells"][0]["outputs"] == []
     assert opened["cells"][0]["execution_count"] is None
     assert opened["metadata"]["language_info"] == IPythonKernel.language_info
     for other in (b"no notebook", b'{"cells": [1]}', b"[]"):
-        assert workspace.as_handed_out(LESSON, other) == other
-    assert workspace.as_handed_out("a.py", b"x = 1\n") == b"x = 1\n"
+        assert workspace.clear_for_learner(LESSON, other) == other
+    assert workspace.clear_for_learner("a.py", b"x = 1\n") == b"x = 1\n"
 
 
 def test_what_was_not_changed_becomes_the_new_version(tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def answer(path: Path, *, after_s: int = 0) -> None:
 
 def by_class(folder: Path, workspace_folder: Path) -> str:
     exercise = load_exercise(TEMPERATURE)
-    (entry,) = collecting.collect(folder.parent, [exercise], workspace_folder, "folders").entries
+    (entry,) = collecting.collect_submissions(folder.parent, [exercise], workspace_folder, "folders").entries
     return entry.source.rpartition("/")[2]
 
 
@@ -62,7 +62,7 @@ def test_it_is_the_one_that_a_class_run_grades_and_it_is_named(
 ) -> None:
     for name, after_s in answered.items():
         answer(folder / name, after_s=after_s)
-    path, sentence = workspace.to_grade(TEMPERATURE, None)
+    path, sentence = workspace.choose_to_grade(TEMPERATURE, None)
     assert path == graded == by_class(folder, tmp_path / "unpacked")
     assert sentence.endswith(said.format(f"{environment.course_command()} grade {TEMPERATURE}"))
 
@@ -70,7 +70,7 @@ def test_it_is_the_one_that_a_class_run_grades_and_it_is_named(
 def test_a_program_without_the_class_is_not_graded_in_place_of_a_notebook_that_has_it(folder: Path) -> None:
     answer(folder / NOTEBOOK)
     (folder / PROGRAM).write_text("print('a try')\n")
-    path, sentence = workspace.to_grade(TEMPERATURE, None)
+    path, sentence = workspace.choose_to_grade(TEMPERATURE, None)
     assert (path, sentence.partition("because ")[2]) == (NOTEBOOK, f"{PROGRAM} does not hold TemperatureService")
 
 
@@ -81,7 +81,7 @@ def test_a_notebook_that_was_only_run_is_the_starter_still(folder: Path) -> None
             cell.update(execution_count=number, outputs=[])
     (folder / NOTEBOOK).write_text(json.dumps(notebook), encoding="utf-8")
     answer(folder / PROGRAM)
-    assert workspace.to_grade(TEMPERATURE, None)[0] == PROGRAM
+    assert workspace.choose_to_grade(TEMPERATURE, None)[0] == PROGRAM
 
 
 def test_watch_means_the_same_file(folder: Path) -> None:

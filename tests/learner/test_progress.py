@@ -24,7 +24,7 @@ MANY_TRIES = """
 from dataclasses import replace
 from course_kit.learner import progress
 for _ in range(25):
-    assert progress.update("exercise", lambda old: replace(old, tries=old.tries + 1)) == ""
+    assert progress.update_progress("exercise", lambda old: replace(old, tries=old.tries + 1)) == ""
 """
 
 
@@ -45,15 +45,15 @@ def a_check(name: str, status: str, diagnosis: str | None = None) -> CheckReport
 
 def test_the_best_score_and_the_first_pass_stay_and_the_failure_is_the_last_gradings(file: Path) -> None:
     failing = (a_check("first", "passed"), a_check("second", "failed", "code"), a_check("third", "failed"))
-    assert progress.record(a_report(3.0, "graded", *failing)) == ""
-    early = progress.read()[0]["exercise"]
+    assert progress.record_report(a_report(3.0, "graded", *failing)) == ""
+    early = progress.read_progress()[0]["exercise"]
     assert (early.best, early.tries, early.passed) == (3.0, 1, False)
     assert early.failed == progress.Failure("second", "Second", "code")
-    progress.record(a_report(8.0))
-    passed = progress.read()[0]["exercise"]
+    progress.record_report(a_report(8.0))
+    passed = progress.read_progress()[0]["exercise"]
     assert (passed.best, passed.tries, passed.passed, passed.failed) == (8.0, 2, True, None)
-    progress.record(a_report(2.0, "crashed", *failing))
-    late = progress.read()[0]["exercise"]
+    progress.record_report(a_report(2.0, "crashed", *failing))
+    late = progress.read_progress()[0]["exercise"]
     assert (late.best, late.tries, late.passed, late.first_passed) == (8.0, 3, True, passed.first_passed)
     assert late.failed == early.failed
     assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]
@@ -62,8 +62,8 @@ def test_the_best_score_and_the_first_pass_stay_and_the_failure_is_the_last_grad
 def test_off_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(progress.VARIABLE, "off")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    assert progress.record(a_report(8.0)) == ""
-    assert progress.read() == ({}, "")
+    assert progress.record_report(a_report(8.0)) == ""
+    assert progress.read_progress() == ({}, "")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -85,10 +85,10 @@ def test_graders_at_the_same_time_lose_nothing(file: Path) -> None:
 
 
 def test_forgetting_one_exercise_keeps_the_others(file: Path) -> None:
-    progress.record(a_report(8.0))
-    progress.record(replace(a_report(5.0), exercise="other"))
-    assert progress.update("exercise", lambda _: None) == ""
-    assert list(progress.read()[0]) == ["other"]
+    progress.record_report(a_report(8.0))
+    progress.record_report(replace(a_report(5.0), exercise="other"))
+    assert progress.update_progress("exercise", lambda _: None) == ""
+    assert list(progress.read_progress()[0]) == ["other"]
     assert file.exists()
 
 
@@ -107,8 +107,10 @@ def test_forgetting_one_exercise_keeps_the_others(file: Path) -> None:
 def test_a_damaged_file_is_left_alone_and_how_to_go_on_is_said(file: Path, text: str) -> None:
     content = text.encode(errors="surrogateescape")
     file.write_bytes(content)
-    assert "is damaged. Rename it, and a new one is begun. Nothing was recorded." in progress.record(a_report(8.0))
-    records, told = progress.read()
+    assert "is damaged. Rename it, and a new one is begun. Nothing was recorded." in progress.record_report(
+        a_report(8.0)
+    )
+    records, told = progress.read_progress()
     assert (records, "is damaged" in told) == ({}, True)
     assert file.read_bytes() == content
 
@@ -117,8 +119,8 @@ def test_a_full_disk_leaves_the_old_file(file: Path, monkeypatch: pytest.MonkeyP
     def full(descriptor: int) -> NoReturn:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(descriptor))
 
-    progress.record(a_report(3.0))
+    progress.record_report(a_report(3.0))
     monkeypatch.setattr(os, "fsync", full)
-    assert "No space left" in progress.record(a_report(8.0))
-    assert progress.read()[0]["exercise"].best == 3.0
+    assert "No space left" in progress.record_report(a_report(8.0))
+    assert progress.read_progress()[0]["exercise"].best == 3.0
     assert sorted(path.name for path in file.parent.iterdir()) == ["progress.json", "progress.lock"]

@@ -107,7 +107,7 @@ def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch
     file.write_text(MINE)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(GradingError, match="No space left"):
-        handouts.reset(TEMPERATURE, yes=True, forget=False, place=file)
+        handouts.reset_exercise(TEMPERATURE, yes=True, forget=False, place=file)
     assert file.read_text() == MINE
 
 

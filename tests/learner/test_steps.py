@@ -131,7 +131,9 @@ def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel
         "  -> request /triple: a=14, b=0",
         "  <- response: sum=42",
     ]
-    counted = kernel.run("from course_kit.learner import progress; progress.read()[0]['01_services/triple'].passed")
+    counted = kernel.run(
+        "from course_kit.learner import progress; progress.read_progress()[0]['01_services/triple'].passed"
+    )
     assert counted.result["text/plain"] == "True"
 
 

@@ -132,7 +132,7 @@ def test_what_it_cannot_watch_is_said_at_once(tmp_path: Path) -> None:
 
 
 class Saves:
-    """`watch.saves` on a thread, with each verdict taking as long as the test wants."""
+    """`watch.wait_for_saves` on a thread, with each verdict taking as long as the test wants."""
 
     def __init__(self, path: Path) -> None:
         self.stop = threading.Event()
@@ -143,7 +143,7 @@ class Saves:
         self._thread.start()
 
     def _run(self) -> None:
-        for _ in watch.saves(self._path, self.stop, poll_s=0.01):
+        for _ in watch.wait_for_saves(self._path, self.stop, poll_s=0.01):
             self.began.put(self._path.read_text())
             self.go_on.get(timeout=DEADLINE)
 
@@ -188,7 +188,7 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
         check("Three", "failed", message="not shown"),
         check("Four", "skipped"),
     )
-    lines = watch.card(report(3.5, *checks), report(5.0)).splitlines()
+    lines = watch.verdict_card(report(3.5, *checks), report(5.0)).splitlines()
     assert lines[1].endswith("3.5 of 10 points, not passed yet (1.2 s), -1.5 since the last save")
     assert time.strptime(lines[1][:8], "%H:%M:%S")
     text = "\n".join(lines)
@@ -202,6 +202,6 @@ def test_the_card_explains_the_first_failure_and_names_the_others() -> None:
 
 def test_the_card_is_not_steered_by_what_the_program_has_printed() -> None:
     failed = check("One\x1b[2J", "failed", got="\x1b]0;mine\x07", message="\x1b[31mred")
-    text = watch.card(report(3.5, failed, problem="\x1b[1mbold"), None)
+    text = watch.verdict_card(report(3.5, failed, problem="\x1b[1mbold"), None)
     assert "\x1b" not in text
     assert "\x07" not in text

@@ -48,7 +48,7 @@ class Case:
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", corpus.all_exercises(ROOT))
 def test_otter_gives_our_points(name: str, tmp_path: Path) -> None:
-    exercise = corpus.load(name, ROOT)
+    exercise = corpus.load_corpus(name, ROOT)
     with environment.exclusive_domain() as domain:
         otters = Otter(tmp_path, name, domain)
         found = {case.name: otters.points(_notebook(exercise, case.cells)) for case in cases(exercise)}

@@ -16,6 +16,6 @@ if TYPE_CHECKING:
 
 def test_jupyterlab_has_nothing_to_add_to_a_copy_and_calls_none_unsaved(tmp_path: Path) -> None:
     demo = "notebooks/demos/01_deadlock.ipynb"
-    preparing.prepare(REPOSITORY, tmp_path, REPOSITORY / demo)
+    preparing.prepare_folder(REPOSITORY, tmp_path, REPOSITORY / demo)
     copied = json.loads((tmp_path / preparing.FILES / demo).read_text())
     assert copied["metadata"]["language_info"] == IPythonKernel.language_info

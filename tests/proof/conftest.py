@@ -74,15 +74,15 @@ def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
     params=[pytest.param(SAMPLE, id=SAMPLE), *(pytest.param(seed, marks=pytest.mark.weekly) for seed in (1, 2))],
 )
 def proofs(request: pytest.FixtureRequest) -> Proofs:
-    whole = [corpus.load(name, ROOT) for name in (*EXERCISES, *DRILLS)]
+    whole = [corpus.load_corpus(name, ROOT) for name in (*EXERCISES, *DRILLS)]
     is_sample = request.param == SAMPLE
     chosen = sample(whole) if is_sample else whole
     with Gradings([one.exercise for one in chosen]) as pool:
-        reports = check.grade(pool, chosen, 1 if is_sample else request.param)
+        reports = check.grade_corpora(pool, chosen, 1 if is_sample else request.param)
     found = [
         fault
         for one in chosen
-        for fault in rules.faults(one, reports)
+        for fault in rules.find_faults(one, reports)
         if not is_sample or fault.submission  # what holds of all together needs all
     ]
     return Proofs(whole, reports, found)

@@ -44,13 +44,14 @@ class Verdicts:
             if report.score >= report.max_score:
                 yield f"seed {seed}: full marks"
             elif not _costs(self.program, seed, report):
-                yield f"seed {seed}: nothing lost for '{', '.join(self.program.breaks)}': {rules.outcome(report)}"
+                breaks = ", ".join(self.program.breaks)
+                yield f"seed {seed}: nothing lost for '{breaks}': {rules.describe_report(report)}"
 
     def unjust(self) -> Iterator[str]:
         """Of a right program each verdict below full marks."""
         for seed, report in self.reports.items():
             if report.score < report.max_score:
-                yield f"seed {seed}: {rules.outcome(report)}"
+                yield f"seed {seed}: {rules.describe_report(report)}"
 
     def complaints(self) -> list[str]:
         return list(self.unseen() if self.program.kind == "fault" else self.unjust())

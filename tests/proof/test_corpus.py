@@ -130,7 +130,7 @@ def test_everything_holds(proofs: Proofs, request: pytest.FixtureRequest) -> Non
 
 def names(exercise: str) -> set[str]:
     """Of the submissions that are named after a diagnosis."""
-    return {one.name for one in corpus.load(exercise, ROOT).submissions} & set(catalogue())
+    return {one.name for one in corpus.load_corpus(exercise, ROOT).submissions} & set(catalogue())
 
 
 def test_every_code_has_a_broken_submission() -> None:
@@ -169,7 +169,7 @@ def test_there_are_eight() -> None:
 
 def test_drills_have_other_repairs_other_wrong_repairs_and_short_graders() -> None:
     for drill in DRILLS:
-        slips = corpus.load(drill, ROOT).of("slip")
+        slips = corpus.load_corpus(drill, ROOT).of("slip")
         assert len([one for one in slips if not one.failed]) >= 2
         assert len([one for one in slips if one.failed]) >= 5
         assert 0 < grader_lines(drill) <= LONGEST_GRADER

@@ -15,27 +15,29 @@ first, second ... of them.
 
 from __future__ import annotations
 
-import sys
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from course_kit.grading.errors import GradingError
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from course_kit.authoring.prove.mutants import Mutant
     from course_kit.grading.model.exercise import Exercise
 
 FILE = "equivalent.toml"
-_FIELDS = {"lines": list, "operators": list, "reason": str, "change": str, "ordinal": int}
-_NEEDED = ("lines", "operators", "reason")
+
+
+class _Entry(msgspec.Struct, forbid_unknown_fields=True):
+    lines: list[str]
+    operators: list[str]
+    reason: str
+    change: str = ""
+    ordinal: int = 0
 
 
 @dataclass(frozen=True)
@@ -66,28 +68,18 @@ def file_of(exercise: Exercise) -> Path:
     return (exercise.folder / "proof" if own else exercise.solution.parent) / FILE
 
 
-def read(path: Path) -> list[DeclaredEquivalent]:
+def read_equivalents(path: Path) -> list[DeclaredEquivalent]:
     """The entries of a file, one for each line and operator; none when it is not there."""
     try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8"))["equivalent"]
-        return [one for number, entry in enumerate(entries, start=1) for one in _declared(entry, number)]
+        entries = msgspec.toml.decode(path.read_bytes(), type=dict[str, list[_Entry]])
     except FileNotFoundError:
         return []
-    except KeyError:
-        raise GradingError(f"{path} cannot be used: it has no [[equivalent]].") from None
-    except (OSError, ValueError, TypeError, AttributeError) as problem:
-        raise GradingError(f"{path} cannot be used: {problem}.") from problem
-
-
-def _declared(entry: dict[str, object], number: int) -> Iterator[DeclaredEquivalent]:
-    where = f"entry {number} of [[equivalent]]"
-    if missing := next((name for name in _NEEDED if not entry.get(name)), None):
-        raise ValueError(f"{where} has no '{missing}'")
-    for name, value in entry.items():
-        if name not in _FIELDS:
-            raise ValueError(f"{where} has a field '{name}'. There are: {', '.join(_FIELDS)}")
-        if type(value) is not _FIELDS[name]:
-            raise ValueError(f"{where}: '{name}' has to be a {_FIELDS[name].__name__}")
-    for line in entry["lines"]:  # type: ignore[attr-defined]  # a list, as we have seen
-        for operator in entry["operators"]:  # type: ignore[attr-defined]
-            yield DeclaredEquivalent(line.strip(), operator, entry.get("change", ""), entry.get("ordinal", 0))  # type: ignore[arg-type]
+    except (OSError, ValueError) as problem:
+        mistake = re.sub(r"`\$\[\.\.\.\]\[(\d+)\]", lambda place: f"`entry {int(place[1]) + 1}", str(problem))
+        raise GradingError(f"{path} cannot be used: {mistake}.") from problem
+    return [
+        DeclaredEquivalent(line.strip(), operator, entry.change, entry.ordinal)
+        for entry in entries.get("equivalent", ())
+        for line in entry.lines
+        for operator in entry.operators
+    ]

@@ -6,7 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Mutation, expression, name_of
+from course_kit.authoring.prove.program import Mutation, name_of, parse_expression
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +32,7 @@ _SENTENCE = re.compile(r"[A-Za-z] [A-Za-z]")
 _OTHER_FIELDS = 2  # of the same thing, that are taken for the right one
 
 
-def operators(program: ParsedProgram) -> Iterator[Mutation]:
+def change_operators(program: ParsedProgram) -> Iterator[Mutation]:
     """Another operator, an operand forgotten."""
     for node in program.nodes():
         if isinstance(node, ast.BinOp):
@@ -48,7 +48,7 @@ def operators(program: ParsedProgram) -> Iterator[Mutation]:
             yield from (Mutation("condition forgotten", one, None) for one in node.values)
 
 
-def comparisons(program: ParsedProgram) -> Iterator[Mutation]:
+def change_comparisons(program: ParsedProgram) -> Iterator[Mutation]:
     """An edge that belongs to the other side, a comparison turned round, one half of a range forgotten."""
     for node in program.nodes():
         if not isinstance(node, ast.Compare):
@@ -65,7 +65,7 @@ def comparisons(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("condition forgotten", node, rest)
 
 
-def numbers(program: ParsedProgram) -> Iterator[Mutation]:
+def change_numbers(program: ParsedProgram) -> Iterator[Mutation]:
     """Another number: one more, one less, 0, the other sign, slightly off. One with a sign is changed as a whole."""
     for node in program.nodes():
         value = _number(node)
@@ -77,7 +77,7 @@ def numbers(program: ParsedProgram) -> Iterator[Mutation]:
             others += [("number slightly off", float(f"{value * by:.9g}")) for by in (1 + _SLIGHTLY, 1 - _SLIGHTLY)]
         for name, other in others:
             if other != value:  # -0.0
-                yield Mutation(name, node, expression(repr(round(other, 9))))
+                yield Mutation(name, node, parse_expression(repr(round(other, 9))))
 
 
 def _number(node: ast.AST) -> int | float | None:
@@ -90,7 +90,7 @@ def _number(node: ast.AST) -> int | float | None:
     return None
 
 
-def texts(program: ParsedProgram) -> Iterator[Mutation]:
+def change_texts(program: ParsedProgram) -> Iterator[Mutation]:
     """Another text, or none; True for False."""
     for node in program.nodes():
         if isinstance(node, ast.JoinedStr):
@@ -115,7 +115,7 @@ def _formatted(node: ast.JoinedStr) -> Iterator[Mutation]:
             yield Mutation("value left out of a text", part, None, at=node)
 
 
-def elements(program: ParsedProgram) -> Iterator[Mutation]:
+def change_elements(program: ParsedProgram) -> Iterator[Mutation]:
     """An element left out of a list; another answer taken from the same place elsewhere."""
     for node in program.nodes():
         if isinstance(program.parent(node), ast.ExceptHandler) and "KeyboardInterrupt" in ast.dump(node):
@@ -136,10 +136,10 @@ def _other_answers(node: ast.Dict) -> Iterator[Mutation]:
         for column, part in enumerate(entry.elts):
             known = {ast.unparse(one.elts[column]): None for one in tuples if len(one.elts) > column}
             for other in [one for one in known if one != ast.unparse(part)][:_OTHER_FIELDS]:
-                yield Mutation("another answer", part, expression(other))
+                yield Mutation("another answer", part, parse_expression(other))
 
 
-def names(program: ParsedProgram) -> Iterator[Mutation]:
+def change_names(program: ParsedProgram) -> Iterator[Mutation]:
     """Names that are easily mixed up: fields of the same thing, min and max, two arguments."""
     used = _fields(program)
     for node in program.nodes():
@@ -178,7 +178,7 @@ def _is_module_or_self(node: ast.expr) -> bool:
     return isinstance(node, ast.Name) and node.id in ("self", "rclpy", "math", "threading", "time", "node", "executor")
 
 
-def conditions(program: ParsedProgram) -> Iterator[Mutation]:
+def change_conditions(program: ParsedProgram) -> Iterator[Mutation]:
     """A condition negated, always or never true; a branch left out; a loop that is run once."""
     for node in program.nodes():
         if isinstance(node, (ast.If, ast.While, ast.IfExp)) and node.test not in program.out_of_sight:
@@ -195,7 +195,7 @@ def conditions(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("loop run once", node.body[-1], [node.body[-1], ast.Break()], at=node)
 
 
-def jumps(program: ParsedProgram) -> Iterator[Mutation]:
+def change_jumps(program: ParsedProgram) -> Iterator[Mutation]:
     """A call or an assignment left out, a return without its value, or none at all."""
     for node in program.nodes():
         if isinstance(node, ast.Expr) and isinstance(node.value, (ast.Call, ast.Await)):
@@ -208,7 +208,7 @@ def jumps(program: ParsedProgram) -> Iterator[Mutation]:
         elif isinstance(node, ast.Return) and node.value is not None:
             yield Mutation("return left out", node, ast.Expr(node.value))
             for other in ("None", *_empty(program, node)):
-                yield Mutation("another value returned", node.value, expression(other))
+                yield Mutation("another value returned", node.value, parse_expression(other))
         elif isinstance(node, ast.Return):
             yield Mutation("return left out", node, ast.Pass())
         elif isinstance(node, (ast.Raise, ast.Break, ast.Continue)):
@@ -237,7 +237,7 @@ def _empty(program: ParsedProgram, node: ast.Return) -> Iterator[str]:
         yield f"{name}()"
 
 
-def arguments(program: ParsedProgram) -> Iterator[Mutation]:
+def change_arguments(program: ParsedProgram) -> Iterator[Mutation]:
     """A call with an argument or a keyword less, or only its argument."""
     for call in (node for node in program.nodes() if isinstance(node, ast.Call)):
         of_a_message = name_of(call)[:1].isupper()
@@ -250,4 +250,14 @@ def arguments(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("function left out", call, call.args[0])
 
 
-MISTAKES = (operators, comparisons, numbers, texts, elements, names, conditions, jumps, arguments)
+MISTAKES = (
+    change_operators,
+    change_comparisons,
+    change_numbers,
+    change_texts,
+    change_elements,
+    change_names,
+    change_conditions,
+    change_jumps,
+    change_arguments,
+)

@@ -32,7 +32,7 @@ class Mutant:
         return f"{self.operator}: {self.before}: {self.change}{more}"
 
 
-def of(source: str, *, starts_itself: bool = True) -> list[Mutant]:
+def make_mutants(source: str, *, starts_itself: bool = True) -> list[Mutant]:
     """All mutants of a program, in the order of its lines; without those that nobody can see."""
     program = ParsedProgram(source, starts_itself=starts_itself)
     lines = source.split("\n")

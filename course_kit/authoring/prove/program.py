@@ -164,11 +164,11 @@ def line_of(node: ast.AST) -> int:
     return int(getattr(node, "lineno", 0))
 
 
-def expression(text: str) -> ast.expr:
+def parse_expression(text: str) -> ast.expr:
     """An expression, out of its text."""
     return ast.parse(text, mode="eval").body
 
 
-def statements(text: str) -> list[ast.stmt]:
+def parse_statements(text: str) -> list[ast.stmt]:
     """Statements, out of their text."""
     return ast.parse(text).body

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
 from course_kit.authoring.prove import equivalent, mutants
-from course_kit.authoring.rules import outcome
+from course_kit.authoring.rules import describe_report
 from course_kit.grading.errors import GradingError
 from course_kit.text.console import wrap_text
 
@@ -52,12 +52,12 @@ class GraderProof:
         return not self.survivors and not self.problems
 
 
-def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int = 0) -> GraderProof:
+def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int = 0) -> GraderProof:
     """Find out what a grader lets through."""
     began = time.monotonic()
     source = _read_solution(exercise.solution)
-    made = mutants.of(source, starts_itself=exercise.practice or not exercise.class_name)
-    entries = equivalent.read(equivalent.file_of(exercise))
+    made = mutants.make_mutants(source, starts_itself=exercise.practice or not exercise.class_name)
+    entries = equivalent.read_equivalents(equivalent.file_of(exercise))
     declared = {one: entry for one in made for entry in entries if entry.covers(one)}
     chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
@@ -66,7 +66,7 @@ def prove(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: in
         report = pool.begin_text(exercise.id, source, seed).result()
         if not _has_full_marks(report):
             raise GradingError(
-                f"Nothing can be proven, because the solution itself does not get full marks: {outcome(report)}"
+                f"Nothing can be proven, because the solution itself does not get full marks: {describe_report(report)}"
             )
         for each in range(seed, seed + more + 1):
             reports = _grade(pool, exercise.id, left, each)
@@ -96,7 +96,7 @@ def _grade(pool: Gradings, exercise_id: str, programs: Sequence[Mutant], seed: i
     return {one: future.result() for future, one in waiting.items()}
 
 
-def describe(proof: GraderProof, *, quick: bool) -> Iterator[str]:
+def describe_proof(proof: GraderProof, *, quick: bool) -> Iterator[str]:
     """What was found, in lines, the survivors first."""
     if proof.survivors:
         yield from ("Mistakes that get full marks, with no reason given:", "")

@@ -6,7 +6,7 @@ import ast
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Mutation, expression, name_of, statements
+from course_kit.authoring.prove.program import Mutation, name_of, parse_expression, parse_statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,7 +40,7 @@ _OTHER_CALLS = {
 }
 
 
-def endpoints(program: ParsedProgram) -> Iterator[Mutation]:
+def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
     """Another name, and a private one; another type; best effort, transient local, and a queue of one."""
     for call in program.calls():
         if name_of(call) not in _ENDPOINTS:
@@ -52,10 +52,10 @@ def endpoints(program: ParsedProgram) -> Iterator[Mutation]:
                     yield Mutation("endpoint's name", name, ast.Constant(text))
         if len(call.args) >= at_name and not other.endswith(f".{ast.unparse(call.args[at_name - 1])}"):
             module, _, kind = other.rpartition(".")
-            new = expression(f"__import__({module!r}, fromlist=['*']).{kind}")
+            new = parse_expression(f"__import__({module!r}, fromlist=['*']).{kind}")
             yield Mutation("another type", call.args[at_name - 1], new)
         given = _given(call, at_qos, _QOS_NAME)
-        for qos in map(expression, _OTHER_QOS):
+        for qos in map(parse_expression, _OTHER_QOS):
             if given:
                 yield Mutation("quality of service", given[0], qos)
             elif name_of(call) == "create_service" and "depth=1)" not in ast.unparse(qos):
@@ -69,7 +69,7 @@ def _given(call: ast.Call, place: int | None, *names: str) -> list[ast.expr]:
     return [*found, *(keyword.value for keyword in call.keywords if keyword.arg in names)]
 
 
-def destroyed(program: ParsedProgram) -> Iterator[Mutation]:
+def destroy_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
     """An endpoint that is destroyed as soon as it is made."""
     for call in program.calls():
         kind = name_of(call).removeprefix("create_")
@@ -80,11 +80,11 @@ def destroyed(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("endpoint destroyed", call, ast.Call(ast.Attribute(call, "destroy"), [], []))
 
 
-def callbacks(program: ParsedProgram) -> Iterator[Mutation]:
+def change_callbacks(program: ParsedProgram) -> Iterator[Mutation]:
     """A callback that does nothing, another one of the class; one that raises, blocks, or waits for itself."""
     for reference in program.callback_references:
         for nothing in ("lambda *given: None", "lambda *given: given[-1]"):
-            yield Mutation("callback does nothing", reference, expression(nothing))
+            yield Mutation("callback does nothing", reference, parse_expression(nothing))
         for other in program.callback_references:
             yield Mutation("another callback", reference, other)
     for function in dict.fromkeys(program.callback_references.values()):
@@ -104,7 +104,7 @@ def callbacks(program: ParsedProgram) -> Iterator[Mutation]:
             added.append(("waiting in a callback", wait))
         for operator, text in added:
             first = _first_statement(function)
-            yield Mutation(operator, first, [*statements(text), first], at=function)
+            yield Mutation(operator, first, [*parse_statements(text), first], at=function)
 
 
 def _first_statement(function: Function) -> ast.stmt:
@@ -114,7 +114,7 @@ def _first_statement(function: Function) -> ast.stmt:
     return function.body[1] if is_docstring and len(function.body) > 1 else first
 
 
-def goals(program: ParsedProgram) -> Iterator[Mutation]:
+def change_goals(program: ParsedProgram) -> Iterator[Mutation]:
     """Another end of a goal; a goal that is accepted for rejected."""
     for call in program.calls():
         if name_of(call) in _STATUS and isinstance(call.func, ast.Attribute) and not call.args:
@@ -126,7 +126,7 @@ def goals(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("status of a goal", node, ast.Attribute(node.value, _DECISIONS[node.attr]))
 
 
-def messages(program: ParsedProgram) -> Iterator[Mutation]:
+def change_messages(program: ParsedProgram) -> Iterator[Mutation]:
     """What is published twice, once in all, or seldom."""
     published = [call for call in program.calls() if name_of(call) in _MESSAGES]
     for number, call in enumerate(published, start=1):
@@ -140,21 +140,21 @@ def messages(program: ParsedProgram) -> Iterator[Mutation]:
         count = f"{owner}.{name} = getattr({owner}, {name!r}, -1) + 1"
         text = textwrap.indent(ast.unparse(statement), "    ")
         for operator, test in (("published once", "== 0"), ("published seldom", f"% {_SELDOM} == 0")):
-            yield Mutation(operator, statement, statements(f"{count}\nif {owner}.{name} {test}:\n{text}"))
+            yield Mutation(operator, statement, parse_statements(f"{count}\nif {owner}.{name} {test}:\n{text}"))
 
 
-def spinning(program: ParsedProgram) -> Iterator[Mutation]:
+def change_spinning(program: ParsedProgram) -> Iterator[Mutation]:
     """One thread for several, the other kind of callback group; one message in all."""
     for call in program.calls():
         if name_of(call) in _OTHER_CALLS:
             operator, text = _OTHER_CALLS[name_of(call)]
-            yield Mutation(operator, call, expression(text))
+            yield Mutation(operator, call, parse_expression(text))
         elif name_of(call) == "spin" and isinstance(call.func, ast.Attribute) and not program.is_unseen_call(call):
             once = ast.Attribute(call.func.value, "spin_once")
             yield Mutation("one spin", call, ast.Call(once, call.args, call.keywords))
 
 
-def parameters(program: ParsedProgram) -> Iterator[Mutation]:
+def change_parameters(program: ParsedProgram) -> Iterator[Mutation]:
     """A parameter that is declared with a value of another type, and one that is read once, when the node is made."""
     made = program.methods.get("__init__")
     for call in program.calls():
@@ -168,8 +168,8 @@ def parameters(program: ParsedProgram) -> Iterator[Mutation]:
             if isinstance(name, str):
                 whole, last = _value_of(program, call), made.body[-1]
                 kept = f"self.read_once_{name.replace('.', '_')}"
-                read = statements(f"{kept} = {ast.unparse(whole)}")
-                yield Mutation("parameter read once", whole, expression(kept), also=(last, [last, *read]))
+                read = parse_statements(f"{kept} = {ast.unparse(whole)}")
+                yield Mutation("parameter read once", whole, parse_expression(kept), also=(last, [last, *read]))
 
 
 def _value_of(program: ParsedProgram, call: ast.Call) -> ast.expr:
@@ -181,4 +181,12 @@ def _value_of(program: ParsedProgram, call: ast.Call) -> ast.expr:
     return node
 
 
-MISTAKES = (endpoints, destroyed, callbacks, goals, messages, spinning, parameters)
+MISTAKES = (
+    change_endpoints,
+    destroy_endpoints,
+    change_callbacks,
+    change_goals,
+    change_messages,
+    change_spinning,
+    change_parameters,
+)

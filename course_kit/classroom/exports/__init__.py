@@ -15,8 +15,8 @@ from course_kit.classroom.exports import (
     tables,
 )
 from course_kit.classroom.exports.lookalikes import ProgramTexts
-from course_kit.classroom.exports.texts import headline
-from course_kit.classroom.records import Entry, Records
+from course_kit.classroom.exports.texts import result_headline
+from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.environment import write_atomically
 from course_kit.grading import engine
 from course_kit.grading.render import html
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
     from pathlib import Path
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 PAGE = "index.html"
 
@@ -38,7 +38,7 @@ def get_ready() -> None:
 
 def write_all(book: Gradebook, out: Path) -> Path:
     """Write every export into a class run's output folder; returns the class page."""
-    made = dict(files(book))
+    made = dict(export_files(book))
     for name, text in made.items():
         # Whatever a power cut takes of these is made again from the records, so that none waits for the disk.
         write_atomically(out / name, text, durable=False)
@@ -46,16 +46,16 @@ def write_all(book: Gradebook, out: Path) -> Path:
     _write_notices(book, out)
     feedback.write_all(book, out)
     with ProgramTexts(book) as texts:
-        alike = lookalikes.find(book, texts)
+        alike = lookalikes.find_lookalikes(book, texts)
         _write_comparisons(book, texts, alike, out)
-    write_atomically(out / PAGE, page.render(book, alike, changes.since_last_run(book, out)))
-    changes.remember(book, out)
+    write_atomically(out / PAGE, page.render_class(book, alike, changes.since_last_run(book, out)))
+    changes.remember_results(book, out)
     return out / PAGE
 
 
 def _write_notices(book: Gradebook, out: Path) -> None:
     """Bring the notices on all report pages up to date; a page that says it already is not touched."""
-    records = Records(out)
+    records = RecordFolder(out)
     for student, exercise in book.missing:  # who had a score all the same once, had a page for it
         entry = Entry(student, exercise, "")
         if not records.path(entry).exists():
@@ -63,12 +63,12 @@ def _write_notices(book: Gradebook, out: Path) -> None:
     for record in book.records:
         path = records.path(record.entry, ".html")
         before = _page(path, record, book)
-        after = html.with_notice(before, headline(record), record.remarks)
+        after = html.with_notice(before, result_headline(record), record.remarks)
         if after and (after != before or not path.exists()):
             write_atomically(path, after, durable=False)
 
 
-def _page(path: Path, record: Record, book: Gradebook) -> str:
+def _page(path: Path, record: GradeRecord, book: Gradebook) -> str:
     """The page as it is; made for whoever handed in nothing and has a score."""
     try:
         return path.read_text(encoding="utf-8")
@@ -83,17 +83,17 @@ def _page(path: Path, record: Record, book: Gradebook) -> str:
 def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.LookAlikes, out: Path) -> None:
     """Write a page for each pair that looks alike, and take away those of an earlier run."""
     written = set()
-    for name, text in lookalikes.pages(texts, alike.pairs, attention.labels(book)):
+    for name, text in lookalikes.pair_pages(texts, alike.pairs, attention.label_students(book)):
         write_atomically(out / name, text, durable=False)
         written.add(out / name)
     for old in set((out / lookalikes.FOLDER).glob("*.html")) - written:
         old.unlink(missing_ok=True)
 
 
-def files(book: Gradebook) -> Iterator[tuple[str, str]]:
+def export_files(book: Gradebook) -> Iterator[tuple[str, str]]:
     """Path, relative to the output folder, and text of every file for a platform."""
-    yield from tables.files(book)
-    yield from autograder_results.files(book)
+    yield from tables.export_tables(book)
+    yield from autograder_results.export_results(book)
 
 
 def _remove_outdated(book: Gradebook, made: Collection[str], out: Path) -> None:

@@ -10,8 +10,8 @@ import random
 import re
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.exports.texts import by_student, csv_text
-from course_kit.classroom.records import outcome
+from course_kit.classroom.exports.texts import csv_text, group_by_student
+from course_kit.classroom.records import outcome_of
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import CheckReport, Report
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 _BETWEEN_WORDS = re.compile(r"[\W_]+")
 _SHORTEST = 3  # letters of a part of a name that is looked for; shorter ones are words of their own
 _FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
 
 
-def write(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
+def write_anonymous_pages(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
     """Write a page for each submission and a table of scores, all by pseudonym. No list tells who is who."""
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} is there already. Name a new folder.")
-    students = list(by_student(book).items())
+    students = list(group_by_student(book).items())
     (chance or random.SystemRandom()).shuffle(students)
     width = len(str(len(students)))
     rows: list[list[str | float | None]] = [["student", "exercise", "score", "max", "status"]]
@@ -42,12 +42,12 @@ def write(book: Gradebook, target: Path, chance: random.Random | None = None) ->
             path = target / pseudonym / f"{record.entry.exercise}.html"
             write_atomically(path, render_page(_report(record, student, pseudonym), pseudonym), durable=False)
             points = record.score if record.has_grade else None
-            rows.append([pseudonym, record.entry.exercise, points, record.max_score, outcome(record)])
+            rows.append([pseudonym, record.entry.exercise, points, record.max_score, outcome_of(record)])
     write_atomically(target / "grades.csv", csv_text(rows, mark=True))
     return target
 
 
-def _report(record: Record, student: str, pseudonym: str) -> Report:
+def _report(record: GradeRecord, student: str, pseudonym: str) -> Report:
     """The report as far as it is stored, without what tells whose it is."""
     names = _names(record, student)
 
@@ -74,7 +74,7 @@ def _report(record: Record, student: str, pseudonym: str) -> Report:
     )
 
 
-def _names(record: Record, student: str) -> re.Pattern[str]:
+def _names(record: GradeRecord, student: str) -> re.Pattern[str]:
     """Everything by which a student may be called: identifiers, the name and its parts, the file and its folders."""
     entry = record.entry
     whole = {student, entry.name, entry.source, *entry.source.split("/"), *entry.platform.values()}

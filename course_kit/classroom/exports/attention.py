@@ -6,13 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.classroom.exports.texts import by_student, name_of, number, score
-from course_kit.classroom.records import outcome
+from course_kit.classroom.exports.texts import describe_problem, format_number, group_by_student, name_of, score_of
+from course_kit.classroom.records import outcome_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 _NOT_PASSED = ("crashed", "unreadable", "not passed")  # outcomes, what an instructor wants to see first in front
 
@@ -33,7 +33,7 @@ class ListedStudent:
 
     called: StudentLabel
     told: str = ""
-    record: Record | None = None
+    record: GradeRecord | None = None
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,11 @@ class AttentionGroup:
     urgent: bool = False  # whether it is unfolded from the beginning
 
 
-def labels(book: Gradebook) -> dict[str, StudentLabel]:
+def label_students(book: Gradebook) -> dict[str, StudentLabel]:
     """What to call each student; also those who handed in something that was not graded."""
     without = book.names
-    names = {student: name_of(records, without.get(student, student)) for student, records in by_student(book).items()}
+    records = group_by_student(book)
+    names = {student: name_of(records[student], without.get(student, student)) for student in records}
     names.update((student, student) for student, _ in (*book.dropped, *book.odd, *book.unknown) if student not in names)
     shared = Counter(name.casefold() for name in names.values())
     return {
@@ -59,14 +60,14 @@ def labels(book: Gradebook) -> dict[str, StudentLabel]:
     }
 
 
-def groups(book: Gradebook, called: Mapping[str, StudentLabel], told: Callable[[Record], str]) -> list[AttentionGroup]:
+def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> list[AttentionGroup]:
     """Everybody to look at, the most urgent first; without groups nobody is in."""
     titles = {exercise.id: exercise.title for exercise in book.exercises}
     found = [
         AttentionGroup(
             "failed",
             "Could not be graded: an error of the grader",
-            _of_records(book.not_graded, called, lambda one: f"{titles[one.entry.exercise]}: {told(one)}"),
+            _of_records(book.not_graded, called, lambda one: f"{titles[one.entry.exercise]}: {describe_problem(one)}"),
             "That is the grader's fault, not the students'. They have no grade, and are in no export. "
             "Run the same command again with --resume.",
             urgent=True,
@@ -117,9 +118,9 @@ def groups(book: Gradebook, called: Mapping[str, StudentLabel], told: Callable[[
 
 
 def _of_records(
-    records: Iterable[Record], called: Mapping[str, StudentLabel], told: Callable[[Record], str]
+    records: Iterable[GradeRecord], called: Mapping[str, StudentLabel], explain: Callable[[GradeRecord], str]
 ) -> list[ListedStudent]:
-    return [ListedStudent(called[record.entry.student], told(record), record) for record in records]
+    return [ListedStudent(called[record.entry.student], explain(record), record) for record in records]
 
 
 def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[ListedStudent]:
@@ -135,23 +136,23 @@ def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mappin
 def _failed(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
-        records = [record for record in book.of(exercise.id) if outcome(record) in _NOT_PASSED]
-        records.sort(key=lambda one: (_NOT_PASSED.index(outcome(one)), score(one) or 0.0))
+        records = [record for record in book.of(exercise.id) if outcome_of(record) in _NOT_PASSED]
+        records.sort(key=lambda one: (_NOT_PASSED.index(outcome_of(one)), score_of(one) or 0.0))
         people = _of_records(records, called, _how_it_went)
         yield AttentionGroup(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)
 
 
-def _how_it_went(record: Record) -> str:
-    state = outcome(record)
-    points = f"{number(score(record) or 0.0)} of {number(record.max_score)}"
+def _how_it_went(record: GradeRecord) -> str:
+    state = outcome_of(record)
+    points = f"{format_number(score_of(record) or 0.0)} of {format_number(record.max_score)}"
     return points if state == "not passed" else f"{state}, {points}"
 
 
-def _doubt(record: Record) -> str:
+def _doubt(record: GradeRecord) -> str:
     return f"{record.entry.source}: {record.entry.worry}"
 
 
-def _choice(record: Record) -> str:
+def _choice(record: GradeRecord) -> str:
     """The file, why it, and what else there was."""
     entry = record.entry
     return f"{entry.source}: {entry.why}. Not: {'; '.join(entry.others)}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.exports.texts import explained, headline, json_text, problem
+from course_kit.classroom.exports.texts import describe_problem, explain_check, json_text, result_headline
 from course_kit.classroom.records import safe_name
 from course_kit.grading.errors import GradingError
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from datetime import datetime
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 GRADESCOPE = "exports/gradescope/{}/{}/results.json"
 SCHEMA = "classroom50/result/v1"
@@ -24,16 +24,16 @@ SCALE = 10  # for each point: checks are worth multiples of half a point
 _NEEDED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL")
 
 
-def files(book: Gradebook) -> Iterator[tuple[str, str]]:
+def export_results(book: Gradebook) -> Iterator[tuple[str, str]]:
     """For Gradescope a file for each grade; where the grader itself failed there is none."""
     for record in book.graded():
         path = GRADESCOPE.format(safe_name(record.entry.student), record.entry.exercise)
         yield path, json_text(gradescope_result(record)) + "\n"
 
 
-def gradescope_result(record: Record) -> dict[str, Any]:
+def gradescope_result(record: GradeRecord) -> dict[str, Any]:
     """The result as Gradescope's specification has it."""
-    output = "\n\n".join(filter(None, (headline(record), *record.remarks, problem(record))))
+    output = "\n\n".join(filter(None, (result_headline(record), *record.remarks, describe_problem(record))))
     whose = {"student": record.entry.student} if record.entry.student else {}  # its own autograder need not know
     return {
         "score": record.score,
@@ -56,7 +56,7 @@ def _gradescope_test(number: int, check: dict[str, Any]) -> dict[str, Any]:
         "score": check["points"],
         "max_score": check["max_points"],
         "status": "passed" if check["status"] == "passed" else "failed",
-        "output": explained(check),
+        "output": explain_check(check),
         "tags": [check["id"], *([check["diagnosis"]] if check["diagnosis"] else [])],
         "visibility": "visible",
     }
@@ -71,7 +71,7 @@ def require_runner(variables: Mapping[str, str]) -> None:
         )
 
 
-def classroom50_result(record: Record, variables: Mapping[str, str], now: datetime) -> dict[str, Any]:
+def classroom50_result(record: GradeRecord, variables: Mapping[str, str], now: datetime) -> dict[str, Any]:
     """The result as the schema has it."""
     require_runner(variables)
     tests = [_classroom50_test(check) for check in record.report["checks"]] or [_could_not_be_read(record)]
@@ -102,15 +102,15 @@ def _classroom50_test(check: dict[str, Any]) -> dict[str, Any]:
         "passed": check["status"] == "passed",
         "score": min(most, round(SCALE * check["points"])),
         "max-score": most,
-        "output": explained(check),
+        "output": explain_check(check),
     }
 
 
-def _could_not_be_read(record: Record) -> dict[str, Any]:
+def _could_not_be_read(record: GradeRecord) -> dict[str, Any]:
     return {
         "test-name": "The submission can be graded",
         "passed": False,
         "score": 0,
         "max-score": round(SCALE * record.max_score),
-        "output": f"{headline(record)} {problem(record)}",
+        "output": f"{result_headline(record)} {describe_problem(record)}",
     }

@@ -6,15 +6,15 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.texts import number, score
-from course_kit.classroom.records import outcome
+from course_kit.classroom.exports.texts import format_number, score_of
+from course_kit.classroom.records import outcome_of
 from course_kit.environment import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 FILE = "last_run.json"
 FORMAT_VERSION = 1
@@ -46,7 +46,7 @@ def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
     return [one for one in found if one is not None]
 
 
-def remember(book: Gradebook, out: Path) -> None:
+def remember_results(book: Gradebook, out: Path) -> None:
     """Keep the results for the next run to compare with."""
     rows = [[*key, *result] for key, result in sorted(_results(book).items())]
     text = json.dumps({"format_version": FORMAT_VERSION, "results": rows}, indent=0)
@@ -58,9 +58,9 @@ def _results(book: Gradebook) -> dict[Key, Result]:
     return {(one.entry.student, one.entry.exercise): (_in_words(one), one.digest) for one in book.records}
 
 
-def _in_words(record: Record) -> str:
-    points = score(record)
-    return "grader's error" if points is None else f"{number(points)}, {outcome(record)}"
+def _in_words(record: GradeRecord) -> str:
+    points = score_of(record)
+    return "grader's error" if points is None else f"{format_number(points)}, {outcome_of(record)}"
 
 
 def _change(key: Key, before: Result | None, now: Result | None) -> ResultChange | None:

@@ -16,8 +16,8 @@ import re
 import zipfile
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.texts import STATES, explained, headline, number, problem
-from course_kit.classroom.records import Records
+from course_kit.classroom.exports.texts import STATES, describe_problem, explain_check, format_number, result_headline
+from course_kit.classroom.records import RecordFolder
 from course_kit.environment import write_atomically
 from course_kit.text.console import in_points
 from course_kit.text.sanitize import make_encodable, make_printable, one_line
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
-    Packer = Callable[[Record, Path], tuple[str, str] | None]
+    Packer = Callable[[GradeRecord, Path], tuple[str, str] | None]
 
 MOODLE, CANVAS = "exports/moodle_feedback_{}.zip", "exports/canvas_feedback_{}.zip"
 _UNFIT = re.compile(r"[^\w .,'()-]|_")  # in the name of a folder: what Moodle parts names at, and what paths are of
@@ -48,9 +48,9 @@ def write_all(book: Gradebook, out: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
-def _for_moodle(record: Record, out: Path) -> tuple[str, str] | None:
+def _for_moodle(record: GradeRecord, out: Path) -> tuple[str, str] | None:
     participant = record.entry.platform.get("moodle_participant")
-    page = Records(out).path(record.entry, ".html")
+    page = RecordFolder(out).path(record.entry, ".html")
     if not participant or not page.is_file():
         return None
     name = " ".join(_UNFIT.sub(" ", record.entry.name).split())[:_LONGEST_NAME].strip(" .") or "Participant"
@@ -58,12 +58,12 @@ def _for_moodle(record: Record, out: Path) -> tuple[str, str] | None:
     return f"{folder}/report_{record.entry.exercise}.html", page.read_text(encoding="utf-8")
 
 
-def _for_canvas(record: Record, out: Path) -> tuple[str, str] | None:
+def _for_canvas(record: GradeRecord, out: Path) -> tuple[str, str] | None:
     del out
     attachment = record.entry.platform.get("canvas_submission")
     parts = record.entry.source.split("/")
     name = next((part for part in parts if f"_{attachment}_" in part), None) if attachment else None
-    return (make_encodable(name), _as_program(name, list(lines(record)))) if name else None
+    return (make_encodable(name), _as_program(name, list(report_lines(record)))) if name else None
 
 
 def _as_program(name: str, told: list[str]) -> str:
@@ -76,16 +76,16 @@ def _as_program(name: str, told: list[str]) -> str:
     return "".join(f"{start}{line}".rstrip() + "\n" for line in told)
 
 
-def lines(record: Record) -> Iterator[str]:
+def report_lines(record: GradeRecord) -> Iterator[str]:
     """A report as lines of plain text."""
     yield record.title or record.entry.exercise
-    yield from (one_line(text) for text in (headline(record), *record.remarks))
-    yield from make_printable(problem(record)).splitlines()
+    yield from (one_line(text) for text in (result_headline(record), *record.remarks))
+    yield from make_printable(describe_problem(record)).splitlines()
     for check in record.report["checks"]:
         yield ""
-        points = f"{number(check['points'])} of {in_points(check['max_points'])}"
+        points = f"{format_number(check['points'])} of {in_points(check['max_points'])}"
         yield f"{one_line(check['title'])}: {STATES[check['status']]}, {points}"
-        yield from (f"  {line}" for line in make_printable(explained(check)).splitlines())
+        yield from (f"  {line}" for line in make_printable(explain_check(check)).splitlines())
 
 
 def _zipped(files: list[tuple[str, str]]) -> bytes:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from course_kit.classroom.exports.attention import StudentLabel
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.grading.model.exercise import Exercise
 
 THRESHOLD = 0.7  # of the fingerprints of two programs together, those they share
@@ -57,7 +57,7 @@ class ProgramTexts(Closable):
         """Whether there is anything to read."""
         return self._root is not None
 
-    def fingerprints(self, record: Record) -> FileSummary:
+    def fingerprints(self, record: GradeRecord) -> FileSummary:
         """Those of a submission; none of what cannot be read."""
         if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
             return FileSummary()
@@ -69,7 +69,7 @@ class ProgramTexts(Closable):
             return self._readings.summarize(copy, exercise, whatever=True)
         return FileSummary()
 
-    def lines(self, record: Record) -> list[str]:
+    def lines(self, record: GradeRecord) -> list[str]:
         """A program's lines; none of what cannot be read."""
         source = f"{record.entry.exercise}/{record.entry.source}"
         if source not in self._lines:
@@ -80,7 +80,7 @@ class ProgramTexts(Closable):
         """End the process that reads. Safe to call twice."""
         self._readings.close()
 
-    def _read(self, record: Record) -> list[str]:
+    def _read(self, record: GradeRecord) -> list[str]:
         if self._root is not None and record.entry.exercise not in self._elsewhere:
             with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
                 return self._readings.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
@@ -88,11 +88,11 @@ class ProgramTexts(Closable):
 
 
 @dataclass(frozen=True)
-class Pair:
+class AlikePair:
     """The first submission of a group and another one; `similarity` is from 0 to 1."""
 
-    first: Record
-    second: Record
+    first: GradeRecord
+    second: GradeRecord
     similarity: float
 
     @property
@@ -101,7 +101,7 @@ class Pair:
         return self.first.digest == self.second.digest
 
 
-Group = tuple[Pair, ...]  # the first of a group beside each other one
+Group = tuple[AlikePair, ...]  # the first of a group beside each other one
 
 
 @dataclass(frozen=True)
@@ -114,16 +114,16 @@ class LookAlikes:
     left_out: tuple[str, ...]  # titles of exercises in which alike answers are to be expected
 
     @property
-    def pairs(self) -> list[Pair]:
+    def pairs(self) -> list[AlikePair]:
         """Those that can be laid side by side."""
         return [pair for group in self.groups for pair in group if not pair.is_same_file]
 
 
-def find(book: Gradebook, texts: ProgramTexts | None = None) -> LookAlikes:
+def find_lookalikes(book: Gradebook, texts: ProgramTexts | None = None) -> LookAlikes:
     """Compare all submissions, each exercise's with one another."""
     if texts is None:
         with ProgramTexts(book) as opened:
-            return find(book, opened)
+            return find_lookalikes(book, opened)
     groups: list[Group] = []
     compared = unread = 0
     for exercise in book.exercises:
@@ -140,13 +140,13 @@ def find(book: Gradebook, texts: ProgramTexts | None = None) -> LookAlikes:
 
 
 def _programs(
-    records: Iterable[Record], exercise: Exercise, texts: ProgramTexts
-) -> Iterator[tuple[list[Record], frozenset[int]]]:
+    records: Iterable[GradeRecord], exercise: Exercise, texts: ProgramTexts
+) -> Iterator[tuple[list[GradeRecord], frozenset[int]]]:
     """Records of the same bytes together, with the fingerprints that they do not have of the starter.
 
     A starter handed in as it was is like every other one, and left out. What could not be read has no fingerprints.
     """
-    same: dict[str, list[Record]] = defaultdict(list)
+    same: dict[str, list[GradeRecord]] = defaultdict(list)
     for record in records:
         same[_file(record)].append(record)
     starters = starter_identities(exercise)
@@ -159,14 +159,14 @@ def _programs(
             yield group, found.prints - given
 
 
-def _file(record: Record) -> str:
+def _file(record: GradeRecord) -> str:
     """Equal for files of the same bytes; what could not be read is like nothing else."""
     return record.digest or record.entry.source
 
 
-def _groups(programs: Sequence[tuple[list[Record], frozenset[int]]]) -> Iterator[Group]:
+def _groups(programs: Sequence[tuple[list[GradeRecord], frozenset[int]]]) -> Iterator[Group]:
     """Programs that are alike, or alike to others that are; not those of one team."""
-    together: dict[object, list[Record]] = defaultdict(list)  # by what is the same: fingerprints, else the file
+    together: dict[object, list[GradeRecord]] = defaultdict(list)  # by what is the same: fingerprints, else the file
     for records, prints in programs:
         together[prints if len(prints) >= _FEWEST else _file(records[0])] += records
     own = _without_common([key if isinstance(key, frozenset) else frozenset() for key in together])
@@ -174,17 +174,17 @@ def _groups(programs: Sequence[tuple[list[Record], frozenset[int]]]) -> Iterator
     for one, other in _similar(own):
         old, new = leaders[other], leaders[one]
         leaders = [new if leader == old else leader for leader in leaders]
-    members: dict[int, list[tuple[Record, frozenset[int]]]] = defaultdict(list)
+    members: dict[int, list[tuple[GradeRecord, frozenset[int]]]] = defaultdict(list)
     for leader, prints, records in zip(leaders, own, together.values(), strict=True):
         members[leader] += [(record, prints) for record in records]
     for found in members.values():
         if len(found) > 1 and not _is_a_team([record for record, _ in found]):
             (first, its_prints), *others = sorted(found, key=lambda one: one[0].entry.student)
-            pairs = [Pair(first, record, _similarity(its_prints, prints)) for record, prints in others]
+            pairs = [AlikePair(first, record, _similarity(its_prints, prints)) for record, prints in others]
             yield tuple(sorted(pairs, key=lambda pair: -pair.similarity))
 
 
-def _is_a_team(records: Sequence[Record]) -> bool:
+def _is_a_team(records: Sequence[GradeRecord]) -> bool:
     """Whether all of these handed in together."""
     teams = {record.entry.platform.get("group", "") for record in records}
     return len(teams) == 1 and teams != {""}
@@ -226,26 +226,28 @@ class LinePair:
     same: bool  # both lines are the same but for names, values, comments and layout
 
 
-def link(place: int) -> str:
+def link_to_pair(place: int) -> str:
     """Where the page of the pair at a place of the list lies, seen from the class page."""
     return f"{FOLDER}/{place + 1}.html"
 
 
-def pages(texts: ProgramTexts, pairs: Sequence[Pair], called: Mapping[str, StudentLabel]) -> Iterator[tuple[str, str]]:
+def pair_pages(
+    texts: ProgramTexts, pairs: Sequence[AlikePair], called: Mapping[str, StudentLabel]
+) -> Iterator[tuple[str, str]]:
     """Path and text of a page for each pair, as far as `MOST_PAIRS` and while the submissions are at hand."""
     if not texts.are_at_hand:
         return
     template = _TEMPLATES / "comparison.html"
     for place, pair in enumerate(pairs[:MOST_PAIRS]):
         sides = [[line[:LONGEST] for line in texts.lines(one)] for one in (pair.first, pair.second)]
-        rows = list(compare(*(lines[:_MOST_LINES] for lines in sides)))
+        rows = list(compare_programs(*(lines[:_MOST_LINES] for lines in sides)))
         cut = any(len(lines) > _MOST_LINES for lines in sides)
         names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
         most = _MOST_LINES if cut else 0
-        yield link(place), str(render_template(template, pair=pair, rows=rows, names=names, most=most))
+        yield link_to_pair(place), str(render_template(template, pair=pair, rows=rows, names=names, most=most))
 
 
-def compare(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
+def compare_programs(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
     """Rows for two programs; lines of the same shape stand beside each other, the others between them."""
     at = at_other = 0
     for one, other in [*_pairs(first, second), (len(first), len(second))]:

@@ -13,9 +13,8 @@ from statistics import mean, median
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from course_kit.classroom.exports import attention, lookalikes
-from course_kit.classroom.exports.texts import by_student, name_of, number, problem, score, total
-from course_kit.classroom.records import STUDENTS, outcome, safe_name
+from course_kit.classroom.exports import attention, lookalikes, texts
+from course_kit.classroom.records import STUDENTS, outcome_of, safe_name
 from course_kit.grading.diagnosis import catalogue
 from course_kit.text.templates import load_templates
 from course_kit.text.templates import render_template as fill_in
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.classroom.exports.changes import ResultChange
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.grading.model.exercise import Exercise
 
 _TEMPLATES = Path(__file__).with_name("templates")
@@ -69,7 +68,7 @@ class CheckCount:
     title: str
     points: float
     by_status: Counter[str] = field(default_factory=Counter)
-    failed: list[Record] = field(default_factory=list)
+    failed: list[GradeRecord] = field(default_factory=list)
 
     @property
     def run(self) -> int:
@@ -96,7 +95,7 @@ class HeatMap:
     caption: str
     columns: Sequence[str]
     rows: dict[str, list[int]]
-    having: dict[str, list[Record]]
+    having: dict[str, list[GradeRecord]]
 
 
 def get_ready() -> None:
@@ -104,7 +103,9 @@ def get_ready() -> None:
     load_templates(_TEMPLATES)
 
 
-def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()) -> str:
+def render_class(
+    book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes: Sequence[ResultChange] = ()
+) -> str:
     """The page of a class run."""
     values = _values(book, alike, changes)
     contents = {name: fill_in(_TEMPLATES / f"{name}.html", **values).strip() for name in _SECTIONS}
@@ -112,7 +113,7 @@ def render(book: Gradebook, alike: lookalikes.LookAlikes | None = None, changes:
     return str(fill_in(_TEMPLATES / "class_page.html", sections=sections, **values))
 
 
-def report_link(record: Record) -> str:
+def report_link(record: GradeRecord) -> str:
     """Where a submission's report lies, seen from the class page."""
     return quote(f"{STUDENTS}/{safe_name(record.entry.student)}/{record.entry.exercise}.html")
 
@@ -120,17 +121,17 @@ def report_link(record: Record) -> str:
 def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Sequence[ResultChange]) -> dict[str, Any]:
     """What the templates name: the class, what was found out about it, and the functions that put it into words."""
     timed = [record for record in book.records if not record.same_as and record.report["duration_s"]]
-    called = attention.labels(book)
+    called = attention.label_students(book)
     if alike is None and book.records:
-        alike = lookalikes.find(book)
+        alike = lookalikes.find_lookalikes(book)
     # The pairs themselves are what the groups hold.
     comparable = alike.pairs[: lookalikes.MOST_PAIRS] if alike and book.root else []
-    comparison_links = {id(pair): lookalikes.link(place) for place, pair in enumerate(comparable)}
+    comparison_links = {id(pair): lookalikes.link_to_pair(place) for place, pair in enumerate(comparable)}
     return {
         "book": book,
         "called": called,
         "absent": dict(book.absent),
-        "groups": attention.groups(book, called, problem),
+        "groups": attention.group_by_attention(book, called),
         "changes": changes,
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
@@ -143,16 +144,16 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "threshold": lookalikes.THRESHOLD,
         "slowest": sorted(timed, key=lambda one: -float(one.report["duration_s"]))[:_MOST_LISTED],
         "largest": sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED],
-        "students": by_student(book),
+        "students": texts.group_by_student(book),
         "titles": {exercise.id: exercise.title for exercise in book.exercises},
         "many": _many,
-        "name_of": name_of,
-        "number": number,
-        "outcome": outcome,
-        "problem": problem,
+        "name_of": texts.name_of,
+        "number": texts.format_number,
+        "outcome": outcome_of,
+        "problem": texts.describe_problem,
         "report_link": report_link,
-        "score": score,
-        "total": total,
+        "score": texts.score_of,
+        "total": texts.total_score,
     }
 
 
@@ -165,11 +166,11 @@ def _facts(book: Gradebook) -> Iterator[tuple[str, int]]:
     yield from ((name, count) for name, count in rare.items() if count)
 
 
-def _figure(exercise: Exercise, records: Sequence[Record]) -> Figure:
-    points = [found for record in records if (found := score(record)) is not None]
+def _figure(exercise: Exercise, records: Sequence[GradeRecord]) -> Figure:
+    points = [found for record in records if (found := texts.score_of(record)) is not None]
     average, middle = (mean(points), median(points)) if points else (None, None)
     passed = sum(record.passed for record in records)
-    return Figure(exercise, distribution(exercise, records), len(records), passed, average, middle)
+    return Figure(exercise, count_scores(exercise, records), len(records), passed, average, middle)
 
 
 def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
@@ -190,16 +191,16 @@ def _many(count: int, one: str) -> str:
     return f"{count} {one if count == 1 else one + 's'}"
 
 
-def distribution(exercise: Exercise, records: Sequence[Record]) -> list[Bar]:
+def count_scores(exercise: Exercise, records: Sequence[GradeRecord]) -> list[Bar]:
     """How many have how many points: a bar for each point, or ten where there are many; the last is full marks."""
-    points = [found for record in records if (found := score(record)) is not None]
+    points = [found for record in records if (found := texts.score_of(record)) is not None]
     steps = int(exercise.points) if exercise.points == int(exercise.points) and exercise.points < _MOST_BARS else 10
     width = exercise.points / steps
     counts = Counter(min(steps, max(0, math.floor(one / width + 1e-9))) for one in points)
     return [Bar(step * width, f"{step * width:g}", counts[step]) for step in range(steps + 1)]
 
 
-def count_checks(records: Sequence[Record]) -> list[CheckCount]:
+def count_checks(records: Sequence[GradeRecord]) -> list[CheckCount]:
     """The checks of one exercise in the order they are run."""
     found: dict[str, CheckCount] = {}
     for record in records:
@@ -220,21 +221,21 @@ def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
     )
 
 
-def diagnoses_by_band(records: Sequence[Record]) -> dict[str, list[int]]:
+def diagnoses_by_band(records: Sequence[GradeRecord]) -> dict[str, list[int]]:
     """For each diagnosis how many submissions of each of `BANDS` have it, the most frequent first."""
     return _table(((code, _band(record)) for record in records for code in record.diagnoses), len(BANDS))
 
 
-def _having_diagnoses(records: Sequence[Record]) -> dict[str, list[Record]]:
+def _having_diagnoses(records: Sequence[GradeRecord]) -> dict[str, list[GradeRecord]]:
     """For each diagnosis the records that have it."""
-    table: dict[str, list[Record]] = {}
+    table: dict[str, list[GradeRecord]] = {}
     for record in records:
         for code in record.diagnoses:
             table.setdefault(code, []).append(record)
     return table
 
 
-def _band(record: Record) -> int:
+def _band(record: GradeRecord) -> int:
     reached = record.score / record.max_score if record.max_score else 0.0
     return min(len(BANDS) - 1, int(reached * len(BANDS)))
 

@@ -16,26 +16,17 @@ from __future__ import annotations
 from datetime import timezone
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.exports.texts import (
-    MISSING,
-    Identifier,
-    by_student,
-    csv_text,
-    feedback,
-    name_of,
-    platform_of,
-    score,
-    total,
-)
-from course_kit.classroom.intake.roster import plain
-from course_kit.classroom.records import outcome
+from course_kit.classroom.exports import texts
+from course_kit.classroom.exports.texts import Identifier
+from course_kit.classroom.intake.roster import plain_text
+from course_kit.classroom.records import outcome_of
 from course_kit.text.sanitize import escape_html
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from datetime import datetime
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.grading.model.exercise import Exercise
 
     Row = Sequence[str | float | None]
@@ -53,15 +44,15 @@ _NBGRADER_HEADER = (
 )
 
 
-def files(book: Gradebook) -> Iterator[tuple[str, str]]:
+def export_tables(book: Gradebook) -> Iterator[tuple[str, str]]:
     """Path, relative to the output folder, and text of each table."""
-    yield GRADES, csv_text(_grades(book), mark=True)
-    yield CANVAS, csv_text(_canvas(book))
-    yield NBGRADER, csv_text(_nbgrader(book))
+    yield GRADES, texts.csv_text(_grades(book), mark=True)
+    yield CANVAS, texts.csv_text(_canvas(book))
+    yield NBGRADER, texts.csv_text(_nbgrader(book))
     for exercise in book.exercises:  # Moodle knows its participants alone
         records = [record for record in book.graded(exercise.id) if record.entry.platform.get(_MOODLE_NUMBER)]
         if records:
-            yield MOODLE.format(exercise.id), csv_text(_moodle(records))
+            yield MOODLE.format(exercise.id), texts.csv_text(_moodle(records))
 
 
 def _grades(book: Gradebook) -> Iterator[Row]:
@@ -71,19 +62,26 @@ def _grades(book: Gradebook) -> Iterator[Row]:
         header += [f"{exercise.id} {column}" for column in ("score", "max", "status", "late", "checks", "remarks")]
     yield [*header, "total", "total max"]
     full = sum(exercise.points for exercise in book.exercises)
-    for student, records in by_student(book).items():
-        row: list[str | float | None] = [student, name_of(records, book.names.get(student, ""))]
+    for student, records in texts.group_by_student(book).items():
+        row: list[str | float | None] = [student, texts.name_of(records, book.names.get(student, ""))]
         for exercise in book.exercises:
             row += _grade_cells(records.get(exercise.id), exercise.points)
-        yield [*row, total(records), full]
+        yield [*row, texts.total_score(records), full]
 
 
-def _grade_cells(record: Record | None, points: float) -> Row:
+def _grade_cells(record: GradeRecord | None, points: float) -> Row:
     if record is None:
-        return [None, points, MISSING, None, None, None]
+        return [None, points, texts.MISSING, None, None, None]
     late = "late" if record.is_late else None
     checks = None if record.status == "error" else record.graded_score
-    return [score(record), record.max_score, outcome(record), late, checks, " ".join(record.remarks) or None]
+    return [
+        texts.score_of(record),
+        record.max_score,
+        outcome_of(record),
+        late,
+        checks,
+        " ".join(record.remarks) or None,
+    ]
 
 
 def _canvas(book: Gradebook) -> Iterator[Row]:
@@ -91,34 +89,38 @@ def _canvas(book: Gradebook) -> Iterator[Row]:
     titles = [exercise.title for exercise in book.exercises]
     yield [*_CANVAS_HEADER, *(found or title for found, title in zip(assignments, titles, strict=True))]
     yield [POINTS_ROW, *[""] * (len(_CANVAS_HEADER) - 1), *(exercise.points for exercise in book.exercises)]
-    for student, records in by_student(book).items():
-        if records and all(score(record) is None for record in records.values()):
+    for student, records in texts.group_by_student(book).items():
+        if records and all(texts.score_of(record) is None for record in records.values()):
             continue  # the grader itself failed, so that there is nothing to import
-        user = platform_of(records, "canvas_user") or (student if book.layout == "canvas" and student.isdigit() else "")
-        name = name_of(records, book.names.get(student, student))
+        user = texts.platform_of(records, "canvas_user") or (
+            student if book.layout == "canvas" and student.isdigit() else ""
+        )
+        name = texts.name_of(records, book.names.get(student, student))
         if POINTS_ROW in name:  # a student of this name would be taken for the row of points
             name = name.replace(POINTS_ROW, POINTS_ROW.replace(" ", "\u00a0"))
         # Canvas finds the student by ID or login, which have to stand there exactly; the name is for people then.
-        sis_id = platform_of(records, "sid") if book.canvas_assignments else ""
-        login = (platform_of(records, "login") if book.canvas_assignments else "") or ("" if user else student)
+        sis_id = texts.platform_of(records, "sid") if book.canvas_assignments else ""
+        login = (texts.platform_of(records, "login") if book.canvas_assignments else "") or ("" if user else student)
         identifiers = (Identifier(user), Identifier(sis_id), Identifier(login))
-        yield [name, *identifiers, "", *(score(records.get(one.id)) for one in book.exercises)]
+        yield [name, *identifiers, "", *(texts.score_of(records.get(one.id)) for one in book.exercises)]
 
 
 def canvas_assignment(exercise: Exercise, assignments: Sequence[str]) -> str:
     """The assignment that is called like an exercise, or like it among other words; empty when none or several are."""
-    wanted = {plain(exercise.title), plain(exercise.id)}
-    words = {one: plain(one.rpartition(" (")[0]) for one in assignments}
+    wanted = {plain_text(exercise.title), plain_text(exercise.id)}
+    words = {one: plain_text(one.rpartition(" (")[0]) for one in assignments}
     same = [one for one, called in words.items() if called in wanted]
     alike = [one for one, called in words.items() if any(f" {each} " in f" {called} " for each in wanted)]
     found = same or alike
     return found[0] if len(found) == 1 else ""
 
 
-def _moodle(records: Sequence[Record]) -> Iterator[Row]:
+def _moodle(records: Sequence[GradeRecord]) -> Iterator[Row]:
     yield _MOODLE_HEADER
     for record in records:
-        comments = "<br>".join(escape_html(paragraph).replace("\n", "<br>") for paragraph in feedback(record))
+        comments = "<br>".join(
+            escape_html(paragraph).replace("\n", "<br>") for paragraph in texts.feedback_paragraphs(record)
+        )
         identifier = f"Participant {record.entry.platform[_MOODLE_NUMBER]}"
         # Moodle finds the participant by the identifier; the name is for people, and may get an apostrophe.
         status = "Submitted for grading - Graded"
@@ -128,23 +130,23 @@ def _moodle(records: Sequence[Record]) -> Iterator[Row]:
 def _nbgrader(book: Gradebook) -> Iterator[Row]:
     """As nbgrader does it, a row for each assignment and student, and 0 for what is missing."""
     yield _NBGRADER_HEADER
-    students = by_student(book)
+    students = texts.group_by_student(book)
     for exercise in book.exercises:
         for student, records in students.items():
-            if exercise.id in records and score(records[exercise.id]) is None:
+            if exercise.id in records and texts.score_of(records[exercise.id]) is None:
                 continue
             # The assignment's name, which nbgrader's folders tell; with several exercises theirs, to keep them apart.
-            known = platform_of(records, "nbgrader_assignment") if len(book.exercises) == 1 else ""
+            known = texts.platform_of(records, "nbgrader_assignment") if len(book.exercises) == 1 else ""
             yield [known or exercise.id, *_nbgrader_cells(exercise, student, records)]
 
 
-def _nbgrader_cells(exercise: Exercise, student: str, records: dict[str, Record]) -> Row:
+def _nbgrader_cells(exercise: Exercise, student: str, records: dict[str, GradeRecord]) -> Row:
     record = records.get(exercise.id)
-    points = 0.0 if record is None else score(record)
+    points = 0.0 if record is None else texts.score_of(record)
     raw = 0.0 if record is None else record.graded_score
     penalty = 0.0 if record is None else record.adjustment.penalty
     due, submitted = ("", "") if record is None else (_utc(record.adjustment.due), _utc(record.adjustment.submitted))
-    last, _, first = name_of(records).partition(",")  # nobody can tell which part of "Li Na" is which
+    last, _, first = texts.name_of(records).partition(",")  # nobody can tell which part of "Li Na" is which
     # Whatever reads the file finds a student by the identifier, which has to stand there exactly.
     who = [Identifier(student), last.strip(), first.strip(), ""]
     return [due, submitted, *who, raw, penalty, points, exercise.points]

@@ -14,7 +14,7 @@ from course_kit.text.sanitize import make_printable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 _DIGITS = 6
 # What spreadsheets take for a formula, the wide forms of East Asian keyboards included, after any blank or invisible
@@ -32,7 +32,7 @@ STATES = {
 }
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """A number as people and machines read it: `8`, `7.5`, never `8.0` or `1e+06`."""
     rounded = round(value, _DIGITS)
     return str(int(rounded)) if rounded == int(rounded) else f"{rounded:.{_DIGITS}f}".rstrip("0")
@@ -44,12 +44,12 @@ class Identifier(str):
     __slots__ = ()
 
 
-def cell(value: str | float | None) -> str:
+def csv_cell(value: str | float | None) -> str:
     """A cell of a CSV file that no spreadsheet takes for a formula."""
     if value is None:
         return ""
     if not isinstance(value, str):
-        return number(value)
+        return format_number(value)
     if isinstance(value, Identifier) and _HARMLESS.fullmatch(value):
         return value
     text = make_printable(value)
@@ -66,7 +66,7 @@ def lines_of_table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False) -> str:
     r"""Rows as CSV after RFC 4180: commas, quotes where they are needed, \r\n."""
     file = io.StringIO(newline="")
-    csv.writer(file).writerows([cell(value) for value in row] for row in rows)
+    csv.writer(file).writerows([csv_cell(value) for value in row] for row in rows)
     return ("\ufeff" if mark else "") + file.getvalue()
 
 
@@ -83,40 +83,40 @@ def _printable(value: Any) -> Any:
     return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
-def score(record: Record | None) -> float | None:
+def score_of(record: GradeRecord | None) -> float | None:
     """The points; None where the grader itself failed, for that is no zero, and where nothing was handed in."""
     return record.score if record is not None and record.has_grade else None
 
 
-def total(records: dict[str, Record]) -> float | None:
+def total_score(records: dict[str, GradeRecord]) -> float | None:
     """A student's points together; None where one of the scores is still to come."""
-    scores = [score(record) for record in records.values()]
+    scores = [score_of(record) for record in records.values()]
     return None if None in scores else sum(one or 0.0 for one in scores)
 
 
-def by_student(book: Gradebook) -> dict[str, dict[str, Record]]:
+def group_by_student(book: Gradebook) -> dict[str, dict[str, GradeRecord]]:
     """Each student's records by exercise, students sorted."""
-    table: dict[str, dict[str, Record]] = {student: {} for student in book.students}
+    table: dict[str, dict[str, GradeRecord]] = {student: {} for student in book.students}
     for record in book.records:
         table[record.entry.student][record.entry.exercise] = record
     return table
 
 
-def name_of(records: dict[str, Record], otherwise: str = "") -> str:
+def name_of(records: dict[str, GradeRecord], otherwise: str = "") -> str:
     """A student's own name, where one of the records tells it."""
     return next((record.entry.name for record in records.values() if record.entry.name), otherwise)
 
 
-def platform_of(records: dict[str, Record], key: str) -> str:
+def platform_of(records: dict[str, GradeRecord], key: str) -> str:
     """What a platform calls a student, see `Entry.platform`; empty when it is not known."""
     return next((found for record in records.values() if (found := record.entry.platform.get(key))), "")
 
 
-def headline(record: Record) -> str:
+def result_headline(record: GradeRecord) -> str:
     """The result in one sentence."""
     if not record.has_grade:
         return "Not graded: the grader itself failed. Your work is not the cause, and it will be graded again."
-    points = f"{number(record.score)} of {in_points(record.max_score)}"
+    points = f"{format_number(record.score)} of {in_points(record.max_score)}"
     if record.status == "unreadable" and record.adjustment.override is None:
         return f"{points}: the submission could not be read."
     if record.status == "crashed" and record.adjustment.override is None:
@@ -124,12 +124,12 @@ def headline(record: Record) -> str:
     return f"{points}, {'passed' if record.passed else 'not passed yet'}."
 
 
-def problem(record: Record) -> str:
+def describe_problem(record: GradeRecord) -> str:
     """Why there is no grade; empty when there is one."""
     return str(record.report["stderr"]).strip() if record.status in ("unreadable", "error") else ""
 
 
-def explained(check: dict[str, Any]) -> str:
+def explain_check(check: dict[str, Any]) -> str:
     """What a check has found, for the learner; empty when it passed."""
     if check["status"] == "passed":
         return ""
@@ -140,10 +140,10 @@ def explained(check: dict[str, Any]) -> str:
     return "\n".join(parts) or STATES[check["status"]]
 
 
-def feedback(record: Record) -> list[str]:
+def feedback_paragraphs(record: GradeRecord) -> list[str]:
     """Result and reasons, one paragraph each: for platforms that have one field for everything."""
-    paragraphs = [headline(record), *record.remarks]
-    paragraphs += [text] if (text := problem(record)) else []
+    paragraphs = [result_headline(record), *record.remarks]
+    paragraphs += [text] if (text := describe_problem(record)) else []
     for check in record.report["checks"]:
         if check["status"] != "passed":
             paragraphs.append(f"{check['title']}: {check['message'] or STATES[check['status']]}")

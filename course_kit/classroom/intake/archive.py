@@ -21,7 +21,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Found, Item, look_through, moved
+from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Item, StudentFiles, look_through, move_item
 from course_kit.grading.errors import GradingError
 from course_kit.process import Closable
 
@@ -242,7 +242,7 @@ def make_empty(workspace: Path) -> None:
     workspace.mkdir()
 
 
-def unpack_students_zip(root: Path, item: Item) -> Found:
+def unpack_students_zip(root: Path, item: Item) -> StudentFiles:
     """Open a zip that a student has handed in, beside itself; what goes wrong is theirs alone."""
     folder = f"{item.path}{CONTENTS}"
     try:
@@ -252,13 +252,14 @@ def unpack_students_zip(root: Path, item: Item) -> Found:
             problems = archive.fetch(wanted)
             lost = [*found.unseen, *archive.lost]
     except GradingError as problem:
-        return Found((), problem=str(problem))
+        return StudentFiles((), problem=str(problem))
     except OSError as problem:
         if problem.errno not in _ITS_NAMES_FAULT:
             raise
-        return Found((), problem=f"it cannot be unpacked: {problem.strerror}")
-    return Found(
-        tuple(moved(replace(one, problem=one.problem or problems.get(one.path, "")), folder) for one in found.files),
+        return StudentFiles((), problem=f"it cannot be unpacked: {problem.strerror}")
+    items = (replace(item, problem=item.problem or problems.get(item.path, "")) for item in found.files)
+    return StudentFiles(
+        tuple(move_item(item, folder) for item in items),
         tuple((f"{folder}/{path}", reason) for path, reason in found.tools),
         tuple((f"{folder}/{path}" if path else folder, reason) for path, reason in lost),
     )

@@ -66,7 +66,7 @@ class Choice:
     worry: str  # why somebody should look at it; empty when there is no doubt
 
 
-def choose(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
+def choose_candidate(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
     """Choose one."""
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)

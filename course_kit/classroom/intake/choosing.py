@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.candidates import Choice
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item, Left
-    from course_kit.classroom.intake.sources import Opened
+    from course_kit.classroom.intake.sources import OpenedSources
     from course_kit.grading.reading.reader import Reader
 
 _LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s
@@ -51,7 +51,7 @@ _AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second downloa
 class Chooser:
     """Chooses, and keeps what was found."""
 
-    def __init__(self, opened: Opened, exercises: Sequence[Exercise], reader: Reader) -> None:
+    def __init__(self, opened: OpenedSources, exercises: Sequence[Exercise], reader: Reader) -> None:
         self._root = opened.root
         self._reader = reader
         self._listing = opened.listing
@@ -84,7 +84,7 @@ class Chooser:
             considered[exercise.id] = {one.file.path for one in found}
             if not found:
                 continue
-            choice = candidates.choose(found, exercise, files)
+            choice = candidates.choose_candidate(found, exercise, files)
             best = choice.best.file
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")
@@ -159,7 +159,9 @@ class Chooser:
                 kept.append(file)
                 continue
             zips += 1
-            contents = self._open(file) if zips <= archive.MOST_ZIPS else listing.Found((), problem="one zip too many")
+            contents = listing.StudentFiles((), problem="one zip too many")
+            if zips <= archive.MOST_ZIPS:
+                contents = self._open(file)
             if contents.problem or not (contents.files or contents.unseen):
                 kept.append(file)
                 self._leave(file.unit.student, [(file.path, contents.problem or "an empty zip")], "the same")
@@ -168,9 +170,9 @@ class Chooser:
             opened += self._without_kit([File(item, file.unit, item.problem) for item in contents.files])
         return kept, opened
 
-    def _open(self, file: File) -> listing.Found:
+    def _open(self, file: File) -> listing.StudentFiles:
         if problem := self._listing.fetch([file.item]).get(file.path):
-            return listing.Found((), problem=problem)
+            return listing.StudentFiles((), problem=problem)
         return archive.unpack_students_zip(self._root, file.item)
 
     def _entry(self, student: str, exercise: Exercise, choice: Choice, rest: list[str], chosen: set[str]) -> Entry:

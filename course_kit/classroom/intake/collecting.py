@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.intake import layouts, sources
 from course_kit.classroom.intake.choosing import Chooser
 from course_kit.classroom.intake.recognition import AUTO
-from course_kit.classroom.intake.roster_matching import match
+from course_kit.classroom.intake.roster_matching import match_roster
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading.reader import Reader
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.classroom.intake.roster import Roster
-    from course_kit.classroom.intake.roster_matching import Fit
+    from course_kit.classroom.intake.roster_matching import RosterFit
     from course_kit.classroom.records import Entry
     from course_kit.grading.model.exercise import Exercise
 
@@ -42,10 +42,10 @@ class Intake:
     # who has no submission at all, in entries without exercise and source: those who handed in something else only, and
     # those on the roster who handed in nothing
     others: tuple[Entry, ...] = ()
-    roster: Fit | None = None  # how the roster fits, when there is one
+    roster: RosterFit | None = None  # how the roster fits, when there is one
 
 
-def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
+def collect_submissions(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
     source: Path | Sequence[Path],
     exercises: Sequence[Exercise],
     workspace: Path,
@@ -60,7 +60,7 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
         chooser = Chooser(opened, exercises, stack.enter_context(readings or Reader()))
-        for student, units in layouts.by_name(opened.units, [one.id for one in exercises]).items():
+        for student, units in layouts.group_by_student(opened.units, [one.id for one in exercises]).items():
             chooser.take(student, units)
     found = Intake(
         opened.root,
@@ -77,12 +77,13 @@ def collect(  # noqa: PLR0913, PLR0917 - what is collected, for what, and how
 
 def _with_roster(found: Intake, roster: Roster, exercises: Sequence[Exercise], empty: set[str]) -> Intake:
     """Give everybody the name and the identifiers of the class list; whoever is absent has handed in nothing."""
-    matched, fit = match(roster, [*found.entries, *found.others], found.layout, empty, assignments=len(exercises))
-    entries = tuple(entry for entry in matched if entry.exercise)
-    had = {(entry.student, entry.exercise) for entry in entries}
+    entries = [*found.entries, *found.others]
+    matched, fit = match_roster(roster, entries, found.layout, empty, assignments=len(exercises))
+    submissions = tuple(entry for entry in matched if entry.exercise)
+    had = {(entry.student, entry.exercise) for entry in submissions}
     with_entry = {student for student, _ in had}
     others = {entry.student: entry for entry in matched if not entry.exercise and entry.student not in with_entry}
     others.update((entry.student, entry) for entry in fit.absent if entry.student not in others)
     everybody = [*sorted(with_entry), *others]
     missing = tuple((one, exercise.id) for one in everybody for exercise in exercises if (one, exercise.id) not in had)
-    return replace(found, entries=entries, missing=missing, others=tuple(others.values()), roster=fit)
+    return replace(found, entries=submissions, missing=missing, others=tuple(others.values()), roster=fit)

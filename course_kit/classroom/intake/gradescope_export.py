@@ -46,7 +46,7 @@ class _Submission:
     created: str = ""
 
 
-def read(path: Path) -> dict[str, _Submission]:
+def read_submitters(path: Path) -> dict[str, _Submission]:
     """Who has handed in each submission, by the name of its folder; a group has several."""
     found: dict[str, _Submission] = defaultdict(lambda: _Submission([]))
     here: _Submission | None = None
@@ -68,7 +68,7 @@ def read(path: Path) -> dict[str, _Submission]:
     return dict(found)
 
 
-def with_submitters(units: Iterable[Unit], submissions: Mapping[str, _Submission]) -> Iterator[Unit]:
+def add_submitters(units: Iterable[Unit], submissions: Mapping[str, _Submission]) -> Iterator[Unit]:
     """Entries of an export with the names of those who handed them in; a group's entry is one of each member."""
     for unit in units:
         submission = submissions.get(unit.item.name)

@@ -168,12 +168,12 @@ _READERS: dict[str, Callable[[Item, str], Unit | None]] = {
 }
 
 
-def read(layout: str, item: Item, slug: str = "") -> Unit | None:
+def read_unit(layout: str, item: Item, slug: str = "") -> Unit | None:
     """Who an entry is from."""
     return _READERS[layout](item, slug)
 
 
-def of_groups(units: Sequence[Unit]) -> Sequence[Unit]:
+def mark_groups(units: Sequence[Unit]) -> Sequence[Unit]:
     """Entries of a download; where one of Moodle's has no number, groups have handed in, and numbers are groups'."""
     if not any("group" in unit.platform for unit in units):
         return units
@@ -196,12 +196,12 @@ def may_be_handed_in(item: Item) -> bool:
     return item.is_program or item.name.lower().endswith(_ARCHIVES)
 
 
-def most(items: Sequence[Item], fits: Callable[[Item], object]) -> bool:
+def most_fit(items: Sequence[Item], fits: Callable[[Item], object]) -> bool:
     """Whether more than half of some entries are of a kind; of none at all there is no most."""
     return 2 * sum(bool(fits(item)) for item in items) > len(items)
 
 
-def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[Unit]]:
+def group_by_student(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[Unit]]:
     """Each student's entries, by a name that is printable and nobody else's."""
     own: dict[Key, list[Unit]] = defaultdict(list)
     for unit in _without_doubtful([_without_exercise(unit, exercises) for unit in units]):
@@ -210,7 +210,7 @@ def by_name(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[U
     return {names[key]: own[key] for key in sorted(own, key=names.__getitem__)}
 
 
-def across_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[Unit]:
+def join_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[Unit]:
     """Entries of several downloads of one class, so that what is one student's has one identifier."""
     numbers: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for unit in units:

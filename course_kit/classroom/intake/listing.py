@@ -54,7 +54,7 @@ class Item:
         return self.kind == FILE and self.name.lower().endswith(ZIP)
 
 
-def moved(item: Item, folder: str) -> Item:
+def move_item(item: Item, folder: str) -> Item:
     """An item as it is seen from the folder around its root."""
     return replace(item, path=f"{folder}/{item.path}") if folder else item
 
@@ -95,7 +95,7 @@ def _kind(entry: os.DirEntry[str]) -> str:
     return FILE if entry.is_file(follow_symlinks=False) else OTHER
 
 
-def of_a_tool(item: Item) -> str:
+def why_a_tools(item: Item) -> str:
     """Why an item is nobody's work; empty when it may be."""
     if item.kind == FOLDER:
         return "a folder of a tool" if item.name in _TOOLS_FOLDERS else ""
@@ -105,7 +105,7 @@ def of_a_tool(item: Item) -> str:
 
 
 @dataclass(frozen=True)
-class Found:
+class StudentFiles:
     """What is below one student's entry."""
 
     files: tuple[Item, ...]  # the files, those nearest to the top first
@@ -115,10 +115,10 @@ class Found:
     problem: str = ""  # why nothing of it can be had, as of a zip that cannot be opened
 
 
-def look_through(listing: Listing, top: Item) -> Found:
+def look_through(listing: Listing, top: Item) -> StudentFiles:
     """Find the files of one student, however many or deep they are, without following a link."""
     if top.kind != FOLDER:
-        return Found((top,))
+        return StudentFiles((top,))
     files: list[Item] = []
     tools: Left = []
     unseen: Left = []
@@ -126,7 +126,7 @@ def look_through(listing: Listing, top: Item) -> Found:
         if seen > MOST:
             unseen.append((top.path, f"it holds more than {MOST} files and folders; the rest was not read"))
             break
-        if reason := of_a_tool(item):
+        if reason := why_a_tools(item):
             tools.append((item.path, reason))
         elif item.kind == FOLDER and depth > DEEPEST:
             unseen.append((item.path, f"it lies in more than {DEEPEST} folders within folders"))
@@ -134,7 +134,7 @@ def look_through(listing: Listing, top: Item) -> Found:
             files.append(item)
         elif item.kind == LINK:
             unseen.append((item.path, "it is a link, and links are not followed"))
-    return Found(tuple(files), tuple(tools), tuple(unseen))
+    return StudentFiles(tuple(files), tuple(tools), tuple(unseen))
 
 
 def _walk(listing: Listing, top: Item, unseen: Left) -> Iterator[tuple[Item, int]]:
@@ -149,5 +149,5 @@ def _walk(listing: Listing, top: Item, unseen: Left) -> Iterator[tuple[Item, int
             continue
         for item in children:
             yield item, depth
-            if item.kind == FOLDER and depth <= DEEPEST and not of_a_tool(item):
+            if item.kind == FOLDER and depth <= DEEPEST and not why_a_tools(item):
                 folders.append((item.path, depth + 1))

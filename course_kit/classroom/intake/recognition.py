@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import layouts
 from course_kit.classroom.intake.gradescope_export import METADATA
-from course_kit.classroom.intake.layouts import CLONES, most
-from course_kit.classroom.intake.listing import FOLDER, of_a_tool
+from course_kit.classroom.intake.layouts import CLONES, most_fit
+from course_kit.classroom.intake.listing import FOLDER, why_a_tools
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -34,12 +34,12 @@ _EXPORT = re.compile(r"assignment_\d{1,18}_export(?:[ _-]?\(?\d{1,3}\)?)?", re.A
 _AGAIN = re.compile(r"[ _-]?\(?\d{1,3}\)?\Z")  # `week3 (1)`, a second download
 
 
-def entries(listing: Listing, folder: str, left: Left | None = None, most: int | None = None) -> list[Item]:
+def list_entries(listing: Listing, folder: str, left: Left | None = None, most: int | None = None) -> list[Item]:
     """What lies in a folder but for what tools have left there; for `left` those too."""
     found = []
     for item in listing.children(folder, most):
         hidden = item.kind != FOLDER and item.name.startswith(".") and not item.is_program
-        if reason := of_a_tool(item) or ("a hidden file" if hidden else ""):
+        if reason := why_a_tools(item) or ("a hidden file" if hidden else ""):
             if left is not None:
                 left.append((item.path, reason))
         else:
@@ -47,47 +47,48 @@ def entries(listing: Listing, folder: str, left: Left | None = None, most: int |
     return found
 
 
-def inside(listing: Listing, item: Item) -> list[Item]:
+def look_inside(listing: Listing, item: Item) -> list[Item]:
     """Entries of a folder, enough to see what they look like; none where it is none, or cannot be looked into."""
     if item.kind != FOLDER:
         return []
     try:
-        return entries(listing, item.path, most=_ENOUGH)
+        return list_entries(listing, item.path, most=_ENOUGH)
     except OSError:
         return []
 
 
 def looks_like(layout: str, items: list[Item]) -> bool:
     """Whether most entries follow a platform's layout; an instructor's notes between them do not count."""
-    fitting = [item for item in items if layouts.read(layout, item)]
-    return 2 * len(fitting) > len({*fitting, *likely(items)})
+    fitting = [item for item in items if layouts.read_unit(layout, item)]
+    return 2 * len(fitting) > len({*fitting, *likely_entries(items)})
 
 
-def likely(items: list[Item]) -> list[Item]:
+def likely_entries(items: list[Item]) -> list[Item]:
     """The entries that may be somebody's work, and not an instructor's notes."""
     return [item for item in items if item.kind == FOLDER or layouts.may_be_handed_in(item)]
 
 
-def recognise(listing: Listing, items: list[Item], called: str) -> str:
+def recognise_layout(listing: Listing, items: list[Item], called: str) -> str:
     """The layout of most entries."""
     if called == SUBMITTED:
         return "nbgrader"
     for layout in TITLES:
         if looks_like(layout, items):
             return layout
-    if most(items, lambda item: _has_timestamp(listing, item)):
+    if most_fit(items, lambda item: _has_timestamp(listing, item)):
         return "nbgrader"
-    if slug(items, called) or most(items, lambda item: holds_clones(listing, item) or _is_clone(listing, item)):
+    clones = [item for item in items if holds_clones(listing, item) or _is_clone(listing, item)]
+    if assignment_slug(items, called) or 2 * len(clones) > len(items):
         return "github"
-    return "files" if most(likely(items) or items, lambda item: item.kind != FOLDER) else "folders"
+    return "files" if most_fit(likely_entries(items) or items, lambda item: item.kind != FOLDER) else "folders"
 
 
 def _has_timestamp(listing: Listing, student: Item) -> bool:
     """Whether nbgrader has noted the time of an assignment."""
     return any(
         item.name == "timestamp.txt"
-        for assignment in inside(listing, student)[:_FEW]
-        for item in inside(listing, assignment)
+        for assignment in look_inside(listing, student)[:_FEW]
+        for item in look_inside(listing, assignment)
     )
 
 
@@ -102,13 +103,13 @@ def _is_clone(listing: Listing, item: Item) -> bool:
 
 def holds_clones(listing: Listing, item: Item) -> bool:
     """Whether a folder is called after an assignment, and so are the repositories in it."""
-    return item.kind == FOLDER and bool(slug(inside(listing, item), item.name))
+    return item.kind == FOLDER and bool(assignment_slug(look_inside(listing, item), item.name))
 
 
-def slug(items: list[Item], called: str) -> str:
+def assignment_slug(items: list[Item], called: str) -> str:
     """The assignment's name if a folder is called after it, and so are the repositories in it."""
     name = called.removesuffix(CLONES)
-    belongs = name and name != called and most(items, lambda item: item.name.startswith(f"{name}-"))
+    belongs = name and name != called and most_fit(items, lambda item: item.name.startswith(f"{name}-"))
     return name if belongs else ""
 
 
@@ -122,18 +123,18 @@ class Download:
     starters: frozenset[str] = field(default_factory=frozenset)  # the file names of starters and notebooks
 
 
-def enter(download: Download, layout: str) -> tuple[str, str]:
+def enter_download(download: Download, layout: str) -> tuple[str, str]:
     """Go into the folders around the students."""
     listing, called, folder = download.listing, download.called, ""
     for _ in range(_DEEPEST):
-        items = entries(listing, folder)
-        some = likely(items)
+        items = list_entries(listing, folder)
+        some = likely_entries(items)
         lone = some[0] if len(some) == 1 and some[0].kind == FOLDER else None
         if submitted := _submitted(items, layout):
             return submitted.path, SUBMITTED
         if lone and layout in (AUTO, "github") and holds_clones(listing, lone):
             return lone.path, lone.name
-        if layout != AUTO and (lone is None or layout not in TITLES or layouts.read(layout, lone)):
+        if layout != AUTO and (lone is None or layout not in TITLES or layouts.read_unit(layout, lone)):
             return folder, called
         if layout == AUTO and not (lone and _is_around(download, folder, called, lone)):
             _require_a_top(listing, items, called)
@@ -148,13 +149,13 @@ def _submitted(items: list[Item], layout: str) -> Item | None:
     """The folder in which nbgrader keeps what was handed in."""
     found = next((item for item in items if item.name == SUBMITTED and item.kind == FOLDER), None)
     others = {item.name for item in items} & _NBGRADERS_OWN
-    sure = layout == "nbgrader" or (layout == AUTO and (len(likely(items)) == 1 or len(others) >= _FEWEST_OF_NBGRADER))
-    return found if sure else None
+    looks_so = len(likely_entries(items)) == 1 or len(others) >= _FEWEST_OF_NBGRADER
+    return found if layout == "nbgrader" or (layout == AUTO and looks_so) else None
 
 
 def _is_around(download: Download, folder: str, called: str, lone: Item) -> bool:
     """Whether a lone folder was put around the students, and is not a student's."""
-    within = inside(download.listing, lone)
+    within = look_inside(download.listing, lone)
     if looks_like("gradescope", within) and any(item.name == METADATA for item in within):
         return download.packed or bool(_EXPORT.fullmatch(lone.name))
     if not download.packed:
@@ -172,7 +173,7 @@ def _plain(name: str) -> str:
 
 def _are_students(download: Download, items: list[Item], fewest: int) -> bool:
     """Whether most entries hold, or are called like, what was set: parts of one student's work do not."""
-    some = likely(items)
+    some = likely_entries(items)
     stems = tuple(name.rpartition(".")[0] for name in download.starters)
 
     def is_one(item: Item) -> bool:
@@ -181,11 +182,11 @@ def _are_students(download: Download, items: list[Item], fewest: int) -> bool:
         stem = item.name.partition(".")[0]
         return item.is_zip or (stem.endswith(stems) and stem not in stems)
 
-    return len(some) >= fewest and most(some, is_one)
+    return len(some) >= fewest and most_fit(some, is_one)
 
 
 def _holds_starter(download: Download, folder: Item, depth: int) -> bool:
-    found = inside(download.listing, folder)
+    found = look_inside(download.listing, folder)
     if any(item.kind != FOLDER and item.name in download.starters for item in found):
         return True
     return depth > 0 and any(
@@ -195,7 +196,7 @@ def _holds_starter(download: Download, folder: Item, depth: int) -> bool:
 
 def _require_students(download: Download, lone: Item | None, called: str) -> None:
     """See that a whole class is not taken for one student, whose other files would be left."""
-    if lone and _are_students(download, inside(download.listing, lone), _FEWEST):
+    if lone and _are_students(download, look_inside(download.listing, lone), _FEWEST):
         raise GradingError(
             f"All of {called} lies in one folder, '{lone.name}', which seems to hold the students. If so, name that "
             f"folder instead. If '{lone.name}' is a student, add --layout folders."
@@ -207,7 +208,7 @@ def _require_a_top(listing: Listing, items: list[Item], called: str) -> None:
     for layout, title in TITLES.items():
         if looks_like(layout, items):
             return
-        around = [item for item in items if looks_like(layout, inside(listing, item))]
+        around = [item for item in items if looks_like(layout, look_inside(listing, item))]
         if not around or 2 * len(around) <= len(items):
             continue
         if len(items) == 1:

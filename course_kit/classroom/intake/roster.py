@@ -103,7 +103,7 @@ class Roster:
     canvas_assignments: tuple[str, ...] = ()
 
 
-def read(path: Path) -> Roster:
+def read_roster(path: Path) -> Roster:
     """Read a class list: of Canvas, Moodle, nbgrader, or any CSV with names or identifiers."""
     rows = [row for row in _rows(path) if any(cell.strip() for cell in row)]
     if not rows:
@@ -157,7 +157,7 @@ def _person(row: list[str], kinds: list[str]) -> Person | None:
     if (number := _participant(values.get(MOODLE, ""))) or MOODLE in values:
         values[MOODLE] = number
     full = values.get(FULL, "")
-    if plain(full) == _NO_STUDENT or full.casefold() == _TEST_STUDENT:
+    if plain_text(full) == _NO_STUDENT or full.casefold() == _TEST_STUDENT:
         return None
     last, comma, first = full.partition(",")
     name = f"{first.strip()} {last.strip()}" if comma else full
@@ -177,7 +177,7 @@ def _once(people: list[Person]) -> tuple[Person, ...]:
     return tuple(found.values())
 
 
-def plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """A text without accents, signs and capitals, words apart by one blank."""
     letters = unicodedata.normalize("NFKD", text.casefold())
     kept = "".join(one if one.isalnum() else " " for one in letters if not unicodedata.combining(one))
@@ -186,7 +186,7 @@ def plain(text: str) -> str:
 
 def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """What each column holds, empty where nothing that matters here."""
-    words = [plain(one) for one in header]
+    words = [plain_text(one) for one in header]
     kinds = [_by_word(word) for word in words]
     canvas = words[:1] == ["student"] and any(word.startswith("sis ") or word == "section" for word in words)
     for place, word in enumerate(words):
@@ -205,7 +205,7 @@ def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[s
 
 def _has_header(row: Sequence[str]) -> bool:
     """Whether a first row names columns and is nobody."""
-    words = [plain(one) for one in row]
+    words = [plain_text(one) for one in row]
     return any(_by_word(word) or word in _NAME or word == _ID for word in words) and not any("@" in one for one in row)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import roster as columns
-from course_kit.classroom.intake.roster import plain
+from course_kit.classroom.intake.roster import plain_text
 from course_kit.classroom.records import Entry
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _OF_STUDENT = (columns.LOGIN, columns.EMAIL, columns.NUMBER, columns.GITHUB)
 
 
 @dataclass(frozen=True)
-class Fit:
+class RosterFit:
     """How a class list fits what was handed in."""
 
     roster: Roster  # the list
@@ -48,7 +48,7 @@ class Matcher:
             for key in _names(person):
                 self._by_name[key].append(person)
             for group in person.values.get(columns.GROUP, "").replace(";", ",").split(","):
-                if plain(group):
+                if plain_text(group):
                     self._groups[_joined(group)].append(person)
 
     def person(self, entry: Entry) -> tuple[Person | None, str]:
@@ -84,9 +84,9 @@ class Matcher:
         return self._by_value.get((kind, value.casefold()), [])
 
 
-def match(
+def match_roster(
     roster: Roster, entries: Sequence[Entry], layout: str, empty: Container[str] = (), *, assignments: int = 1
-) -> tuple[tuple[Entry, ...], Fit]:
+) -> tuple[tuple[Entry, ...], RosterFit]:
     """Give entries the names and identifiers of a class list; the entry of a group becomes one of each member."""
     matcher = Matcher(roster)
     found: list[Entry] = []
@@ -115,7 +115,7 @@ def match(
         for person in roster.people
         if id(person) not in people
     )
-    return tuple(found), Fit(roster, sum(map(bool, people.values())), absent, tuple(sorted(unknown.items())))
+    return tuple(found), RosterFit(roster, sum(map(bool, people.values())), absent, tuple(sorted(unknown.items())))
 
 
 def _twice(roster: Roster, people: Mapping[int, set[str]]) -> dict[str, str]:
@@ -154,14 +154,14 @@ def _names(person: Person) -> set[str]:
     first, last = person.values.get(columns.FIRST, ""), person.values.get(columns.LAST, "")
     full = person.values.get(columns.FULL, person.name)
     forms = {_sorted(person.name), _joined(full), _joined(person.name), _joined(last + first), _joined(first + last)}
-    words = plain(person.name).split()
+    words = plain_text(person.name).split()
     forms.add("".join([*words[-1:], *words[:-1]]))
     return forms - {""}
 
 
 def _sorted(name: str) -> str:
-    return " ".join(sorted(plain(name).split()))
+    return " ".join(sorted(plain_text(name).split()))
 
 
 def _joined(name: str) -> str:
-    return plain(name).replace(" ", "")
+    return plain_text(name).replace(" ", "")

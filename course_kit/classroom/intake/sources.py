@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition
 from course_kit.classroom.intake.archive import LARGEST_OF_ONE, NAMES_OF_ONE, Archive, make_empty
 from course_kit.classroom.intake.gradescope_export import METADATA
-from course_kit.classroom.intake.layouts import CLONES, most
-from course_kit.classroom.intake.listing import FILE, FOLDER, Folder, Item, moved
-from course_kit.classroom.intake.recognition import AUTO, Download, enter, entries, holds_clones
+from course_kit.classroom.intake.layouts import CLONES, most_fit
+from course_kit.classroom.intake.listing import FILE, FOLDER, Folder, Item, move_item
+from course_kit.classroom.intake.recognition import AUTO, Download, enter_download, holds_clones, list_entries
 from course_kit.grading.errors import GradingError
 from course_kit.text.sanitize import one_line
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Opened:
+class OpenedSources:
     """What was handed in, and whose each entry is."""
 
     root: Path  # the folder below which each file lies once it is fetched
@@ -43,7 +43,7 @@ class Opened:
 
 def open_all(
     paths: Sequence[Path], workspace: Path, exercises: Sequence[Exercise], layout: str, stack: ExitStack
-) -> Opened:
+) -> OpenedSources:
     """Open what was handed over and find the students' entries."""
     paths = [one for path in paths for one in _downloads(path, exercises, layout)]
     if len(paths) > 1:
@@ -60,19 +60,19 @@ def open_all(
 
 def _several(
     paths: Sequence[Path], workspace: Path, exercises: Sequence[Exercise], layout: str, stack: ExitStack
-) -> Opened:
+) -> OpenedSources:
     make_empty(workspace)
-    parts: dict[str, Opened] = {}
+    parts: dict[str, OpenedSources] = {}
     for path in paths:
         name = _name_for(path, parts)
         download = _open(path, workspace / name, exercises, stack, copied=True)
         part = _read_download(path, download, layout, workspace / name)
         about = _exercise_of(name, exercises)
-        units = [replace(unit, item=moved(unit.item, name), download=name, exercise=about) for unit in part.units]
+        units = [replace(unit, item=move_item(unit.item, name), download=name, exercise=about) for unit in part.units]
         parts[name] = replace(part, units=tuple(units))
-    return Opened(
+    return OpenedSources(
         root=workspace,
-        listing=Several({name: part.listing for name, part in parts.items()}),
+        listing=JoinedListings({name: part.listing for name, part in parts.items()}),
         is_copy=True,
         layout=", ".join(sorted({part.layout for part in parts.values()})),
         units=_joined([unit for part in parts.values() for unit in part.units], parts, len(exercises)),
@@ -81,12 +81,12 @@ def _several(
     )
 
 
-def _joined(units: list[Unit], parts: dict[str, Opened], exercises: int) -> tuple[Unit, ...]:
+def _joined(units: list[Unit], parts: dict[str, OpenedSources], exercises: int) -> tuple[Unit, ...]:
     """Entries of all downloads, those of one layout together, so that what is one student's has one identifier."""
     return tuple(
         one
         for name in sorted({part.layout for part in parts.values()})
-        for one in layouts.across_downloads(
+        for one in layouts.join_downloads(
             [unit for unit in units if parts[unit.download].layout == name], name, exercises
         )
     )
@@ -109,7 +109,7 @@ def _is_folder(path: Path) -> bool:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
 
 
-def _read_download(path: Path, download: Download, layout: str, root: Path) -> Opened:
+def _read_download(path: Path, download: Download, layout: str, root: Path) -> OpenedSources:
     """Find the students' entries of one download, whose files lie below `root` once they are fetched."""
     found = download.listing
     left: Left = []
@@ -121,25 +121,26 @@ def _read_download(path: Path, download: Download, layout: str, root: Path) -> O
     except OSError as problem:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
     left += [(item.path, f"its name does not follow the layout '{layout}'") for item, unit in read if unit is None]
-    units = layouts.of_groups([unit for _, unit in read if unit is not None])
+    units = layouts.mark_groups([unit for _, unit in read if unit is not None])
     if metadata:
         found.fetch(metadata)
         with suppress(OSError):
-            units = list(gradescope_export.with_submitters(units, gradescope_export.read(root / metadata[0].path)))
+            submitters = gradescope_export.read_submitters(root / metadata[0].path)
+            units = list(gradescope_export.add_submitters(units, submitters))
     is_copy = isinstance(found, (Archive, CopiedFolder))
     packed = found if isinstance(found, Archive) else None
     left += packed.left if packed else []
     lost = tuple((one_line(path), reason) for path, reason in packed.lost) if packed else ()
-    return Opened(root, found, is_copy, layout, tuple(units), tuple(left), lost)
+    return OpenedSources(root, found, is_copy, layout, tuple(units), tuple(left), lost)
 
 
 def _enter_students(download: Download, layout: str, left: Left) -> tuple[str, str, list[Item]]:
     """Layout, name and entries of the folder in which the students are."""
     if layout not in (AUTO, *layouts.LAYOUTS):
         raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
-    folder, called = enter(download, layout)
-    items = entries(download.listing, folder, left)
-    return recognition.recognise(download.listing, items, called) if layout == AUTO else layout, called, items
+    folder, called = enter_download(download, layout)
+    items = list_entries(download.listing, folder, left)
+    return recognition.recognise_layout(download.listing, items, called) if layout == AUTO else layout, called, items
 
 
 def _downloads(path: Path, exercises: Sequence[Exercise], layout: str) -> list[Path]:
@@ -147,7 +148,7 @@ def _downloads(path: Path, exercises: Sequence[Exercise], layout: str) -> list[P
     if layout not in (AUTO, *recognition.TITLES) or not _is_folder(path):
         return [path]
     try:
-        items = recognition.likely(recognition.entries(listing.Folder(path), ""))
+        items = recognition.likely_entries(recognition.list_entries(listing.Folder(path), ""))
     except OSError:
         return [path]  # whoever opens it says so
     if not items or not all(item.is_zip for item in items):
@@ -169,9 +170,9 @@ def _is_download(path: Path, exercises: Sequence[Exercise]) -> bool:
         return True
     try:
         with Archive(path, None, NAMES_OF_ONE) as archive:  # of each zip in a folder, whosever it is
-            items = recognition.entries(archive, "")
-            lone = recognition.likely(items)
-            within = recognition.inside(archive, lone[0]) if len(lone) == 1 else []
+            items = recognition.list_entries(archive, "")
+            lone = recognition.likely_entries(items)
+            within = recognition.look_inside(archive, lone[0]) if len(lone) == 1 else []
             return any(
                 recognition.looks_like(one, items) or recognition.looks_like(one, within) for one in recognition.TITLES
             )
@@ -186,7 +187,7 @@ def _exercise_of(name: str, exercises: Sequence[Exercise]) -> str:
     return named[0] if len(named) == 1 else ""
 
 
-def _name_for(path: Path, taken: dict[str, Opened]) -> str:
+def _name_for(path: Path, taken: dict[str, OpenedSources]) -> str:
     """A folder's name for a download: its own, with a number if that is taken."""
     own = (path.stem if not path.is_dir() else path.resolve().name) or "download"
     number = 1
@@ -200,18 +201,18 @@ def _name_for(path: Path, taken: dict[str, Opened]) -> str:
 def _read_all(
     listing: Listing, layout: str, items: list[Item], called: str, left: Left
 ) -> Iterator[tuple[Item, Unit | None]]:
-    if layout == "github" and most(items, lambda item: holds_clones(listing, item)):
+    if layout == "github" and most_fit(items, lambda item: holds_clones(listing, item)):
         for item in items:
             if holds_clones(listing, item):
                 slug = item.name.removesuffix(CLONES)
-                for clone in entries(listing, item.path, left):
-                    yield clone, layouts.read(layout, clone, slug) or layouts.read_stray(layout, clone)
+                for clone in list_entries(listing, item.path, left):
+                    yield clone, layouts.read_unit(layout, clone, slug) or layouts.read_stray(layout, clone)
             else:
                 yield item, layouts.read_stray(layout, item)
         return
-    slug = recognition.slug(items, called) if layout == "github" else ""
+    slug = recognition.assignment_slug(items, called) if layout == "github" else ""
     for item in items:
-        yield item, layouts.read(layout, item, slug) or layouts.read_stray(layout, item)
+        yield item, layouts.read_unit(layout, item, slug) or layouts.read_stray(layout, item)
 
 
 class CopiedFolder(Folder):
@@ -252,7 +253,7 @@ def _not_through_a_link(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
 
 
-class Several:
+class JoinedListings:
     """Several listings as one, each in a folder of its own."""
 
     def __init__(self, parts: Mapping[str, Listing]) -> None:
@@ -262,7 +263,7 @@ class Several:
         name, _, inside = folder.partition("/")
         if not name:
             return [Item(one, FOLDER) for one in sorted(self._parts)]
-        return [moved(item, name) for item in self._parts[name].children(inside, most)]
+        return [move_item(item, name) for item in self._parts[name].children(inside, most)]
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:
         asked: dict[str, list[Item]] = defaultdict(list)

@@ -34,7 +34,7 @@ class IntakeRow:
     worry: str = ""  # why somebody should look at it
 
 
-def rows(found: Intake) -> list[IntakeRow]:
+def intake_rows(found: Intake) -> list[IntakeRow]:
     """The rows: students in order, then what belongs to no submission."""
     names = {entry.student: entry.name for entry in (*found.entries, *found.others)}
     dropped = dict(found.dropped)
@@ -62,20 +62,20 @@ def rows(found: Intake) -> list[IntakeRow]:
     return table + [IntakeRow(file=one_line(path), why=one_line(reason)) for path, reason in found.left]
 
 
-def write(found: Intake, out: Path) -> Path:
+def write_intake(found: Intake, out: Path) -> Path:
     """Write the table as CSV into a run's output folder."""
     body = [
         (row.student, row.name, row.exercise, row.file, row.why, row.also, "yes" if row.late else "", row.worry)
-        for row in rows(found)
+        for row in intake_rows(found)
     ]
     write_atomically(out / FILE, csv_text([HEADER, *body], mark=True), durable=False)
     return out / FILE
 
 
-def as_text(found: Intake) -> str:
+def format_intake(found: Intake) -> str:
     """The table for a terminal: students only, long cells cut."""
     header = ("student", "exercise", "file", "why", "also handed in")
-    body = [(_who(row), row.exercise, row.file or "-", row.why, row.also) for row in rows(found) if row.student]
+    body = [(_who(row), row.exercise, row.file or "-", row.why, row.also) for row in intake_rows(found) if row.student]
     return "\n".join(lines_of_table([list(map(_cut, row, _WIDEST)) for row in (header, *body)]))
 
 

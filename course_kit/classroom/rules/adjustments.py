@@ -44,7 +44,7 @@ class Adjustment:
         return min(most, max(0.0, graded - self.penalty) + self.added)
 
 
-def sentences(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
+def describe_adjustment(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
     """What a student is told of it, a sentence each."""
     if adjustment.late:
         yield _lateness(adjustment)
@@ -66,11 +66,11 @@ def _lateness(adjustment: Adjustment) -> str:
     if adjustment.submitted is None or adjustment.due is None:
         return "Handed in late."
     own = ", your own date" if adjustment.extended else ""
-    when = f"on {shown(adjustment.submitted)}, due {shown(adjustment.due)}{own}"
-    return f"Handed in {duration(adjustment.late_s)} late: {when}."
+    when = f"on {format_moment(adjustment.submitted)}, due {format_moment(adjustment.due)}{own}"
+    return f"Handed in {format_duration(adjustment.late_s)} late: {when}."
 
 
-def shown(moment: datetime) -> str:
+def format_moment(moment: datetime) -> str:
     """A moment for people, with its time zone: `2026-11-22 23:59 CET (UTC+01:00)`."""
     offset = moment.strftime("%z")
     utc = f"UTC{offset[:3]}:{offset[3:5]}" if moment.utcoffset() else "UTC"
@@ -79,7 +79,7 @@ def shown(moment: datetime) -> str:
     return f"{moment:%Y-%m-%d %H:%M} {zone}"
 
 
-def duration(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """A time for people in two units: `2 d 3 h`, `5 min`."""
     minutes = max(1, round(seconds / _MINUTE_S))
     days, rest = divmod(minutes * _MINUTE_S, _DAY_S)

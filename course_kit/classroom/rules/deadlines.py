@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from course_kit.classroom.rules.adjustments import Adjustment
-from course_kit.classroom.rules.tables import Mistakes, read_rows, unknown
+from course_kit.classroom.rules.tables import Mistakes, describe_unknown, read_rows
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids
 from course_kit.ros.names import did_you_mean
@@ -108,7 +108,7 @@ class Deadlines:
         return replace(self, extensions=people.by_student(lines, mistakes, twice), mistakes=mistakes)
 
 
-def read(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
+def read_deadlines(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
     """Read the two files, as far as they are there."""
     settings = folder / FILE
     found = _rules(settings, exercises) if settings.exists() else Deadlines()
@@ -142,8 +142,8 @@ def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
         if exercise in _NUMBERS or exercise == "timezone":
             raise ValueError(f"'{exercise}' stands below [due]; it has to stand above it")
         if exercise not in exercises:
-            raise ValueError(f"below [due]: {unknown('exercise', exercise, exercises)}".rstrip("."))
-        found[exercise] = to_moment(moment, zone, f"'{exercise}' below [due]")
+            raise ValueError(f"below [due]: {describe_unknown('exercise', exercise, exercises)}".rstrip("."))
+        found[exercise] = parse_moment(moment, zone, f"'{exercise}' below [due]")
     return Deadlines(
         due=found,
         zone=zone,
@@ -177,7 +177,7 @@ def _zone(name: Any) -> tzinfo:
         ) from None
 
 
-def to_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
+def parse_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
     """A date and time with its zone."""
     try:
         text = f"{str(value)[:-1]}+00:00" if str(value).endswith("Z") else str(value)  # as all Pythons read it
@@ -204,14 +204,14 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
     for row in read_rows(path, ("student", "due"), ("exercise",)):
         student, exercise = row.cells["student"], row.cells["exercise"]
         try:
-            moment = to_moment(row.cells["due"], rules.zone, "due")
+            moment = parse_moment(row.cells["due"], rules.zone, "due")
         except ValueError as problem:
             mistakes.add(row.line, str(problem))
             continue
         if not student:
             mistakes.add(row.line, "the student is missing")
         if exercise and exercise not in ids:
-            mistakes.add(row.line, unknown("exercise", exercise, ids))
+            mistakes.add(row.line, describe_unknown("exercise", exercise, ids))
         for one in [exercise] if exercise else ids:
             if (student, one) in found:
                 mistakes.add(row.line, f"{student} and {one} stand in line {found[student, one][1]} already")
@@ -219,7 +219,7 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
     return replace(rules, extensions=found, mistakes=mistakes)
 
 
-def submitted(entry: Entry, zone: tzinfo | None = None) -> datetime | None:
+def submission_moment(entry: Entry, zone: tzinfo | None = None) -> datetime | None:
     """When an entry was handed in; None where nothing tells. `zone` gives abbreviations such as CET their meaning."""
     return parse_stamp(entry.platform.get(SUBMITTED_AT, ""), zone)
 

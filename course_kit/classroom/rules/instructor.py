@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.records import Entry, Record
+from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.classroom.rules import deadlines
-from course_kit.classroom.rules.deadlines import submitted
-from course_kit.classroom.rules.tables import Mistakes, read_rows, require_none, to_number, unknown
+from course_kit.classroom.rules.deadlines import submission_moment
+from course_kit.classroom.rules.tables import Mistakes, describe_unknown, parse_number, read_rows, require_none
 from course_kit.grading import engine
 
 if TYPE_CHECKING:
@@ -52,11 +52,11 @@ class Instructions:
         everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
-    def adjusted(self, record: Record, exercises: Sequence[Exercise]) -> Record:
+    def adjusted(self, record: GradeRecord, exercises: Sequence[Exercise]) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
         entry = record.entry
         exercise = next(one for one in exercises if one.id == entry.exercise)
-        moment = submitted(entry, self.deadlines.zone)
+        moment = submission_moment(entry, self.deadlines.zone)
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
             found = replace(found, override=decided.score, added=decided.added, comment=decided.comment)
@@ -65,7 +65,7 @@ class Instructions:
 
     def _without_submission(
         self, book: Gradebook, exercises: dict[str, Exercise]
-    ) -> tuple[list[Record], list[tuple[str, str]]]:
+    ) -> tuple[list[GradeRecord], list[tuple[str, str]]]:
         known = {one.student: one for one in (*(record.entry for record in book.records), *book.others)}
         stand_ins, others = [], []
         for student, exercise_id in book.missing:
@@ -77,14 +77,14 @@ class Instructions:
             report = engine.unreadable(exercise, "", _NOTHING).to_mapping()
             who = known.get(student, Entry(student, exercise_id, ""))
             entry = Entry(student, exercise_id, "", who.name, platform=who.platform)
-            record = Record(entry, "", 0, None, report, title=exercise.title)
+            record = GradeRecord(entry, "", 0, None, report, title=exercise.title)
             adjustment = self.deadlines.judge(student, exercise, None, marked=False)
             adjustment = replace(adjustment, override=decided.score, comment=decided.comment, warning="")
             stand_ins.append(replace(record, adjustment=adjustment))
         return stand_ins, others
 
 
-def _with_checks(adjustment: Adjustment, decided: Override, record: Record) -> Adjustment:
+def _with_checks(adjustment: Adjustment, decided: Override, record: GradeRecord) -> Adjustment:
     """Set the points of single checks; one that the result does not have is named."""
     there = {check["id"]: check for check in record.report["checks"]}
     known = [(there[name], points) for name, points in decided.checks if name in there]
@@ -96,12 +96,12 @@ def _with_checks(adjustment: Adjustment, decided: Override, record: Record) -> A
     return replace(adjustment, checks=changed, warning="; ".join(filter(None, (adjustment.warning, warning))))
 
 
-def read(folder: Path, exercises: Sequence[Exercise]) -> Instructions:
+def read_instructions(folder: Path, exercises: Sequence[Exercise]) -> Instructions:
     """Read the instructor's files in the folder of the results."""
-    return Instructions(deadlines.read(folder, exercises), read_overrides(folder / OVERRIDES, exercises))
+    return Instructions(deadlines.read_deadlines(folder, exercises), read_overrides(folder / OVERRIDES, exercises))
 
 
-def warnings(book: Gradebook) -> Iterator[str]:
+def moment_warnings(book: Gradebook) -> Iterator[str]:
     """What is not clear about when submissions were handed in, a sentence for each reason."""
     reasons: dict[str, list[str]] = {}
     for record in book.records:
@@ -159,9 +159,9 @@ def read_overrides(path: Path, exercises: Sequence[Exercise]) -> Overrides:
     for row in read_rows(path, ("student", "exercise"), ("score", "comment", "check")):
         student, exercise, check = row.cells["student"], row.cells["exercise"], row.cells["check"]
         text, comment = row.cells["score"], row.cells["comment"]
-        score = to_number(text)
+        score = parse_number(text)
         if exercise not in points:
-            mistakes.add(row.line, unknown("exercise", exercise, points))
+            mistakes.add(row.line, describe_unknown("exercise", exercise, points))
         elif not student:
             mistakes.add(row.line, "the student is missing")
         elif (line := lines.setdefault((student, exercise, check), row.line)) != row.line:

@@ -45,7 +45,7 @@ class Seeds:
         return replace(self, found=found)
 
 
-def read(path: Path) -> Seeds:
+def read_seeds(path: Path) -> Seeds:
     """Read the file: the columns student and seed."""
     mistakes = Mistakes(path)
     found: dict[str, tuple[int, int]] = {}
@@ -63,7 +63,7 @@ def read(path: Path) -> Seeds:
     return Seeds(path, found)
 
 
-def draw(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]:
+def draw_seeds(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]:
     """A seed for each student, no two the same; whoever has one already keeps it."""
     drawn = {student: seed for student, (seed, _) in before.found.items()} if before else {}
     taken = set(drawn.values())
@@ -78,7 +78,7 @@ def draw(students: Iterable[str], before: Seeds | None = None) -> dict[str, int]
 
 def students_of(path: Path, layout: str = "") -> list[str]:
     """The students of a class list, called as a class run with this layout calls them."""
-    students = [person.student(layout) for person in roster.read(path).people]
+    students = [person.student(layout) for person in roster.read_roster(path).people]
     if doubles := sorted(student for student, count in Counter(students).items() if count > 1):
         raise GradingError(f"{path} lists these more than once, and they cannot be told apart: {', '.join(doubles)}.")
     return students

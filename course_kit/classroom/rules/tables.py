@@ -111,7 +111,7 @@ def _text(path: Path) -> str:
         raise GradingError(f"{path} is not UTF-8. Save it as CSV in UTF-8.") from problem
 
 
-def to_number(text: str) -> float | None:
+def parse_number(text: str) -> float | None:
     """A number as people write it, `7.5` or `7,5`; None when it is none."""
     plain = text.replace(",", ".") if text.count(",") == 1 and "." not in text else text
     if not plain.replace(".", "", 1).lstrip("+-").isdecimal():
@@ -119,7 +119,7 @@ def to_number(text: str) -> float | None:
     return float(plain)
 
 
-def unknown(what: str, name: str, known: Iterable[str]) -> str:
+def describe_unknown(what: str, name: str, known: Iterable[str]) -> str:
     """`there is no student 'bo'. Did you mean 'bob'?`."""
     return f"there is no {what} '{one_line(name)}' here.{did_you_mean(name, list(known))}"
 
@@ -175,7 +175,7 @@ class People:
         if not found and (group := self._groups.get(called.casefold())):
             return sorted(group)
         if not found:
-            raise ValueError(unknown("student", called, self._names))
+            raise ValueError(describe_unknown("student", called, self._names))
         if len(found) > 1:
             raise ValueError(
                 f"several are called '{one_line(called)}': {', '.join(found)}. Write one of these, as in grades.csv"

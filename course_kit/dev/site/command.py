@@ -90,7 +90,7 @@ def _build(root: Path, target: Path) -> int:
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as work:
         gathered, made = Path(work, "sources"), Path(work, "made")
-        gather(root, gathered)
+        gather_pages(root, gathered)
         if code := _run_sphinx(gathered, made):
             return code
         if target.exists():
@@ -108,7 +108,7 @@ def _run_sphinx(gathered: Path, made: Path) -> int:
     return min(1, abs(subprocess.run(command, check=False).returncode))
 
 
-def gather(root: Path, folder: Path) -> None:
+def gather_pages(root: Path, folder: Path) -> None:
     """Put together what Sphinx reads in an empty folder."""
     own = folder / "exercises"
     for name in _FOLDERS:
@@ -120,7 +120,10 @@ def gather(root: Path, folder: Path) -> None:
     for page in sorted(_PAGES.rglob("*.md")):
         if page.name != _FRONT_END:
             _write(folder / page.relative_to(_PAGES), _filled_in(page.read_text("utf-8"), root, lists))
-    for path in [*notebooks.with_outputs(root, drills=False), *(path for found in lists.values() for path in found)]:
+    for path in [
+        *notebooks.list_with_outputs(root, drills=False),
+        *(path for found in lists.values() for path in found),
+    ]:
         _write(folder / path.relative_to(root), nbformat.writes(for_reading(nbformat.read(path, as_version=4))))
 
 
@@ -143,13 +146,13 @@ def for_reading(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
             cell.source = _ANCHOR.sub(
-                lambda found: found[1] + anchor(found[2]), _END_OF_FOLDED.sub("\n\n</details>", cell.source)
+                lambda found: found[1] + heading_anchor(found[2]), _END_OF_FOLDED.sub("\n\n</details>", cell.source)
             )
         export.show_pictures(cell)
     return notebook
 
 
-def anchor(heading: str) -> str:
+def heading_anchor(heading: str) -> str:
     """A heading's anchor as GitHub and the site make it, out of JupyterLab's: `7.4-A-deadlock` is `74-a-deadlock`."""
     return re.sub(r"[^\w-]", "", heading).lower()
 
@@ -159,6 +162,6 @@ def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")
 
 
-def ros2() -> ros2_parser.Parser:
+def ros2_parser_with_all() -> ros2_parser.Parser:
     """The parser of `ros2` with the verbs of all commands; a command line that is run has only those it needs."""
     return ros2_parser.build_parser(list(ros2_parser.COMMANDS))

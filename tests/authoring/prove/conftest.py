@@ -95,7 +95,7 @@ class Tiny:
         (self.exercise.solution.parent / equivalent.FILE).write_text(text)
 
     def prove(self) -> GraderProof:
-        return proving.prove(self.exercise, workers=1)
+        return proving.prove_grader(self.exercise, workers=1)
 
 
 @pytest.fixture

@@ -50,7 +50,7 @@ def test_ctrl_c_stops_it(known: Tiny, capsys: pytest.CaptureFixture[str], monkey
     def interrupted(*_: object, **_more: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(proving, "prove", interrupted)
+    monkeypatch.setattr(proving, "prove_grader", interrupted)
     code, _, err = run(capsys, "--seed", "7")
     del known
     assert code == 130

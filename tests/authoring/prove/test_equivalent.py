@@ -22,8 +22,8 @@ REASON = 'reason = "It does not matter."\n'
 def covered(tmp_path: Path, *more: str) -> list[str]:
     path = tmp_path / "equivalent.toml"
     path.write_text("[[equivalent]]\n" + LINES + OPERATORS + REASON + "".join(f"{line}\n" for line in more))
-    entries = equivalent.read(path)
-    return [one.key for one in mutants.of(SOURCE) if any(entry.covers(one) for entry in entries)]
+    entries = equivalent.read_equivalents(path)
+    return [one.key for one in mutants.make_mutants(SOURCE) if any(entry.covers(one) for entry in entries)]
 
 
 def test_an_entry_is_about_an_operator_on_a_line_wherever_it_stands(tmp_path: Path) -> None:
@@ -37,18 +37,21 @@ def test_an_entry_is_about_an_operator_on_a_line_wherever_it_stands(tmp_path: Pa
     ("text", "said"),
     [
         ("[[equivalent]\n", "cannot be used"),
-        ("[other]\n", r"it has no \[\[equivalent\]\]"),
-        ("equivalent = 3\n", "cannot be used"),
-        (f"[[equivalent]]\n{LINES}{OPERATORS}", r"entry 1 of \[\[equivalent\]\] has no 'reason'"),
-        (f"[[equivalent]]\n{LINES}{OPERATORS}{REASON}why = 1\n", "has a field 'why'. There are: lines, operators"),
-        (f'[[equivalent]]\nlines = "a"\n{OPERATORS}{REASON}', "'lines' has to be a list"),
+        ("[other]\n", "cannot be used: Expected `array`, got `object`"),
+        ("equivalent = 3\n", "Expected `array`, got `int`"),
+        (f"[[equivalent]]\n{LINES}{OPERATORS}", "missing required field `reason` - at `entry 1`"),
+        (f"[[equivalent]]\n{LINES}{OPERATORS}{REASON}why = 1\n", "unknown field `why` - at `entry 1`"),
+        (
+            f'[[equivalent]]\nlines = "a"\n{OPERATORS}{REASON}',
+            r"Expected `array`, got `str` - at `entry 1\.lines`",
+        ),
     ],
 )
 def test_a_wrong_entry_is_named(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "equivalent.toml"
     path.write_text(text)
     with pytest.raises(GradingError, match=said):
-        equivalent.read(path)
+        equivalent.read_equivalents(path)
 
 
 @pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
@@ -56,7 +59,7 @@ def test_each_declaration_of_the_course_is_about_a_mutant_that_there_is(name: st
     root = environment.checkout_folder()
     assert root is not None
     folder = root / "solutions" / name
-    made = mutants.of((folder / f"{name}.py").read_text(), starts_itself=False)
-    entries = equivalent.read(folder / equivalent.FILE)
+    made = mutants.make_mutants((folder / f"{name}.py").read_text(), starts_itself=False)
+    entries = equivalent.read_equivalents(folder / equivalent.FILE)
     assert entries
     assert [str(one) for one in entries if not any(one.covers(mutant) for mutant in made)] == []

@@ -73,7 +73,7 @@ PUBLISH = "self.out.publish(Float64(data=message.data * factor))"
 
 @cache
 def made(source: str) -> tuple[mutants.Mutant, ...]:
-    return tuple(mutants.of(source))
+    return tuple(mutants.make_mutants(source))
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_what_nobody_can_see_is_no_mistake(seen: str, unseen: str) -> None:
     """Fields set to their default, words that are free, the end of a program, and main where the class is started."""
     kinds = {"assignment left out", "keyword left out", "another text", "value left out of a text", "call left out"}
     found = [
-        [one.operator for one in mutants.of(source, starts_itself=False) if one.operator in kinds]
+        [one.operator for one in mutants.make_mutants(source, starts_itself=False) if one.operator in kinds]
         for source in (seen, unseen)
     ]
     assert found[0]

@@ -16,7 +16,7 @@ LINE = '"high": 5,'
 
 
 def text(proof: proving.GraderProof) -> str:
-    return "\n".join(proving.describe(proof, quick=False))
+    return "\n".join(proving.describe_proof(proof, quick=False))
 
 
 def test_a_grader_that_sees_everything_is_proven(tiny: Tiny) -> None:

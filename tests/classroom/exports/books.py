@@ -5,14 +5,14 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.records import Entry, Gradebook, Record
+from course_kit.classroom.records import Entry, Gradebook, GradeRecord
 from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
 
-    Maker = Callable[..., Record]
+    Maker = Callable[..., GradeRecord]
 
 SERVICE = load_exercise("temperature_service")
 ROBOT = load_exercise("move_robot")
@@ -71,7 +71,7 @@ def record(  # noqa: PLR0913 - each with a default, for tests to name what they 
     stderr: str = "",
     source: str = "",
     **entry: Any,
-) -> Record:
+) -> GradeRecord:
     listed = list(checks)
     score = sum(one["points"] for one in listed)
     report = {
@@ -88,27 +88,27 @@ def record(  # noqa: PLR0913 - each with a default, for tests to name what they 
         "stderr": stderr,
     }
     place = Entry(student, of.id, source or f"{student}/{of.starter}", **entry)
-    return Record(place, digest or student, size, 7, report, title=of.title, wall_s=2.0, same_as=same_as)
+    return GradeRecord(place, digest or student, size, 7, report, title=of.title, wall_s=2.0, same_as=same_as)
 
 
-def good(student: str, **more: Any) -> Record:
+def good(student: str, **more: Any) -> GradeRecord:
     return record(student, [check("first"), check("second")], **more)
 
 
-def bad(student: str, diagnosis: str = "service.no_return", **more: Any) -> Record:
+def bad(student: str, diagnosis: str = "service.no_return", **more: Any) -> GradeRecord:
     failed = check("first", "failed", diagnosis=diagnosis, sent="1 °C", expected="33.8", got="0", hint="Look <again>.")
     return record(student, [failed, check("second", "skipped")], **more)
 
 
-def unreadable(student: str, **more: Any) -> Record:
+def unreadable(student: str, **more: Any) -> GradeRecord:
     return record(student, status="unreadable", stderr="answer.py is empty.", **more)
 
 
-def not_graded(student: str, **more: Any) -> Record:
+def not_graded(student: str, **more: Any) -> GradeRecord:
     return record(student, status="error", stderr="the worker was gone", **more)
 
 
-def book(*records: Record, exercises: tuple[Exercise, ...] = (SERVICE,), **more: Any) -> Gradebook:
+def book(*records: GradeRecord, exercises: tuple[Exercise, ...] = (SERVICE,), **more: Any) -> Gradebook:
     found = tuple(sorted(records, key=lambda one: (one.entry.student, one.entry.exercise)))
     return Gradebook(exercises, found, layout=more.pop("layout", "folders"), seed=7, **more)
 

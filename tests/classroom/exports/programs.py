@@ -10,7 +10,7 @@ from tests.classroom.exports.books import SERVICE, good
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import GradeRecord
 
 ORIGINAL = """
 import math
@@ -89,7 +89,7 @@ def starter() -> str:
     return (SERVICE.folder / SERVICE.starter).read_text(encoding="utf-8")
 
 
-def class_of(root: Path, **programs: str) -> list[Record]:
+def class_of(root: Path, **programs: str) -> list[GradeRecord]:
     """Records of students with these programs, which lie in `root`."""
     records = []
     for student, text in programs.items():

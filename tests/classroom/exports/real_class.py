@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Entry, Records
+from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading.file_copy import Copy
@@ -20,7 +20,7 @@ from tests.classroom.exports.programs import ORIGINAL, class_of, disguised
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.grading.model.exercise import Exercise
 
 STUDENTS = 300
@@ -42,7 +42,7 @@ def write(out: Path) -> Path:
     """Two runs of the class into a folder, with all reports; returns the class page of the second."""
     gradebook = _book(out / "in")
     for record in gradebook.records:
-        Records(out).keep(record, render_page(_report(record), record.entry.name or record.entry.student))
+        RecordFolder(out).keep(record, render_page(_report(record), record.entry.name or record.entry.student))
     exports.write_all(replace(gradebook, records=gradebook.records[7:]), out)
     return exports.write_all(gradebook, out)
 
@@ -85,7 +85,7 @@ def _book(root: Path) -> Gradebook:
     )
 
 
-def _one(chance: random.Random, student: str, of: Exercise, name: str) -> Record:
+def _one(chance: random.Random, student: str, of: Exercise, name: str) -> GradeRecord:
     entry = {
         "name": name,
         "late": chance.random() < 0.04,
@@ -112,7 +112,7 @@ def _one(chance: random.Random, student: str, of: Exercise, name: str) -> Record
     return found
 
 
-def _report(record: Record) -> Report:
+def _report(record: GradeRecord) -> Report:
     checks = tuple(
         CheckReport(**{name: one[name] for name in ("id", "title", "status", "points", "max_points", "message")})
         for one in record.report["checks"]

@@ -17,7 +17,7 @@ from course_kit.classroom.rules.adjustments import Adjustment
 from tests.classroom.exports.books import SERVICE, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
-    from course_kit.classroom.records import Gradebook, Record
+    from course_kit.classroom.records import Gradebook, GradeRecord
 
 ZONE = timezone(timedelta(hours=1))
 DUE = datetime(2026, 11, 20, 23, 59, tzinfo=ZONE)
@@ -33,10 +33,10 @@ SET = replace(LATE, override=9.5, comment="Shown to me <on Monday>.")
 
 
 def files(gradebook: Gradebook) -> dict[str, str]:
-    return dict(exports.files(gradebook))
+    return dict(exports.export_files(gradebook))
 
 
-def adjusted(record: Record, adjustment: Adjustment) -> Record:
+def adjusted(record: GradeRecord, adjustment: Adjustment) -> GradeRecord:
     return replace(record, adjustment=adjustment)
 
 
@@ -54,7 +54,7 @@ def test_every_export_has_the_score_that_counts(adjustment: Adjustment, score: f
     assert (nbgrader["duedate"], nbgrader["timestamp"]) == ("2026-11-20 22:59:00", "2026-11-22 00:59:00")
     results = {name: json.loads(text) for name, text in written.items() if name.endswith(".json")}
     assert results["exports/gradescope/jane/temperature_service/results.json"]["score"] == score
-    assert f'data-value="{shown_score}"' in page.render(book(record))
+    assert f'data-value="{shown_score}"' in page.render_class(book(record))
 
 
 def test_a_penalty_can_cost_the_pass_and_never_more_than_all_points() -> None:

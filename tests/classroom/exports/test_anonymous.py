@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports import anonymous
-from course_kit.classroom.records import Records
+from course_kit.classroom.records import RecordFolder
 from course_kit.cli.main import main
 from tests.classroom.exports import books, rules
 from tests.classroom.exports.books import bad, book, good, unreadable
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
     import pytest
 
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import GradeRecord
 
 
-def of_jane() -> Record:
+def of_jane() -> GradeRecord:
     """Somebody whose name stands wherever it can stand."""
     jane = bad("jdoe42", name="Jane van Doe", source="Jane van Doe_4711_assignsubmission_file/jane.py", late=True)
     jane.report["checks"][0].update(
@@ -34,7 +34,7 @@ def of_jane() -> Record:
 def test_no_name_number_file_or_output_of_anybody_is_left(tmp_path: Path) -> None:
     hidden = unreadable("li", name="Li Na")
     hidden.report["stderr"] = "Li Na.py is empty."
-    anonymous.write(book(of_jane(), good("ole"), hidden), tmp_path / "out")
+    anonymous.write_anonymous_pages(book(of_jane(), good("ole"), hidden), tmp_path / "out")
     files = {
         path.relative_to(tmp_path / "out").as_posix(): path.read_text() for path in (tmp_path / "out").rglob("*.*")
     }
@@ -49,7 +49,7 @@ def test_the_scores_are_there_and_the_order_tells_nothing(tmp_path: Path) -> Non
     gradebook = books.large_book(12)
     orders = set()
     for seed in range(3):
-        out = anonymous.write(gradebook, tmp_path / str(seed), random.Random(seed))  # noqa: S311 - an example
+        out = anonymous.write_anonymous_pages(gradebook, tmp_path / str(seed), random.Random(seed))  # noqa: S311 - an example
         header, *rows = rules.rows_of((out / "grades.csv").read_text(encoding="utf-8-sig"))
         assert header == ["student", "exercise", "score", "max", "status"]
         assert len(rows) == len(gradebook.records)
@@ -62,7 +62,7 @@ def test_the_command_reads_a_runs_folder_and_never_writes_over_anything(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for one in (of_jane(), good("ole")):
-        Records(tmp_path / "results").keep(one)
+        RecordFolder(tmp_path / "results").keep(one)
     command = ["export", "anonymous", str(tmp_path / "results"), "--to", str(tmp_path / "out")]
     assert main(command) == 0
     assert len(list((tmp_path / "out").rglob("*.html"))) == 2

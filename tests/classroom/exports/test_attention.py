@@ -10,7 +10,6 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import attention, changes, page
-from course_kit.classroom.exports.texts import problem
 from course_kit.classroom.records import Entry
 from tests.classroom.exports.books import ROBOT, SERVICE, bad, book, check, good, not_graded, record, unreadable
 from tests.classroom.exports.programs import ORIGINAL, OTHER, class_of, disguised
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def people(gradebook: Gradebook) -> dict[str, list[str]]:
-    found = attention.groups(gradebook, attention.labels(gradebook), problem)
+    found = attention.group_by_attention(gradebook, attention.label_students(gradebook))
     return {group.id: [f"{one.called}: {one.told}" for one in group.people] for group in found}
 
 
@@ -60,7 +59,7 @@ def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> No
 
 @pytest.mark.parametrize("section", ["checks", "diagnoses"])
 def test_a_check_and_a_diagnosis_unfold_to_their_students(section: str) -> None:
-    text = page.render(book(bad("jane"), good("ann"), bad("li")))
+    text = page.render_class(book(bad("jane"), good("ann"), bad("li")))
     start = text.index(f'<section id="{section}"')
     part = text[start : text.index("</section>", start)]
     assert re.findall(r"<li><a [^>]*><bdi>(\w+)</bdi></a></li>", part) == ["jane", "li"]

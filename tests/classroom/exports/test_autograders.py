@@ -25,7 +25,7 @@ from tests.course_copy import REPOSITORY
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from course_kit.classroom.records import Record
+    from course_kit.classroom.records import GradeRecord
 
 BROKEN = REPOSITORY / "tests/broken/temperature_service/service.exception.py"
 RUNNER = {
@@ -39,7 +39,7 @@ RUNNER = {
 NOW = datetime(2026, 11, 22, 10, 0, tzinfo=timezone.utc)
 
 
-def of_classroom50(one: Record) -> dict[str, object]:
+def of_classroom50(one: GradeRecord) -> dict[str, object]:
     return rules.classroom50(json_text(autograder_results.classroom50_result(one, RUNNER, NOW)))
 
 
@@ -107,7 +107,7 @@ def test_a_folder_without_a_program_is_0_points_with_a_reason(tmp_path: Path) ->
     empty = tmp_path / "empty"
     empty.mkdir()
     for folder in (tmp_path, empty):
-        found = autograder.grade(SERVICE.id, folder)
+        found = autograder.grade_path(SERVICE.id, folder)
         assert (found.status, found.score) == ("unreadable", 0.0)
         assert "Hand in temperature_service.py or temperature_service.ipynb." in found.report["stderr"]
 
@@ -128,7 +128,7 @@ def test_only_what_was_handed_in_is_graded_for_a_platform(
 
 
 def test_the_zip_for_gradescope_has_its_scripts_at_the_root_and_the_kit_without_answers(tmp_path: Path) -> None:
-    path = autograders.gradescope(SERVICE.id, tmp_path / "autograder.zip")
+    path = autograders.write_gradescope(SERVICE.id, tmp_path / "autograder.zip")
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
         for script in ("setup.sh", "run_autograder", "ros2-course/course"):
@@ -150,7 +150,7 @@ def test_the_zip_for_gradescope_has_its_scripts_at_the_root_and_the_kit_without_
 
 def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Path) -> None:
     """Its script unpacks the kit and calls it; a stand-in for the kit tells with what."""
-    folder = autograders.classroom50(SERVICE.id, tmp_path / "temperature", seed=5)
+    folder = autograders.write_classroom50(SERVICE.id, tmp_path / "temperature", seed=5)
     assert {path.name for path in folder.iterdir()} == {"autograder.py", "kit.zip", "runtime.json"}
     assert (folder / "kit.zip").stat().st_size < 10 * 1024**2, "its runner fetches no more"
     assert json.loads((folder / "runtime.json").read_text())["python"] == "3.12"
@@ -170,7 +170,7 @@ def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Pat
 @pytest.mark.parametrize("where", ["beside the script", "where it is called"])
 def test_the_script_of_classroom_50_loads_nothing_of_a_students(where: str, tmp_path: Path) -> None:
     """Whatever a workflow copies where. An empty entry of PYTHONPATH means the folder in which it is called."""
-    folder = autograders.classroom50(SERVICE.id, tmp_path / "temperature")
+    folder = autograders.write_classroom50(SERVICE.id, tmp_path / "temperature")
     with zipfile.ZipFile(folder / "kit.zip", "w") as stand_in:
         stand_in.writestr("ros2-course/course", "exit 3\n")
     called = tmp_path / "checkout"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
-from course_kit.classroom.records import Record, Records
+from course_kit.classroom.records import GradeRecord, RecordFolder
 from course_kit.grading.model.report import Report
 from course_kit.grading.render.html import render_page
 from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
@@ -24,7 +24,7 @@ REPORT = Report(SERVICE.id, SERVICE.title, "answer.py", "graded", True, 10, 10, 
 
 def written(gradebook: Gradebook, out: Path) -> Path:
     for record in gradebook.records:
-        Records(out).keep(record, render_page(REPORT, record.entry.student))
+        RecordFolder(out).keep(record, render_page(REPORT, record.entry.student))
     exports.write_all(gradebook, out)
     return out
 
@@ -55,13 +55,13 @@ def read_by_canvas(path: str) -> tuple[str, str]:
     return user, attachment
 
 
-def of_moodle(number: int, name: str, maker: object = good, **more: object) -> Record:
+def of_moodle(number: int, name: str, maker: object = good, **more: object) -> GradeRecord:
     source = f"{name}_{number}_assignsubmission_file/temperature_service.py"
     platform = {"moodle_participant": str(number)}
     return maker(str(number), name=name, source=source, platform=platform, **more)  # type: ignore[operator,no-any-return]
 
 
-def of_canvas(user: int, file: str, maker: object = good) -> Record:
+def of_canvas(user: int, file: str, maker: object = good) -> GradeRecord:
     platform = {"canvas_user": str(user), "canvas_submission": str(1000 + user)}
     source = f"doejane_LATE_{user}_{1000 + user}_{file}"
     return maker(str(user), source=source, platform=platform)  # type: ignore[operator,no-any-return]

@@ -24,7 +24,7 @@ HOSTILE_BOOK = books.hostile_book()
 
 
 def written(gradebook: Gradebook) -> dict[str, str]:
-    return dict(exports.files(gradebook))
+    return dict(exports.export_files(gradebook))
 
 
 def table(text: str) -> list[dict[str, str]]:
@@ -63,7 +63,7 @@ def test_grades_land_in_the_assignment_of_canvas_that_is_called_like_the_exercis
         "    Points Possible,,,,,10,5,\n"
         '"Doe, Jane",4711,S-1,jane,A,,,\n'
     )
-    found = roster.read(listed)
+    found = roster.read_roster(listed)
     assert found.canvas_assignments == ("Week 1: temperature service (811)", "Essay (812)")
     jane = good("jane", platform=found.people[0].platform)
     one = replace(

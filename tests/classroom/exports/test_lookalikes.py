@@ -28,7 +28,9 @@ def groups(found: lookalikes.LookAlikes) -> list[list[str]]:
 
 @pytest.mark.parametrize("change", [disguised, moved, lambda text: disguised(moved(text))])
 def test_a_changed_copy_looks_alike(tmp_path: Path, change: Callable[[str], str]) -> None:
-    found = lookalikes.find(book(*class_of(tmp_path, ann=ORIGINAL, bob=OTHER, cid=change(ORIGINAL)), root=tmp_path))
+    found = lookalikes.find_lookalikes(
+        book(*class_of(tmp_path, ann=ORIGINAL, bob=OTHER, cid=change(ORIGINAL)), root=tmp_path)
+    )
     assert names(found) == [("ann", "cid")]
     assert found.pairs[0].similarity >= lookalikes.THRESHOLD
     assert found.compared == 3
@@ -36,12 +38,12 @@ def test_a_changed_copy_looks_alike(tmp_path: Path, change: Callable[[str], str]
 
 def test_the_starter_makes_nobody_alike(tmp_path: Path) -> None:
     class_ = class_of(tmp_path, ann=starter() + ORIGINAL, bob=starter() + OTHER)
-    assert names(lookalikes.find(book(*class_, root=tmp_path))) == []
+    assert names(lookalikes.find_lookalikes(book(*class_, root=tmp_path))) == []
     class_ = class_of(tmp_path, cid=starter(), dan=starter() + "\n# mine\n")
-    found = lookalikes.find(book(*class_, root=tmp_path))
+    found = lookalikes.find_lookalikes(book(*class_, root=tmp_path))
     assert (found.groups, found.compared, found.unread) == ((), 0, 0)
     class_ = class_of(tmp_path, eve=starter(), fay=starter(), gus=ORIGINAL, hal=ORIGINAL)
-    found = lookalikes.find(book(*class_, root=tmp_path))
+    found = lookalikes.find_lookalikes(book(*class_, root=tmp_path))
     assert groups(found) == [["gus", "hal"]]
     assert names(found) == []
 
@@ -50,9 +52,9 @@ def test_the_work_of_a_group_is_not_alike(tmp_path: Path) -> None:
     copied = disguised(ORIGINAL)
     class_ = class_of(tmp_path, ann=ORIGINAL, bob=ORIGINAL, cid=copied, dan=f"{copied}\n# mine")
     of_teams = [replace(record, entry=replace(record.entry, platform={"group": "red"})) for record in class_]
-    found = lookalikes.find(book(*of_teams, root=tmp_path))
+    found = lookalikes.find_lookalikes(book(*of_teams, root=tmp_path))
     assert found.groups == ()
-    alone = lookalikes.find(book(*class_, root=tmp_path))
+    alone = lookalikes.find_lookalikes(book(*class_, root=tmp_path))
     assert groups(alone) == [["ann", "bob", "cid", "dan"]]
     assert len(alone.pairs) == 2
 
@@ -66,7 +68,7 @@ def test_what_many_write_makes_nobody_alike(tmp_path: Path) -> None:
         return ORIGINAL + OTHER + f"\ndef own{number}(x, y, z):\n" + "\n".join(lines)
 
     class_ = class_of(tmp_path, **{f"s{number:02}": own(number) for number in range(40)}, thief=disguised(own(11)))
-    assert names(lookalikes.find(book(*class_, root=tmp_path))) == [("s11", "thief")]
+    assert names(lookalikes.find_lookalikes(book(*class_, root=tmp_path))) == [("s11", "thief")]
 
 
 def test_a_copy_of_a_copy_is_in_the_group_of_the_original() -> None:
@@ -82,5 +84,5 @@ def test_a_notebook_is_compared_by_its_cells(tmp_path: Path) -> None:
     source = json.dumps(f"%%submission {SERVICE.id}\n{ORIGINAL}")
     (tmp_path / "nb.ipynb").write_text(f'{{"cells": [{cell % source}]}}')
     class_ = class_of(tmp_path, ann=disguised(ORIGINAL))
-    found = lookalikes.find(book(*class_, good("bob", source="nb.ipynb"), root=tmp_path))
+    found = lookalikes.find_lookalikes(book(*class_, good("bob", source="nb.ipynb"), root=tmp_path))
     assert names(found) == [("ann", "bob")]

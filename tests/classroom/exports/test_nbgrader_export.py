@@ -34,7 +34,7 @@ def test_nbgrader_itself_writes_the_same(tmp_path: Path, monkeypatch: pytest.Mon
         real.db.commit()
         CsvExportPlugin(to=str(tmp_path / "real.csv")).export(real)
     gradebook = book(good("jane"), bad("jörg"), missing=(("li", SERVICE.id),))
-    ours = dict(exports.files(gradebook))["exports/nbgrader.csv"]
+    ours = dict(exports.export_files(gradebook))["exports/nbgrader.csv"]
     header, *rows = rules.rows_of((tmp_path / "real.csv").read_text(encoding="utf-8"))
     our_header, *our_rows = rules.rows_of(ours)
     assert our_header == header

@@ -11,7 +11,7 @@ import pytest
 
 from course_kit.classroom import exports
 from course_kit.classroom.exports import page
-from course_kit.classroom.records import Records
+from course_kit.classroom.records import RecordFolder
 from tests.classroom.exports import books
 from tests.classroom.exports.books import (
     HOSTILE,
@@ -71,7 +71,7 @@ BOOKS = {
 
 @pytest.mark.parametrize("name", BOOKS)
 def test_the_page_is_whole_and_accessible_html(name: str) -> None:
-    document = Document(page.render(BOOKS[name]))
+    document = Document(page.render_class(BOOKS[name]))
     ids = [attributes["id"] for _, attributes in document.tags if "id" in attributes]
     assert len(ids) == len(set(ids))
     links = [str(link["href"]) for link in document.all("a")]
@@ -85,7 +85,7 @@ def test_the_page_is_whole_and_accessible_html(name: str) -> None:
 
 
 def test_strangers_text_is_shown_and_steers_nothing() -> None:
-    text = page.render(books.hostile_book())
+    text = page.render_class(books.hostile_book())
     document = Document(text)
     for name in HOSTILE:
         shown = re.sub("[\x00-\x08\x0b-\x1f\x7f\u200b\u202e\ud800-\udfff]", "\ufffd", name)
@@ -98,7 +98,7 @@ def test_strangers_text_is_shown_and_steers_nothing() -> None:
 def test_links_lead_to_the_reports(tmp_path: Path) -> None:
     gradebook = books.hostile_book()
     for one in gradebook.records:
-        Records(tmp_path).keep(one, "<p>report")
+        RecordFolder(tmp_path).keep(one, "<p>report")
     found = exports.write_all(gradebook, tmp_path)
     links = {str(link["href"]) for link in Document(found.read_text(encoding="utf-8")).all("a")}
     reports = {link for link in links if link.startswith("students/")}
@@ -119,7 +119,7 @@ def test_it_says_how_the_class_did() -> None:
         dropped=(("zoe", "zoe: it is a link, and links are not followed"),),
         odd=(("yan", "its name does not follow the layout 'canvas'"),),
     )
-    text = Document(page.render(gradebook)).text
+    text = Document(page.render_class(gradebook)).text
     for part in (
         "Canvas",
         "Seed of the checks: 7",

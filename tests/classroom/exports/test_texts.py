@@ -16,8 +16,8 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
 @example("\r\n")
 def test_a_cell_is_the_text_or_an_apostrophe_and_the_text(text: str) -> None:
     shown = make_printable(text)
-    assert texts.cell(text) in (shown, f"'{shown}")
-    assert not texts.cell(text).startswith(FORMULA_STARTS) or float(text) < 0
+    assert texts.csv_cell(text) in (shown, f"'{shown}")
+    assert not texts.csv_cell(text).startswith(FORMULA_STARTS) or float(text) < 0
 
 
 @pytest.mark.parametrize(
@@ -34,4 +34,4 @@ def test_a_cell_is_the_text_or_an_apostrophe_and_the_text(text: str) -> None:
     ],
 )
 def test_numbers_stay_numbers(value: str | float | None, cell: str) -> None:
-    assert texts.cell(value) == cell
+    assert texts.csv_cell(value) == cell

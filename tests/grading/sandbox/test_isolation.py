@@ -162,7 +162,7 @@ def test_solution_is_graded_without_namespaces() -> None:
 @pytest.mark.parametrize("code", ["service.exception", "limit.processes"])
 def test_broken_submission_gets_its_code_without_namespaces(code: str, tmp_path: Path) -> None:
     path = tmp_path / "answer.py"
-    path.write_text(next(one for one in corpus.load(EXERCISE, ROOT).submissions if one.name == code).text())
+    path.write_text(next(one for one in corpus.load_corpus(EXERCISE, ROOT).submissions if one.name == code).text())
     report, _ = grade_without_namespaces(path)
     assert {check["diagnosis"] for check in report["checks"] if check["status"] == "failed"} == {code}
 
