@@ -37,7 +37,7 @@ _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is s
 _ANSWER_S = 1.0  # of a change
 _LINE_S = 1.0  # in which a change shows on /status
 _ONCE = "Publish once for each command, in the callback that receives it, and never without one."
-_SOON_S, LATE_S = 0.15, 0.5  # how long what was not asked for is waited for: when something is wrong, and at the end
+_SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.05, 1.1  # how long what nobody asked for is waited for; the last at the end
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
@@ -175,12 +175,12 @@ def _cause_of_wheel(
 
 def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
-    line = text.strip()
+    line = text.rstrip()
     name, colon, number = line.removesuffix(_UNIT).rpartition(":")
     if not line.endswith(_UNIT) or not colon:
         return None
     try:
-        return name.strip(), float(number)
+        return name, float(number)
     except ValueError:
         return None
 
@@ -195,7 +195,7 @@ def what_is_wrong_with_status(settings: LimiterSettings, line: str) -> str:
     read = read_status(line)
     if read is None:
         return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
-    if read[0] != settings.robot_name.strip():
+    if read[0] != settings.robot_name:
         return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
     return f"The line says {read[1]!r} m/s; max_velocity is {settings.max_velocity!r}, unrounded."
 
@@ -247,7 +247,7 @@ class LimiterSteps(Model):
         self.refused: list[dict[str, Any]] = []
         self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
         self.heard_at: list[float] = []  # when lines of /status have come, told at the end
-        self.quiet_until = 0.0
+        self.quiet_until = self.sent_at = 0.0  # seconds of time.monotonic()
 
     def begin(self, node: GradedNode) -> None:
         """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
@@ -256,7 +256,7 @@ class LimiterSteps(Model):
     def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
         """Valid values are accepted."""
         if values.get("enabled") and not self.settings.enabled:
-            self.require_quiet(node, _SOON_S)
+            self.require_quiet(node, _AT_ONCE_S)
         change = node.set(values, of=NODE)
         change.accepted(breaks=breaks)
         self.in_time(change)
@@ -287,10 +287,10 @@ class LimiterSteps(Model):
 
     def require_quiet(self, node: GradedNode, seconds: float, *, enabled: bool = False) -> None:
         """Nothing comes that was not asked for, after a command while the robot was on or off."""
-        if self.lost & {"one_each", "change_enabled"}:  # else one message too many is taken for the next answer
-            node.context.wait_until(lambda: False, _SOON_S)
-            return
         on = enabled or self.seen.enabled
+        if "one_each" in self.lost or ("change_enabled" in self.lost and not on):
+            node.context.wait_until(lambda: False, _SOON_S)  # else one message too many is taken for the next answer
+            return
         off = "one_each" if on else "one_each_disabled"
         why = _ONCE if on else f"{_ONCE} With enabled=False, too."
         node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=off)
@@ -330,6 +330,7 @@ class LimiterSteps(Model):
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         self.require_quiet(node, 0.0, enabled=self.settings.enabled)
         self.past.append(fields)
+        self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
@@ -413,7 +414,7 @@ class LimiterSteps(Model):
         asked, clock = inbox.count, context.clock()
 
         def fits() -> bool:
-            wanted = (self.settings.robot_name.strip(), self.settings.max_velocity)
+            wanted = (self.settings.robot_name, self.settings.max_velocity)
             return any(read_status(str(one.data)) == wanted for one in inbox.since(asked))
 
         if context.wait_until(fits, _LINE_S + _ACTS_S):
@@ -430,12 +431,12 @@ class LimiterSteps(Model):
         read = read_status(line)
         for one, values in self.settings.with_some(self.refused):
             now = (self.settings.robot_name, self.settings.max_velocity)
-            if (one.robot_name, one.max_velocity) != now and read == (one.robot_name.strip(), one.max_velocity):
+            if (one.robot_name, one.max_velocity) != now and read == (one.robot_name, one.max_velocity):
                 why = "Your node refused the change, yet /status shows it."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
         breaks, code = "change_status" if changed and read is not None else "status", None
         why = what_is_wrong_with_status(self.settings, line)
-        if changed and read == (self.start.robot_name.strip(), self.start.max_velocity):
+        if changed and read == (self.start.robot_name, self.start.max_velocity):
             why, code = "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
         failed = Failed(evidence, why, code, breaks=breaks)
         raise self.blame(node, failed, self.past, lambda model: model.require_status(node))

@@ -31,7 +31,7 @@ _BARELY_BEGUN = 0.1  # the progress that the first message says at most
 _FITS = 0.05  # how well progress fits distance_remaining
 _ROUNDING = 1e-6
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
-_CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
+CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
 _PROMPT_S = 1.0  # within which the statuses of two goals have come
@@ -356,7 +356,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
     if code == "service.blocks":
         failed.diagnosis = "action.cancel_blocked"
         return failed
-    if code == "action.cancel_refused" and left > _CANCEL_UNTIL_M and (slow or goal.feedback):
+    if code == "action.cancel_refused" and left > CANCEL_UNTIL_M and (slow or goal.feedback):
         return failed
     if slow and not (code == "action.cancel_blocked" and waited_s > _PROMPT_S):
         return OverError(failed.evidence, failed.message)

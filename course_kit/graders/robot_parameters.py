@@ -6,6 +6,7 @@ import itertools
 import math
 import re
 from contextlib import suppress
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -55,7 +56,7 @@ _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
 _VELOCITIES = (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF)
 _DIAMETERS = (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF)
-_NAMES = (" ", "my robot: 2", "Zo\u00eb \u83ef")
+_NAMES = (" ", "  my robot: 2 ", "Zo\u00eb \u83ef")
 _INVALID = (
     *({"max_velocity": value} for value in _VELOCITIES),
     *({"wheel_diameter": value} for value in _DIAMETERS),
@@ -94,7 +95,7 @@ class Limiter(LimiterSteps):
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
-        self.require_quiet(node, LATE_S, enabled=True)
+        self.require_quiet(node, max(self.sent_at + LATE_S - time.monotonic(), 0.0), enabled=True)
         if node.context.job.mode == "attach":
             node.set(vars(self.start), of=NODE)
 
@@ -167,8 +168,6 @@ class Limiter(LimiterSteps):
         self.refused.append(values)
         self.in_time(change)
         self.require_reason(change, name, values[name])
-        if name == "robot_name":
-            self.require_status(node)
 
     @step_rule("refuses", values=draw_one_of({"max_velocity": 8.0}, {"robot_name": ""}))
     def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
@@ -177,6 +176,8 @@ class Limiter(LimiterSteps):
             self.accept(node, {"enabled": enabled}, "change_enabled")
             self.refuse(node, values)
             self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+        if "robot_name" in values:
+            self.require_status(node)
 
     @step_rule("atomic", sets=draw_one_of(*(_TOGETHER[place::3] for place in range(3))))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
@@ -191,7 +192,6 @@ class Limiter(LimiterSteps):
     @step_rule("atomic", sets=draw_one_of(_WITH_NAMES))
     def refuse_names(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Refused names do not show."""
-        self.require_status(node)
         for values in sets:
             self.refuse_set(node, values)
         self.require_status(node)
@@ -321,7 +321,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         return model
     try:
         model.drive(node, [BEYOND, 0.1, 0.2, 0.3, 0.4, 0.5], sent)
-        if not model.lost & {"status", "change_status"}:
+        if "robot_name" in given and not model.lost & {"status", "change_status"}:
             model.require_status(node, sent)
         if off:
             model.accept(node, {"enabled": True}, "")

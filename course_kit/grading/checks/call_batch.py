@@ -13,7 +13,6 @@ from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.diagnosis.hangs import unanswered
 from course_kit.grading.model.bounds import bounded
-from course_kit.grading.sandbox import scheduling
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,7 +72,6 @@ class CallBatch:
         self._flying: dict[int, SentRequest] = {}
         self._late = [0.0] * len(clients)  # seconds, by client
         self._looked = self._moved = time.monotonic()
-        self._helpers_waited = scheduling.own_waiting(helpers_only=True)
 
     @property
     def answered(self) -> int:
@@ -84,10 +82,9 @@ class CallBatch:
         """Seconds by which the grader may have kept the client waiting that suffered most, on a loaded machine.
 
         An answer that is found had come since the last look; it lay there for no longer than the time between the two.
-        Time between looks that find nothing was not lost: nothing was there. The threads that bring the answers may
-        have been late, too.
+        Time between looks that find nothing was not lost: nothing was there.
         """
-        return max(*self._late, scheduling.own_waiting(helpers_only=True) - self._helpers_waited)
+        return max(self._late)
 
     def exchange(self) -> bool:
         """Take in what has come and send what may be sent; True when all is answered."""

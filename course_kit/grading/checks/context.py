@@ -192,21 +192,14 @@ class CheckContext:
         """Whether the running submission can be asked nothing more."""
         return self._spoiled
 
-    def clock(self, own_waiting: Callable[[], float] | None = None) -> FairClock:
-        """A fair clock that starts now.
-
-        Args:
-            own_waiting: seconds the grader has waited for a processor, for whoever knows better than the kernel, which
-                counts that of a grader too that only looks whether something has come yet.
-        """
-        if own_waiting is None:
-            return self._clock_of(self._state)
-        return self._clock_of(Recent(lambda: self._look(own_waiting)))
+    def clock(self, lateness: Callable[[], float] | None = None) -> FairClock:
+        """A fair clock that starts now; for `lateness` see `FairClock`."""
+        return self._clock_of(MOST, lateness)
 
     def latency_clock(self) -> FairClock:
         """A fair clock for an answer: what the grader has waited while nothing had come is not taken off."""
-        before = scheduling.own_waiting(helpers_only=True), self._late_s
-        return self.clock(lambda: max(scheduling.own_waiting(helpers_only=True) - before[0], self._late_s - before[1]))
+        before = self._late_s
+        return self.clock(lambda: self._late_s - before)
 
     def process(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of the submission; `fresh` has it counted now instead of up to 50 ms ago."""
@@ -249,7 +242,7 @@ class CheckContext:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile, and it is `of_the_living`.
         """
-        clock = self._clock_of(self._state, most)
+        clock = self._clock_of(most)
         watched, looked = 0.0, time.monotonic()
         while not condition():
             looked = time.monotonic()
@@ -284,15 +277,16 @@ class CheckContext:
             self._spoiled = True
             raise SubmissionEndedError(self.process(), self.job)
 
-    def _look(self, own_waiting: Callable[[], float] = scheduling.own_waiting) -> State:
+    def _look(self) -> State:
         if self._started:
             process = self.process(fresh=True)
             self._used = self._used_before.plus(process.cpu_s, process.waited_s, process.hidden_s)
-        busy_s = machine.processor_times().busy
-        return State(self._used, Used(time.process_time(), own_waiting()), busy_s or None)
+        own = Used(time.process_time(), scheduling.own_waiting())
+        busy_s = machine.processor_times().busy or None
+        return State(self._used, own, busy_s, scheduling.own_waiting(helpers_only=True))
 
-    def _clock_of(self, state: Recent, most: float = MOST) -> FairClock:
-        return FairClock(state, most, machine.processor_share())
+    def _clock_of(self, most: float, lateness: Callable[[], float] | None = None) -> FairClock:
+        return FairClock(self._state, most, machine.processor_share(), lateness)
 
     def _ask(self, what: str, *, patience_s: float = 0.0, **more: object) -> Record:
         self._supervisor.send({"do": what, **more})

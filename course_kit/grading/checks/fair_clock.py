@@ -46,11 +46,13 @@ class State(NamedTuple):
         submission: what the submission has used.
         grader: what the grader has used.
         busy_s: seconds the machine's processors have worked for anybody; None where that is not known.
+        helpers_waited_s: seconds the threads that bring the grader its messages were ready to run, as in `Used`.
     """
 
     submission: Used
     grader: Used
     busy_s: float | None = None
+    helpers_waited_s: float = 0.0
 
 
 class Recent:
@@ -127,15 +129,19 @@ class FairClock:
       as such a thread either computes or waits. One whose threads stand in each other's way has computed all the time.
     """
 
-    def __init__(self, state: Recent, most: float = MOST, share: float = 1.0) -> None:
+    def __init__(
+        self, state: Recent, most: float = MOST, share: float = 1.0, lateness: Callable[[], float] | None = None
+    ) -> None:
         """Start the clock.
 
         Args:
             state: how things stand; as rarely asked as possible.
             most: the largest part of the time that is taken for lost.
             share: how much of one processor a single thread gets on this machine when nobody else wants any.
+            lateness: seconds by which the grader has noticed late what had come, where that is known: it has waited
+                for a processor, too, while nothing had come, and nothing was lost by that.
         """
-        self._most, self._share = most, share
+        self._most, self._share, self._lateness = most, share, lateness
         self._state = state
         self._began = time.monotonic()
         self._before = state.lately()
@@ -157,20 +163,25 @@ class FairClock:
     def fair(self) -> float:
         """Seconds, fairly counted."""
         wall = self.wall()
-        fair = wall - self._lost(wall, lambda now: max(now.submission.waited_s, now.grader.waited_s))
+        now = self._state()
+        late = now.grader.waited_s - self._before.grader.waited_s
+        if self._lateness is not None:
+            late = max(self._lateness(), now.helpers_waited_s - self._before.helpers_waited_s)
+        waited = now.submission.waited_s - self._before.submission.waited_s
+        fair = wall - self._lost(wall, now, max(waited, late))
         self._counted = (wall, fair)
         return fair
 
     def grader_lost(self) -> float:
         """Seconds in which others have kept the grader from running: as late it may have noticed something."""
-        return self._lost(self.wall(), lambda now: now.grader.waited_s)
+        now = self._state()
+        return self._lost(self.wall(), now, now.grader.waited_s - self._before.grader.waited_s)
 
-    def _lost(self, wall: float, waited: Callable[[State], float]) -> float:
-        """How much of the seconds on the wall others have taken away."""
-        now, before = self._state(), self._before
-        since = State(now.submission.since(before.submission), now.grader.since(before.grader))
-        lost = min(waited(since), wall - since.submission.cpu_s / self._share, self._most * wall)
+    def _lost(self, wall: float, now: State, waited: float) -> float:
+        """How much of the seconds on the wall others have taken away, of those that somebody has waited."""
+        used, before = now.submission.since(self._before.submission), self._before
+        lost = min(waited, wall - used.cpu_s / self._share, self._most * wall)
         if now.busy_s is not None and before.busy_s is not None:
-            own = since.submission.cpu_s + since.submission.hidden_s + since.grader.cpu_s
+            own = used.cpu_s + used.hidden_s + now.grader.cpu_s - before.grader.cpu_s
             lost = min(lost, now.busy_s - before.busy_s - own)
         return max(lost, 0.0)
