@@ -127,7 +127,7 @@ class RobotModel(Model):
                 self.drive(node, inside(target, 1.0, 0.5))
             length = math.dist(self.at, target)
             goal = self.start(node, target, breaks="outside")
-            if length > FAR_M and node.context.job.mode != "attach":
+            if length > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M) and node.context.job.mode != "attach":
                 self.start_afresh(node)
             else:
                 self.special = "outside"
@@ -450,6 +450,6 @@ CHECKS = [
                   points=1.0, proves=["not_a_number"], after=["accepted"]),
         CheckPart("outside", "Goals outside the arena are rejected, goals on its edges are not",
                   points=1.5, proves=["edges_inside", "outside"], after=["accepted"]),
-        steps=36, after=["offered"], deadline_s=120.0,
+        steps=30, after=["offered"], deadline_s=120.0,
     ),
 ]  # fmt: skip

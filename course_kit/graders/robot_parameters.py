@@ -199,12 +199,9 @@ class Limiter(LimiterSteps):
     @step_rule(
         "wrong_type",
         values=draw_one_of(
-            {"max_velocity": "fast"},
-            {"max_velocity": 2},
-            {"enabled": 1},
-            {"enabled": "yes"},
-            {"robot_name": 7},
-            {"wheel_diameter": 1},
+            *({"max_velocity": value} for value in ("fast", 2)),
+            *({"enabled": value} for value in (1, "yes")),
+            *({"robot_name": 7}, {"wheel_diameter": 1}),
         ),
     )
     def other_type(self, node: GradedNode, values: dict[str, Any]) -> None:

@@ -316,11 +316,8 @@ class Temperatures(Model):
 
 
 CHECKS = [
-    endpoints_offered(
-        points=0.5,
-        proves=["service", "only_a_class", "a_program", "start"],
-        title="The service /convert_temperature is there, with its type",
-    ),
+    endpoints_offered(title="The service /convert_temperature is there, with its type",
+                      points=0.5, proves=["service", "only_a_class", "a_program", "start"]),
     node_name("temperature_service", points=0.5, proves=["node"], after=["offered"]),
     *conversation(
         Temperatures,
@@ -328,40 +325,20 @@ CHECKS = [
         CheckPart("celsius_to_fahrenheit", "Celsius becomes Fahrenheit", points=1.0, proves=["both_directions"]),
         CheckPart("fahrenheit_to_celsius", "Fahrenheit becomes Celsius", points=1.0, proves=["both_directions"]),
         CheckPart("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"]),
-        CheckPart(
-            "precision",
-            "No digits are lost, whether the value is large, small or very cold",
-            points=1.0,
-            proves=["every_digit"],
-        ),
-        CheckPart(
-            "unknown_unit",
-            "An unknown unit is refused with a reason",
-            points=1.0,
-            proves=["unknown_unit", "exact_words", "says_why", "checked_first"],
-        ),
-        CheckPart(
-            "not_a_number",
-            "NaN and infinity are refused with a reason",
-            points=1.0,
-            proves=["no_number", "says_why", "checked_first"],
-        ),
-        CheckPart(
-            "absolute_zero",
-            "A temperature below absolute zero is refused with a reason, absolute zero itself is not",
-            points=1.0,
-            proves=["too_cold", "absolute_zero", "says_why", "checked_first"],
-        ),
-        CheckPart(
-            "fifty_calls",
-            "Fifty calls, ten at a time, each get the answer to their own value within 5 s",
-            points=1.5,
-            proves=["fifty_calls", "own_value"],
-        ),
-        steps=150,
-        after=["offered"],
+        CheckPart("precision", "No digits are lost, whether the value is large, small or very cold",
+                  points=1.0, proves=["every_digit"]),
+        CheckPart("unknown_unit", "An unknown unit is refused with a reason",
+                  points=1.0, proves=["unknown_unit", "exact_words", "says_why", "checked_first"]),
+        CheckPart("not_a_number", "NaN and infinity are refused with a reason",
+                  points=1.0, proves=["no_number", "says_why", "checked_first"]),
+        CheckPart("absolute_zero",
+                  "A temperature below absolute zero is refused with a reason, absolute zero itself is not",
+                  points=1.0, proves=["too_cold", "absolute_zero", "says_why", "checked_first"]),
+        CheckPart("fifty_calls", "Fifty calls, ten at a time, each get the answer to their own value within 5 s",
+                  points=1.5, proves=["fifty_calls", "own_value"]),
+        steps=150, after=["offered"],
     ),
-]
+]  # fmt: skip
 
 
 def _wanted(sample: Sample) -> str:

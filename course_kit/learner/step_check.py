@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.endpoints import WantedEndpoint
+from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.exchange_log import GRADER

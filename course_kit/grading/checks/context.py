@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
-from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, Start, State, Used
+from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
 from course_kit.grading.checks.grader_node import GraderNode
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.model import limits
@@ -264,10 +264,15 @@ class CheckContext:
             SubmissionEndedError: the submission has ended meanwhile.
         """
         began, job = time.monotonic(), self.job
-        start = Start(condition, job.start_cpu_s, self.computed, self.grader_node.nodes)
+
+        def is_endless() -> bool:
+            """Whether it has computed for so long that no node of it will appear."""
+            return self.computed() >= job.start_cpu_s and not self.grader_node.nodes()
+
         try:
-            came = self.wait_until(start.over, job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
-            return came and not start.endless
+            patience_s, most = job.limits.start_s, _MOST_OF_A_START
+            self.wait_until(lambda: condition() or is_endless(), patience_s, most=most, step_s=GRAPH_STEP_S)
+            return condition()
         finally:
             self.spent["discovery"] += time.monotonic() - began
 

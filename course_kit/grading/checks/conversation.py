@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun, name_lost_node
-from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 
@@ -298,7 +297,7 @@ class Conversation:
         self.context.spoil()
         try:
             node, model, _ = self._begin()
-        except (Failed, SubmissionEndedError):
+        except Failed:
             return None
         try:
             for step in steps:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.srv import ListParameters
 from rclpy.duration import Infinite
@@ -15,11 +16,14 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
+from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.grader_node import DEPTH
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.diagnosis.exceptions import explained
+from course_kit.interfaces import get_type
+from course_kit.ros.messages import type_name
 from course_kit.ros.names import nearest_name
 from course_kit.ros.parameters import LIST_SERVICE
 
@@ -27,8 +31,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.endpoints import WantedEndpoint
     from course_kit.grading.checks.fair_clock import FairClock
+    from course_kit.grading.checks.grader_node import GraderNode, Offer
+    from course_kit.grading.model.plain_data import Record
     from course_kit.ros import topic
     from course_kit.ros.messages import Message
     from course_kit.ros.service import ServiceClient
@@ -55,6 +60,51 @@ _DEFAULT = QoSProfile(
     lifespan=Infinite,
     liveliness_lease_duration=Infinite,
 )
+
+
+@dataclass(frozen=True)
+class WantedEndpoint:
+    """One of them.
+
+    Attributes:
+        kind: what the program has: "service", "action", "publisher" or "subscription".
+        name: its full name.
+        interface: its class.
+    """
+
+    kind: str
+    name: str
+    interface: Any
+
+    @classmethod
+    def from_record(cls, record: Record) -> WantedEndpoint:
+        """As exercise.toml names it."""
+        return cls(record["kind"], record["name"], get_type(record["type"]))
+
+    @property
+    def type(self) -> str:
+        """The interface's name, `package/srv/Name`."""
+        return type_name(self.interface)
+
+    @property
+    def is_server(self) -> bool:
+        """Whether it is a service or an action, not the end of a topic."""
+        return self.kind in ("service", "action")
+
+    def is_ready(self, node: GraderNode) -> bool:
+        """Whether the grader's own end, made on first use, is connected with it."""
+        if self.kind == "service":
+            return node.client(self.interface, self.name).is_ready()
+        if self.kind == "action":
+            return ActionChannels(node, self.name, self.interface).ready()
+        if self.kind == "publisher":
+            node.inbox(self.interface, self.name)
+            return bool(node.publishers(self.name))
+        return bool(node.publisher(self.interface, self.name).get_subscription_count())
+
+    def offers(self, node: GraderNode) -> list[Offer]:
+        """All servers of this kind on the graph."""
+        return node.services() if self.kind == "service" else node.actions()
 
 
 def expect_server(context: CheckContext, server: WantedEndpoint) -> Evidence:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
 _RECENT_S = 0.1
 MOST = 0.8  # however busy the machine: after five times the patience a wait is over
@@ -73,47 +72,6 @@ class Recent:
         if self._value is None or time.monotonic() - self._at >= _RECENT_S:
             return self()
         return self._value
-
-
-class Start:
-    """The start of a program, which is over when what is waited for is there, or when it computes without end.
-
-    Looking how much it has computed costs computing, too. So that is done only when it can have used up its seconds,
-    on all processors.
-
-    Attributes:
-        endless: whether it was given up.
-    """
-
-    def __init__(
-        self,
-        condition: Callable[[], bool],
-        seconds: float,
-        computed: Callable[[], float],
-        nodes: Callable[[], Sequence[str]],
-    ) -> None:
-        """Begin with a program that has just been started.
-
-        Args:
-            condition: what is waited for.
-            seconds: for which it may compute before one of its nodes appears.
-            computed: the seconds for which it has computed.
-            nodes: those that have appeared.
-        """
-        self.endless = False
-        self._condition, self._seconds, self._computed, self._nodes = condition, seconds, computed, nodes
-        self._processors = len(os.sched_getaffinity(0))
-        self._next = time.monotonic() + seconds / self._processors
-
-    def over(self) -> bool:
-        """Whether it is over; to be asked again and again."""
-        if self._condition():
-            return True
-        if time.monotonic() >= self._next:
-            left = self._seconds - self._computed()
-            self.endless = left <= 0.0 and not self._nodes()
-            self._next = time.monotonic() + max(left / self._processors, _RECENT_S)
-        return self.endless
 
 
 class FairClock:

@@ -11,10 +11,10 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks.actions import ActionChannels
+from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
-from course_kit.grading.checks.matching import describe_wanted, differences
 from course_kit.grading.diagnosis import exits, goals, hangs
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.model.bounds import bounded
@@ -37,7 +37,7 @@ PROMPT_S = 1.0
 _STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
 _GOOD_PART = 0.4  # of the time of a goal, from the first to the last feedback
 _TOO_LATE = 0.1  # of the time of a goal, before its end, for what tells of its middle
-_QUIET_S = 0.04  # feedback is complete when none came for so long after the result, fairly counted
+_QUIET_S = 0.025  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
 
@@ -301,7 +301,7 @@ class GradedGoal:
                 count, clock = self._line.feedback.count, self._context.clock()
             return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
 
-        self._context.wait_until(quiet, hangs.ANSWER_S)
+        self._context.wait_until(quiet, hangs.ANSWER_S, step_s=_QUIET_S / 2)
         self._all_heard = complete(self.feedback)
         return self.feedback
 

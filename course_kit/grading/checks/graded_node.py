@@ -9,12 +9,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import discovery
-from course_kit.grading.checks.answers import Answer, Change
+from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.endpoints import WantedEndpoint
+from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.matching import describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.parameters import (
     RemoteParameters,
     describe_result,

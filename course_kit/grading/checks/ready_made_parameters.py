@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from course_kit.grading.checks.answers import describe_wanted, differences, only_field
 from course_kit.grading.checks.check import Check, Evidence, Failed
-from course_kit.grading.checks.matching import describe_wanted, differences, only_field
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.ready_made import make_check
 from course_kit.grading.checks.steps import draw_values

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from course_kit.grading.checks.answers import Answer, Change
+from course_kit.grading.checks.answers import Answer, Approximation, Change
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.conversation import CheckPart, Model, conversation
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
-from course_kit.grading.checks.matching import Approximation
 from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,

@@ -17,8 +17,7 @@ from geometry_msgs.msg import Twist
 from course_kit import environment
 from course_kit.grading.checks.check import Check, Evidence, run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.discovery import expect_node, expect_server, expect_topics
-from course_kit.grading.checks.endpoints import WantedEndpoint
+from course_kit.grading.checks.discovery import WantedEndpoint, expect_node, expect_server, expect_topics
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters

@@ -128,30 +128,6 @@ def test_only_what_others_have_taken_is_not_counted(
     assert counted.fair() == pytest.approx(fair)
 
 
-def test_a_program_without_a_node_is_given_up_when_it_has_computed_enough(
-    clock: Time, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(fair_clock.os, "sched_getaffinity", lambda _: {0, 1})
-    looks: list[float] = []
-
-    def computed() -> float:
-        looks.append(clock.now)
-        return (clock.now - 100.0) * 0.5
-
-    nodes = ["/node"]
-    start = fair_clock.Start(lambda: clock.now > 120.0, 3.0, computed, lambda: nodes)
-    while not start.over():
-        clock.now += 0.25
-    assert not start.endless
-    assert looks[:2] == [101.5, 102.75]  # not before both processors can have done it
-    clock.now = 100.0
-    start = fair_clock.Start(lambda: False, 3.0, computed, list)
-    while not start.over():
-        clock.now += 0.25
-    assert start.endless
-    assert clock.now == 106.0
-
-
 def test_only_the_client_that_suffered_most_was_kept_waiting(clock: Time) -> None:
     """A server that answers one after the other gets no time for each answer that was noticed late."""
     sent = [SimpleNamespace(answered=lambda: False, sent=2) for _ in range(4)]
