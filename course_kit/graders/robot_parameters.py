@@ -20,7 +20,6 @@ from course_kit.graders._limiter import (
     LATE_S,
     NODE,
     RANGES,
-    SILENT_S,
     STATUS,
     TYPES,
     LimiterSettings,
@@ -29,6 +28,7 @@ from course_kit.graders._limiter import (
 )  # fmt: skip
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import describe_values, start_arguments
+from course_kit.grading.checks.ready_made import expect_rate
 from course_kit.grading.checks.vocabulary import (
     Check,
     CheckPart,
@@ -269,26 +269,15 @@ def defaults(node: GradedNode) -> Evidence:
 @check(points=0.5, after=["status"], proves=["status_rate"])
 def status_rate(node: GradedNode) -> Evidence:
     """/status is published twice a second."""
-    expected = f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average"
     held = node.context.conversations[Limiter]
     heard = held.last.heard_at if held.last is not None else []
     gaps = [after - before for before, after in itertools.pairwise(heard)]
     if len(gaps) >= _LINES and max(gaps) <= _LONGEST_GAP_S and _RATE[0] <= sum(gaps) / len(gaps) <= _RATE[1]:
-        return Evidence("", expected, f"one every {sum(gaps) / len(gaps):.3g} s")
+        return Evidence("", f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average", f"{len(heard)} lines")
     node.meet()  # afresh: nothing else is asked of it than a change, after which the timer may be another one
     with suppress(Failed):
         node.set({"robot_name": _NAMES[1], "max_velocity": 0.7}, of=NODE)
-    inbox = node.inbox(STATUS)
-    so_far = inbox.count
-    for more in (0, _LINES, 2 * _LINES):
-        enough = max(_LINES, so_far + more)
-        node.context.wait_until(lambda least=enough: inbox.count >= least, SILENT_S * _LINES)  # type: ignore[misc] # of none
-        times = list(inbox.times)[-max(_LINES, more + 1) :]
-        period = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else math.inf
-        evidence = Evidence("", expected, f"one every {period:.3g} s")
-        if _RATE[0] <= period <= _RATE[1]:
-            return evidence
-    raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.")
+    return expect_rate(node, STATUS, 0.5, _RATE)
 
 
 def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Limiter:

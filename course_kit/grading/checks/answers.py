@@ -41,7 +41,7 @@ class Reply:
         Args:
             why: what is wrong, in a sentence for the learner.
             expected: what a right node does, in words.
-            breaks: the sentence of the task that is broken, where the check proves several.
+            breaks: the sentence of the exercise that is broken, where the check proves several.
             diagnosis: a code of the catalogue, where what was seen establishes it.
 
         Raises:
@@ -58,7 +58,7 @@ class Reply:
         """It took no longer than so many seconds.
 
         Args:
-            seconds: the most that the task allows.
+            seconds: the most that the exercise allows.
             breaks: as in `fail`.
 
         Raises:
@@ -75,7 +75,7 @@ class Reply:
         """It took at least so many seconds: work that takes time was not left out.
 
         Args:
-            seconds: the least that the task allows.
+            seconds: the least that the exercise allows.
             breaks: as in `fail`.
 
         Raises:
@@ -104,7 +104,7 @@ class Answer(Reply):
         """The response has these fields; others may hold anything.
 
         Args:
-            breaks: the sentence of the task that a wrong answer breaks, where the check proves several.
+            breaks: the sentence of the exercise that a wrong answer breaks, where the check proves several.
             why: what is wrong with another answer, for the learner.
             diagnosis: its code of the catalogue.
             fields: a value for each; a dict for a message in it, or a function that says whether a value is right.
@@ -132,7 +132,7 @@ class Answer(Reply):
         """The request was refused, with a reason.
 
         Args:
-            reason: the field with the reason, which must not be blank; empty when the task asks for none.
+            reason: the field with the reason, which must not be blank; empty when the exercise asks for none.
             what: was wrong with the request, for the learner: "an unknown unit".
             breaks: the sentence that is broken by accepting it.
             unexplained: the one that is broken by refusing it without a reason.

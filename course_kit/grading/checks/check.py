@@ -36,7 +36,7 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         evidence: what was seen.
         diagnosis: a code of the catalogue when the cause is established, else None.
         message: what happened in this case, in one or two sentences for the learner.
-        breaks: the sentence of the task that is broken, where the check proves several.
+        breaks: the sentence of the exercise that is broken, where the check proves several.
         steps: what crossed the wire; taken from the record of the check when empty.
     """
 
@@ -64,7 +64,7 @@ class Check:
         depends_on: ids of checks without which it makes no sense; it is skipped unless they passed.
         deadline_s: seconds for all its waiting together.
         run: the function.
-        proves: ids of the sentences of the task that it proves; they stand in the exercise's exercise.toml.
+        proves: ids of the sentences of the exercise that it proves; they stand in the exercise's exercise.toml.
     """
 
     id: str
@@ -102,7 +102,7 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
 class Result:
     """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.
 
-    One that was run says in `proves` which sentences of the task it is about.
+    One that was run says in `proves` which sentences of the exercise it is about.
     """
 
     id: str

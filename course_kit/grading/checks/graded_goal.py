@@ -115,7 +115,7 @@ class GradedGoal:
 
         Args:
             expected: in words.
-            breaks: the sentence of the task that is broken otherwise, where the check proves several.
+            breaks: the sentence of the exercise that is broken otherwise, where the check proves several.
 
         Raises:
             Failed: it rejects it, with validation.overzealous, or does not answer.
@@ -191,7 +191,7 @@ class GradedGoal:
         """A request to cancel it is accepted in time; how it then ends is for `ends`.
 
         Args:
-            within_s: how long the task gives the server for its answer.
+            within_s: how long the exercise gives the server for its answer.
             breaks: as in `accepted_by`.
 
         Raises:

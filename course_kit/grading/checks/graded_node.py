@@ -67,7 +67,7 @@ class GradedNode:
             service: its name.
             request: the request as a message or a dict; or its fields one by one.
             within_s: how long an answer is waited for.
-            breaks: the sentence of the task, or the check, that it costs when none comes.
+            breaks: the sentence of the exercise, or the check, that it costs when none comes.
             fields: of the request.
 
         Raises:
@@ -169,7 +169,7 @@ class GradedNode:
             topic: its name.
             wanted: a dict of fields, a message, the value of the only field, or a function that says yes or no.
             within_s: how long it is waited for.
-            breaks: the sentence of the task that another message breaks, where the check proves several.
+            breaks: the sentence of the exercise that another message breaks, where the check proves several.
             why: what is wrong with another message, for the learner.
             diagnosis: its code of the catalogue.
             fields: of the message.

@@ -308,27 +308,34 @@ def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack
     Example:
         >>> topic_rate("/heartbeat", 10.0, check_id="rate", title="Ten a second", points=1.0, proves=["rate"])
     """
+    period_s = 1.0 / hz
+    bounds = (1.0 - off_by) * period_s, (1.0 + off_by) * period_s
+    return make_check(lambda node: expect_rate(node, topic, period_s, bounds), **declared)
 
-    def talk(node: GradedNode) -> Evidence:
-        node.meet()
-        inbox, period_s, clock = node.inbox(topic), 1.0 / hz, node.context.clock()
-        found, count = 0.0, max(_FEWEST, inbox.count)
-        expected = f"a message on {topic} every {period_s:.3g} s"
-        while node.context.wait_until(lambda least=count: inbox.count >= least, max(_SILENT_S, 4 * period_s)):  # type: ignore[misc] # of none
-            times = list(inbox.times)
-            looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
-            periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
-            found, count = periods[0], inbox.count + 1
-            if any(abs(one - period_s) <= off_by * period_s for one in periods):
-                return Evidence("", expected, f"one every {found:.3g} s")
-            if clock.past(10 * period_s + _SILENT_S):
-                break
-        why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
-        if inbox.count < _FEWEST:
-            raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
-        raise Failed(Evidence("", expected, f"one every {found:.3g} s"), why)
 
-    return make_check(talk, **declared)
+def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float]) -> Evidence:
+    """Messages come on a topic, on average with a period between these bounds, in seconds.
+
+    Raises:
+        Failed: they do not, with topic.silent where hardly any come.
+    """
+    node.meet()
+    inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
+    found, count = 0.0, max(_FEWEST, inbox.count)
+    expected = f"a message on {topic} every {bounds[0]:.3g} to {bounds[1]:.3g} s, on average"
+    while node.context.wait_until(lambda least=count: inbox.count >= least, wait_s):  # type: ignore[misc] # of none
+        times = list(inbox.times)
+        looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
+        periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
+        found, count = periods[0], inbox.count + 1
+        if any(bounds[0] <= one <= bounds[1] for one in periods):
+            return Evidence("", expected, f"one every {found:.3g} s")
+        if clock.past(10 * period_s + _SILENT_S):
+            break
+    why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
+    if inbox.count < _FEWEST:
+        raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
+    raise Failed(Evidence("", expected, f"one every {found:.3g} s"), why)
 
 
 def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
