@@ -171,7 +171,7 @@ class RobotModel(Model):
             node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
             if first.over_at is not None or _moves.metres_left(first, target) < _moves.CANCEL_UNTIL_M:
                 break
-        self.judge(self.finish(begin, target, first))
+        self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair(), 1.0)))
 
     @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
     @fair
@@ -260,9 +260,9 @@ class RobotModel(Model):
             raise
         return goal
 
-    def finish(self, begin: ArenaPoint, target: ArenaPoint, goal: GradedGoal) -> Move:
-        """Wait until a move has succeeded."""
-        ended = goal.ends(within_s=_moves.allowed_s(math.dist(begin, target)), breaks="succeeds")
+    def finish(self, begin: ArenaPoint, target: ArenaPoint, goal: GradedGoal, within_s: float = 0.0) -> Move:
+        """Wait until a move has succeeded, for so many seconds or as long as it may take."""
+        ended = goal.ends(within_s=within_s or _moves.allowed_s(math.dist(begin, target)), breaks="succeeds")
         return self.arrive(Move(begin, target, goal, ended))
 
     def set_off(self, node: GradedNode, way: Way, share: float) -> tuple[ArenaPoint, ArenaPoint, GradedGoal]:

@@ -151,7 +151,7 @@ def _read(context: CheckContext) -> dict[object, object]:
 def _run(context: CheckContext) -> FoundAnswers:
     """Have the program work its answers out, and find out why if it does not come to its end."""
     job = context.job
-    process = context.run_to_end()
+    process = context.program.run_to_end(context.time_is_up)
     if "set_names" in process.notes:
         found = find_answers(process.notes, job.variable)
         if found.is_set or not process.notes.get("ended_itself"):

@@ -289,7 +289,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         node.meet()
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
-        process = context.process()
+        process = context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
         if failed.diagnosis in _ENDED and any(name in text for name in TYPES for text in last):
             why = f"Your program ended when it was started with valid values. {failed.message}"
@@ -361,7 +361,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
             node.parameters(NODE).expect_served()
             node.meet()
         except Failed as failed:
-            if context.process(fresh=True).running:
+            if context.program.status(fresh=True).running:
                 raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
             return _require_said(node, (name,), replace(evidence, got="the program ended"))
         try:
@@ -381,7 +381,7 @@ def _require_said(node: GradedNode, words: tuple[str, ...], evidence: Evidence) 
     """Somebody reads the terminal: it has to say what happened. By itself this earns nothing."""
 
     def said() -> bool:
-        process = node.context.process(fresh=True)
+        process = node.context.program.status(fresh=True)
         own = _SAID_BY_RCLPY.sub("", process.stdout + process.stderr)
         return any(word in own for word in words)
 

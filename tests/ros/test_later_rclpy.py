@@ -219,9 +219,7 @@ def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(p
     from course_kit.grading.checks.check import Evidence, Failed
 
     class StandInContext:
-        def process(self, *, fresh: bool) -> Any:
-            del fresh
-            return SimpleNamespace(stdout="", stderr=printed)
+        program = SimpleNamespace(status=lambda **_: SimpleNamespace(stdout="", stderr=printed))
 
         def wait_until(self, is_done: Any, _: float, **__: Any) -> bool:
             return bool(is_done())

@@ -171,7 +171,7 @@ def _run(one: Check, context: CheckContext) -> Result:
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:
     """Where a silent program's node has lost its executor, that is the reason."""
-    if failed.evidence.got.startswith("no ") and (line := context.lost_in()):
+    if failed.evidence.got.startswith("no ") and (line := context.program.lost_in()):
         failed.diagnosis = "action.node_lost"
         failed.message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
 

@@ -18,7 +18,8 @@ from rclpy.qos import (
 
 from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
+from course_kit.grading.checks.context import GRAPH_STEP_S
+from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.checks.grader_node import DEPTH
 from course_kit.grading.diagnosis import exceptions, exits, hangs
 from course_kit.grading.diagnosis.exceptions import explained
@@ -212,7 +213,7 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.doing(context)
     where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
-    if context.computed() >= context.job.start_cpu_s:
+    if context.has_computed_enough():
         computed = f"{context.job.start_cpu_s:g} s"
         return "limit.time", f"Your program has computed for {computed} and no node has appeared.{where}"
     start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
@@ -280,7 +281,7 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
         if hangs.computes(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback is blocked in {where}; meanwhile nothing is published."
-    if logged := exceptions.of_logged(context.process(fresh=True).stderr, context.job):
+    if logged := exceptions.of_logged(context.program.status(fresh=True).stderr, context.job):
         context.spoil()
         return logged
     return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."

@@ -13,8 +13,8 @@ from unique_identifier_msgs.msg import UUID
 from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.context import SubmissionEndedError
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
+from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exits, goals, hangs
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.model.bounds import bounded
@@ -67,7 +67,7 @@ class GradedGoal:
         context.require_time(Evidence(shown, "an answer to the goal"))
         self._context, self._parts = context, interface.Impl
         self._line = ActionChannels(context.grader_node, action, interface)
-        self._stderr = context.process().stderr
+        self._stderr = context.program.status().stderr
         self._id = uuid.uuid4().bytes
         self._result: SentRequest | None = None
         self._all_heard = False
@@ -354,7 +354,7 @@ class GradedGoal:
 
     def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
-        process = self._context.process(fresh=True)
+        process = self._context.program.status(fresh=True)
         same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
         return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Failed
-from course_kit.grading.checks.context import SubmissionEndedError
+from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exits, hangs
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
@@ -80,7 +80,7 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
 
 def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
     """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
-    logged = of_logged(context.process(fresh=True).stderr, context.job)
+    logged = of_logged(context.program.status(fresh=True).stderr, context.job)
     if logged is None:
         return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)
     context.spoil()

@@ -24,7 +24,7 @@ def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float
     busy = computes(context)
     evidence = Evidence(shown, expected, f"no answer within {told(waited_s)} s; the program is still running")
     diagnosis, message = _why_silent(context, seen, told(waited_s), busy=busy)
-    if diagnosis is None and (logged := exits.of_logged(context.process().stderr, context.job)):
+    if diagnosis is None and (logged := exits.of_logged(context.program.status().stderr, context.job)):
         diagnosis, message = logged
     if waited_s < ANSWER_S and context.time_is_up():
         message += f" That used up the {context.deadline_s:g} s that this check may take."
@@ -65,17 +65,17 @@ def of_future(job: Job) -> exits.Cause | None:
 
 def computes(context: CheckContext) -> bool:
     """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment."""
-    before = context.process(fresh=True)
+    before = context.program.status(fresh=True)
     clock = context.clock()
     with context.after_the_verdict():
         context.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
-    after = context.process(fresh=True)
+    after = context.program.status(fresh=True)
     return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall()
 
 
 def doing(context: CheckContext) -> Activity:
     """What the submission's threads are doing now; unknown for other than Python source."""
-    return activity(context.stacks(), context.job.name)
+    return activity(context.program.stacks(), context.job.name)
 
 
 def spins(context: CheckContext) -> bool:

@@ -141,7 +141,7 @@ def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
     lives = []
 
     def one(context: CheckContext) -> Evidence:
-        lives.append(context.run_to_end())
+        lives.append(context.program.run_to_end(context.time_is_up))
         return EVIDENCE
 
     job = Job("course_kit.graders.pattern_choice", "run", "answer.py", 3, variable="answers")

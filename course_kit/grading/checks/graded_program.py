@@ -1,0 +1,105 @@
+"""The submission as its supervisor runs it: started, looked at, ended."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.fair_clock import Used
+from course_kit.grading.diagnosis import exits
+from course_kit.grading.model import limits
+from course_kit.grading.model.process_status import ProcessStatus
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
+    from course_kit.grading.sandbox.channel import Channel
+
+_FINISH_S = 0.25  # how often it is asked whether the time is up, while a program's end is waited for
+_RPC_S = 30.0  # the supervisor answers in milliseconds; without it there is no grading
+
+
+class SubmissionEndedError(Failed):
+    """The submission's process has ended while something was expected of it; by itself explained as during a call."""
+
+    def __init__(self, process: ProcessStatus, job: Job) -> None:
+        diagnosis, message = exits.of_call(process, job)
+        super().__init__(Evidence(got="the program has ended"), message, diagnosis)
+        self.process = process
+
+
+class GradedProgram:
+    """A submission.
+
+    Attributes:
+        queued_s: seconds for which it has waited for a ROS domain, which is not its fault.
+    """
+
+    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str]) -> None:
+        self._supervisor, self._job, self._variables = supervisor, job, dict(variables)
+        self._runs = False
+        self._used = self._used_before = Used()  # in all, and until it was started last
+        self.queued_s = 0.0
+
+    def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
+        """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
+        self._runs, self._used_before = False, self._used
+        if self._job.mode == "attach":
+            return None
+        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **more}}
+        answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
+        self._runs = True
+        self.queued_s += float(answer["queued_s"])
+        return int(answer["domain"])
+
+    def run_to_end(self, time_is_up: Callable[[], bool]) -> ProcessStatus:
+        """Start it and wait until it has ended, by itself or because the time is up.
+
+        What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
+        """
+        self.start((), {}, {})
+        while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
+            if time_is_up():
+                return ProcessStatus.from_mapping(self._ask("time is up"))
+        return process
+
+    def forget(self) -> None:
+        """Look at it no more: its graph is left."""
+        self._runs = False
+
+    def status(self, *, fresh: bool = False) -> ProcessStatus:
+        """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
+        if self._job.mode == "attach":
+            return ProcessStatus(running=True)
+        return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
+
+    def require_running(self) -> None:
+        """Raise SubmissionEndedError if it has ended."""
+        if self._job.mode != "attach" and not self._ask("running")["running"]:
+            raise SubmissionEndedError(self.status(), self._job)
+
+    def lost_in(self) -> int:
+        """The line by which its node has lost its executor; 0 where it has not."""
+        line = str(self.status().notes.get("lost_in", ""))
+        return int(line) if line.isdecimal() else 0
+
+    def stacks(self) -> str:
+        """What each of its threads is executing, by faulthandler; empty for other than Python source."""
+        return str(self._ask("stacks")["stacks"]) if self._job.mode == "run" else ""
+
+    def used(self) -> Used:
+        """What it has used of the processors, in all its starts."""
+        if self._runs:
+            process = self.status(fresh=True)
+            self._used = self._used_before.plus(process.cpu_s, process.waited_s, process.hidden_s)
+        return self._used
+
+    def computed_since_start(self, used: Used) -> float:
+        """Seconds of these for which it has computed since it was started last."""
+        return used.cpu_s - self._used_before.cpu_s
+
+    def _ask(self, what: str, *, patience_s: float = 0.0, **more: object) -> Record:
+        self._supervisor.send({"do": what, **more})
+        return self._supervisor.receive(patience_s + _RPC_S)
