@@ -363,7 +363,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
     return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
 
 
-def require_stop(move: Move, *, short: bool) -> None:
+def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
     evidence = Evidence(goal.shown, "CANCELED, where the robot was then, short of the target", describe_end(ended))
@@ -371,16 +371,16 @@ def require_stop(move: Move, *, short: bool) -> None:
     if math.dist(stopped, target) <= TOLERANCE and ended.status in (SUCCEEDED, CANCELED):
         if ended.status == CANCELED if seen is None else math.dist(seen, target) > _NEAR_M:
             where = "it was cancelled at once" if seen is None else f"the last feedback said that it was at {seen}"
-            raise HastyError(evidence, f"The result says that the robot is at the target, but {where}.")
+            raise HastyError(evidence, f"The result says that the robot is at the target, but {where}.", breaks=breaks)
         if short:
             why = "Your server agreed to cancel the goal, but the robot drove on to its target."
-            raise HastyError(evidence, why, "action.cancel_ignored")
+            raise HastyError(evidence, why, "action.cancel_ignored", breaks=breaks)
         return
-    goal.require_status(ended, CANCELED, evidence)
+    goal.require_status(ended, CANCELED, evidence, breaks)
     moved = seen is not None and math.dist(move.begin, seen) > BESIDE
     if _is_blank(ended.result) and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be the truth
         why = "The result still has its default values: your callback set none of its fields when it was cancelled."
-        raise Failed(evidence, why)
+        raise Failed(evidence, why, breaks=breaks)
     if not distance_beside(move.begin, target, stopped) <= BESIDE:
         why = f"The robot was driving from {move.begin} to {target}, so it cannot have stopped there."
         raise Failed(evidence, why, breaks="progress")

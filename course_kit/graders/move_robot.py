@@ -1,8 +1,7 @@
 """Exercise 2: the action /move_robot, which drives a simulated robot, in a conversation with a model.
 
-Read `CHECKS` first, then the rules of `RobotModel`: each does one thing with the robot, in an order that is drawn.
-COURSE_KIT_TIME_SCALE makes the robot fast. What this, or a busy machine, may have spoiled is done again at the robot's
-own speed.
+Read `CHECKS` first, then the rules of `RobotModel`. COURSE_KIT_TIME_SCALE makes the robot fast. What this, or a busy
+machine, may have spoiled is done again at the robot's own speed.
 """
 
 from __future__ import annotations
@@ -107,8 +106,7 @@ class RobotModel(Model):
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
         self.settle(node)
-        edges = _moves.TOLERANCE, ARENA - _moves.TOLERANCE  # which are another check's matter
-        if not all(edges[0] < value < edges[1] for value in self.at):
+        if not all(_moves.TOLERANCE < value < ARENA - _moves.TOLERANCE for value in self.at):  # another check's matter
             self.drive(node, inside(self.at, 1.0, angle))
         goal = self.start(node, self.at, breaks="already_there")
         self.targets[-1] = inside(self.at, 0.3, angle)  # what is tried in its place when it may have spoiled something
@@ -137,19 +135,13 @@ class RobotModel(Model):
     @fair
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
-        for target in targets:
-            _moves.send_goal(node, ArenaPoint(*target), z).rejected(
-                what=f"this goal, which lies outside the arena (0 to {ARENA:g} m)"
-            )
-            self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
+        self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
     @step_rule("not_a_number", targets=draw_by(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
     @fair
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
-        for target in targets:
-            _moves.send_goal(node, ArenaPoint(*target), z).rejected(what="this goal, which is not a place")
-            self.special = "second_goal"
+        self.reject_each(node, targets, z, "this goal, which is not a place")
 
     @step_rule(
         "second_goal",
@@ -187,8 +179,8 @@ class RobotModel(Model):
             accepted = [goal for goal in (first, second) if goal.accepted]
             if not accepted:
                 self.drive(node, inside(begin, 0.5, one))  # which fails where the server accepts nothing any more
-                why = "The robot was free, so one of the two goals has to be accepted."
-                raise Failed(Evidence(sent, expected, "both goals rejected"), why, breaks="second_goal")
+                both = Evidence(sent, expected, "both goals rejected")
+                raise Failed(both, "The robot was free: one has to be accepted.", breaks="second_goal")
             self.special = "second_goal"
             if len(accepted) > 1:
                 both = Evidence(sent, expected, "both goals accepted")
@@ -233,6 +225,12 @@ class RobotModel(Model):
             self.judge(self.drive(node, target))
 
     # --- steps of the rules
+
+    def reject_each(self, node: GradedNode, targets: list[tuple[float, float]], z: float, what: str) -> None:
+        """Goals are rejected while the robot stands."""
+        for target in targets:
+            _moves.send_goal(node, ArenaPoint(*target), z).rejected(what=what)
+            self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
     def drive(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> Move:
         """Drive to a target."""
@@ -332,11 +330,7 @@ class RobotModel(Model):
         ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, short of the target")
         took_s = clock.fair()
         move = self.arrive(Move(begin, target, goal, ended))
-        try:
-            _moves.require_stop(move, short=not late and (not slow or left >= A_SECOND))
-        except Failed as failed:
-            failed.breaks = failed.breaks or breaks
-            raise
+        _moves.require_stop(move, breaks, short=not late and (not slow or left >= A_SECOND))
         if ended.status == CANCELED and took_s > A_SECOND:
             evidence = Evidence(goal.shown, "CANCELED within 1 s", f"CANCELED after {took_s:.1f} s")
             raise HastyError(evidence, f"The goal ended {took_s:.1f} s after your server agreed to cancel it.")

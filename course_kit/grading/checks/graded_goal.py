@@ -358,13 +358,14 @@ class GradedGoal:
         same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
         return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
-    def require_status(self, ended: Ended, status: int, evidence: Evidence) -> None:
+    def require_status(self, ended: Ended, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception.
 
         Args:
             ended: how it has ended.
             status: that it has to have, see action_msgs/msg/GoalStatus.
             evidence: what was seen of it.
+            breaks: as in `accepted_by`.
 
         Raises:
             Failed: it has not; with the reason.
@@ -374,7 +375,7 @@ class GradedGoal:
         if ended.status != status:
             cause = goals.of_status(ended.name, process, job)
         if cause is not None:
-            raise Failed(evidence, cause[1], cause[0])
+            raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
     def _has_come(self, result: SentRequest) -> bool:
         if result.sent == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
