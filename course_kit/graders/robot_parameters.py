@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from contextlib import suppress
 import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
