@@ -132,6 +132,9 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     hint.add_argument("--again", action="store_true", help="repeat the hints you have already seen")
     hint.set_defaults(run=_hint)
 
+    tutor = verbs.add_parser("tutor", help="serve the course to an assistant, by the Model Context Protocol")
+    tutor.set_defaults(run=_tutor)
+
     reset = verbs.add_parser("reset", help="restore an exercise's starter, or create it; your files are kept beside it")
     reset.add_argument("exercise", help="the exercise's id")
     reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
@@ -317,6 +320,12 @@ def _hint(options: argparse.Namespace) -> int:
     print(text, end="")
     note(trouble)
     return 0
+
+
+def _tutor(_options: argparse.Namespace) -> int:
+    from course_kit.integrations import tutor
+
+    return tutor.main()
 
 
 def _reset(options: argparse.Namespace) -> int:

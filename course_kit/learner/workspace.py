@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 
 BESIDE = "new-version"
+GUIDANCE = Path(__file__).with_name("AGENTS.md")  # for an assistant who helps the learner
 _COMMAND = "course"
 _FORMAT_VERSION = 1
 # A student edition comes without it. Students may hand in by git, so git does not ignore their folder there.
@@ -67,6 +68,7 @@ def make_copy(root: Path, target: Path, *, restore: bool = False) -> None:
         source.relative_to(root).as_posix(): clear_for_learner(source.name, source.read_bytes())
         for source in _files(root)
     }
+    course[GUIDANCE.name] = GUIDANCE.read_bytes()
     for sentence in bring_up_to_date(target, course, restore=restore):
         note(sentence)
     with suppress(OSError):  # a convenience: `course-kit` does the same
