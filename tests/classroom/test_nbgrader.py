@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"
 SOLUTION = REPOSITORY / f"solutions/{EXERCISE}/{EXERCISE}.py"
 BROKEN = REPOSITORY / f"tests/broken/{EXERCISE}"
-PARTIAL, CRASHING = BROKEN / "validation.missing.py", BROKEN / "start.crash.py"
+PARTIAL = BROKEN / "validation.missing.py"
 MARK = f"%%submission {EXERCISE}\n"
 PATIENCE_S = 150.0  # against hanging only
 CONFIG = """
@@ -113,7 +113,6 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Path:
         # nbgrader names no cells to the kernel; two of them have to be joined all the same.
         hand_in(folder, "full", MARK + imports, f"{MARK}class TemperatureService{program}", CHATTER)
         hand_in(folder, "partial", MARK + PARTIAL.read_text())
-        hand_in(folder, "crashing", MARK + CRASHING.read_text())
         hand_in(folder, "empty", "print('I have deleted the cell')")
         run(folder, "autograde", "services")
     return folder
@@ -128,7 +127,7 @@ def graded(course: Path, student: str) -> Any:
 def test_the_gradebook_has_the_graders_points(course: Path) -> None:
     partial = grading.grade(EXERCISE, PARTIAL, seed=1).score
     assert 0 < partial < 10
-    expected = {"full": 10.0, "partial": partial, "crashing": 0.0, "empty": 0.0}
+    expected = {"full": 10.0, "partial": partial, "empty": 0.0}
     with Gradebook(f"sqlite:///{course / 'gradebook.db'}") as gradebook:
         for student, score in expected.items():
             assert gradebook.find_grade("checks", EXERCISE, "services", student).auto_score == score, student
@@ -138,7 +137,6 @@ def test_the_cell_shows_the_feedback_and_writes_no_error(course: Path) -> None:
     for student, sentence in {
         "full": "10 of 10 points",
         "partial": "NaN and infinity are refused with a reason",
-        "crashing": "0 of 10 points",
         "empty": "Nothing was handed in",
     }.items():
         outputs = graded(course, student).outputs
