@@ -111,7 +111,7 @@ def test_two_at_a_time_share_neither_port_nor_domain_nor_copies(course: Course, 
 
 
 def test_when_it_is_ended_nothing_is_left(course: Course, tmp_path: Path) -> None:
-    """Ctrl-C is tried below; what a killed one leaves, `test_scratch.py` has removed."""
+    """What a killed one leaves, `test_scratch.py` has removed."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     with (tmp_path / "log").open("w") as log:

@@ -17,7 +17,7 @@ from tests.grading.conftest import EXERCISE, ROOT
 STARTER = ROOT / "exercises" / EXERCISE / f"{EXERCISE}.py"
 # What the grader, the class command and their libraries import, and anything else of Python's own.
 NAMES = {*sys.stdlib_module_names, "rclpy", "numpy", "yaml", "tomli", "platformdirs", "lark", "nbformat", "distributed"}
-OFTEN_IMPORTED = {"rclpy", "numpy", "yaml", "distributed", "random", "json", "csv", "signal", "tempfile", "sqlite3"}
+OFTEN_IMPORTED = {"rclpy", "numpy", "yaml", "json", "signal"}
 COMMANDS = {
     "script": [str(Path(sysconfig.get_path("scripts")) / "course-kit")],
     "door": [
