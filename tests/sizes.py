@@ -53,6 +53,7 @@ FIRST = (
 # More than some seconds each: whole classes, set-ups, editions, kernels, attacks, and all submissions.
 SLOW = (
     "tests/authoring/",
+    "tests/classroom/exports/test_autograders.py::test_gradescope_and_classroom_50_grade_a_folder_and_end_with_0",
     "tests/classroom/test_class_command.py",
     "tests/classroom/test_hostile_intake.py",
     "tests/classroom/test_intake.py",
@@ -92,8 +93,10 @@ SLOW = (
     "tests/integrations/test_submission_cells.py",
     "tests/integrations/test_terminals.py",
     "tests/interfaces/test_field_checks.py",
+    "tests/lab/test_demo_graphs.py",
     "tests/lab/test_notebook.py",
     "tests/lab/test_other_notebooks.py",
+    "tests/lab/test_programs_in_cells.py",
     "tests/lab/test_scripts.py",
     "tests/lab/test_usual_mistakes.py",
     "tests/learner/",
@@ -103,6 +106,7 @@ SLOW = (
     "tests/ros/test_compat.py",
     "tests/ros2cli/test_errors.py",
     "tests/ros2cli/test_graph.py",
+    "tests/ros2cli/test_in_a_notebook.py",
     "tests/ros2cli/test_launch.py",
     "tests/ros2cli/test_lesson_programs.py",
     "tests/ros2cli/test_recordings.py",
