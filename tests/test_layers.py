@@ -63,7 +63,7 @@ STILL_ABOVE = {
     "course_kit/cli": 1440,  # doctor about rclpy 7.1.9 and later releases; the tutor
     "course_kit/lab": 7253,
     "course_kit/grading": 11060,
-    "course_kit/graders": 2420,
+    "course_kit/graders": 2394,
     "course_kit/learner": 1480,  # with the steps of the lessons
     "course_kit/panels": 2950,
     "course_kit/integrations": 1390,  # with %check, %solution and the second day; 150 for the tutor

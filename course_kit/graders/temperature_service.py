@@ -49,44 +49,18 @@ _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better th
 _CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
 _COMPARED = (0.0, 37.0, -40.0, 123.457, 212.0)  # that are asked for beside a wrong answer, to find its cause
-_ANY = (
-    draw_between(-200.0, 500.0),
-    draw_between(-200.0, 500.0),
-    draw_between(-1.0, 1.0),
-    draw_by(lambda rng: 10 ** rng.uniform(2, 9)),
-)
-_KNOWN = (
-    0.0,
-    32.0,
-    100.0,
-    212.0,
-    -40.0,
-    37.0,
-    98.6,
-    0.1,
-    1e-3,
-    1e-7,
-    -1e-9,
-    -17.78,
-    1e9,
-    12345678.9,
-    1e7 + 0.3,
-    3.7e12,
-    1e200,
-)
+_USUAL = draw_between(-200.0, 500.0)
+_ANY = (_USUAL, _USUAL, draw_between(-1.0, 1.0), draw_by(lambda rng: 10 ** rng.uniform(2, 9)))
+_LARGE = (1e9, 12345678.9, 1e7 + 0.3, 3.7e12, 1e200)
+_KNOWN = (0.0, 32.0, 100.0, 212.0, -40.0, 37.0, 98.6, 0.1, 1e-3, 1e-7, -1e-9, -17.78, *_LARGE)
 _DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777)
-_ODD = (
-    "kelvin",
-    "rankine",
-    "fahrenheit0",
-    "",
+_OTHER_LETTERS = (
     "\N{DEGREE SIGN}C",
-    "\N{DEGREE SIGN}celsius",
-    "\N{DEGREE SIGN}fahrenheit",
+    *(f"\N{DEGREE SIGN}{unit}" for unit in UNITS),
     "celsius\N{DEGREE SIGN}",
     "\u83ef\u6c0f",
-    "furlong",
 )
+_ODD = ("kelvin", "rankine", "fahrenheit0", "", *_OTHER_LETTERS, "furlong")
 _NEAR = tuple(
     word
     for unit in UNITS
