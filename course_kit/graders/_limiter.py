@@ -260,7 +260,7 @@ class LimiterSteps(Model):
         change = node.set(values, of=NODE)
         change.accepted(breaks=breaks)
         self.in_time(change)
-        self.took(values)
+        self.keep_values(values)
 
     def refuse_set(self, node: GradedNode, values: dict[str, Any]) -> None:
         """Valid and invalid values at once are refused."""
@@ -300,7 +300,7 @@ class LimiterSteps(Model):
         if "change_status" not in self.lost:
             change.within(_ANSWER_S, breaks="change_answered")
 
-    def took(self, values: dict[str, Any]) -> None:
+    def keep_values(self, values: dict[str, Any]) -> None:
         """The node has accepted these values."""
         self.settings = replace(self.settings, **values)
         self.past.append(values)
@@ -342,10 +342,10 @@ class LimiterSteps(Model):
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
         told = "; ".join(filter(None, (sent, f"{COMMAND}: {Reaction(tuple(fields), 0.0).describe_fields()}")))
         evidence = Evidence(told, right.describe(), got.describe())
-        failed = self.wrong(evidence, fields, got, floors=context.job.facts.floor_divides)
+        failed = self.explain_reaction(evidence, fields, got, floors=context.job.facts.floor_divides)
         raise self.blame(node, failed, self.past[:-1], lambda model: model.drive(node, fields))
 
-    def wrong(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
+    def explain_reaction(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
         for one, values in self.settings.with_some(self.refused):
             if same_reaction(got, right_reaction(one, fields)):
@@ -394,7 +394,7 @@ class LimiterSteps(Model):
                 for done in past:
                     if isinstance(done, dict):
                         node.set(done, of=NODE).accepted()
-                        model.took(done)
+                        model.keep_values(done)
                     else:
                         node.send(COMMAND, twist_of(done))
                         node.expect(LIMITED)

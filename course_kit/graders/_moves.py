@@ -90,7 +90,7 @@ class Move:
         return math.dist(self.begin, self.target)
 
 
-def ways(*lengths: Any) -> Any:
+def draw_way(*lengths: Any) -> Any:
     """A drawing of a way that has one of these drawn lengths, in any direction."""
 
     def make(rng: random.Random) -> Way:
@@ -120,7 +120,7 @@ def place_of(point: Any) -> ArenaPoint:
     return ArenaPoint(point.x, point.y)
 
 
-def inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
+def place_inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
     """The place in the arena so far away, in this direction or the next one that stays inside."""
     for turn in range(24):
         turned = angle + turn * 2.4
@@ -202,7 +202,7 @@ def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bo
 # --- one aspect of a move
 
 
-def judge(aspect: str, move: Move) -> None:
+def judge_aspect(aspect: str, move: Move) -> None:
     """One aspect of a move that ended SUCCEEDED is right."""
     require = {
         "arrives": require_arrival,

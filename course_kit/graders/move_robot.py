@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from course_interfaces.action import MoveRobot
 
 from course_kit.graders import _moves
-from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, inside
+from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
@@ -40,12 +40,12 @@ VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
-MOVES = _moves.ways(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
+MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 STOPS, CUTS = (
-    _moves.ways(draw_between(1.7, 2.1)),
+    _moves.draw_way(draw_between(1.7, 2.1)),
     draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0),
 )  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.85, 0.85), ("second", "outside", "second", "nowhere", "second", "outside")
@@ -57,7 +57,7 @@ class TooFastError(HastyError):
     """The fast robot shows nothing of it, whatever was before: it needs its own speed."""
 
 
-def fair(step: Callable[..., None]) -> Callable[..., None]:
+def judge_fairly(step: Callable[..., None]) -> Callable[..., None]:
     """Decorator of a rule that drives, see `RobotModel.do_fairly`."""
 
     @functools.wraps(step)
@@ -87,42 +87,42 @@ class RobotModel(Model):
     # --- the rules
 
     @step_rule("succeeds", way=MOVES, often=5)
-    @fair
+    @judge_fairly
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.judge(self.drive(node, self.target_of(way)))
 
     @step_rule("any_z", way=MOVES)
-    @fair
+    @judge_fairly
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
-        self.settle(node)
+        self.make_plain_move(node)
         for z in (math.nan, 2.5, -1.0):
             self.special = "any_z"
             self.judge(self.drive(node, self.target_of(way), z, "any_z"))
 
     @step_rule("already_there", angle=ANGLE, often=2)
-    @fair
+    @judge_fairly
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
-        self.settle(node)
+        self.make_plain_move(node)
         if not all(_moves.TOLERANCE < value < ARENA - _moves.TOLERANCE for value in self.at):  # another check's matter
-            self.drive(node, inside(self.at, 1.0, angle))
+            self.drive(node, place_inside(self.at, 1.0, angle))
         goal = self.start(node, self.at, breaks="already_there")
-        self.targets[-1] = inside(self.at, 0.3, angle)  # what is tried in its place when it may have spoiled something
+        self.targets[-1] = place_inside(self.at, 0.3, angle)  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
         _moves.require_limits(goal)
-        _moves.judge("arrives", Move(self.at, self.at, goal, ended))
+        _moves.judge_aspect("arrives", Move(self.at, self.at, goal, ended))
 
     @step_rule("outside")
-    @fair
+    @judge_fairly
     def reach_edges(self, node: GradedNode) -> None:
         """The edges belong to the arena."""
         for target in (ORIGIN, ArenaPoint(ARENA, ARENA)):
-            self.settle(node)
+            self.make_plain_move(node)
             if self.at == target:
-                self.drive(node, inside(target, 1.0, 0.5))
+                self.drive(node, place_inside(target, 1.0, 0.5))
             length = math.dist(self.at, target)
             goal = self.start(node, target, breaks="outside")
             if length > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M) and node.context.job.mode != "attach":
@@ -132,72 +132,72 @@ class RobotModel(Model):
                 self.finish(self.at, target, goal)
 
     @step_rule("outside", targets=draw_by(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
-    @fair
+    @judge_fairly
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
         self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
     @step_rule("not_a_number", targets=draw_by(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
-    @fair
+    @judge_fairly
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
         self.reject_each(node, targets, z, "this goal, which is not a place")
 
     @step_rule(
         "second_goal",
-        way=_moves.ways(draw_between(1.1, 1.4)),
+        way=_moves.draw_way(draw_between(1.1, 1.4)),
         moment=draw_one_of(*zip(SHARES, KINDS, strict=True)),
         angle=ANGLE,
     )
-    @fair
+    @judge_fairly
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
         """A goal that comes while another one runs is rejected, and changes nothing."""
         share, kind = moment
         begin, target, first = self.set_off(node, way, share)
         self.special = "second_goal"
         others = {"outside": ArenaPoint(-0.5, 5.0), "nowhere": ArenaPoint(math.nan, 5.0)}
-        self.reject_second(node, first, others.get(kind, inside(begin, 1.0, angle)))
+        self.reject_second(node, first, others.get(kind, place_inside(begin, 1.0, angle)))
         clock, allowed_s = node.context.clock(), _moves.allowed_s(way.length)
         while not clock.past(allowed_s):  # a robot that halts for a rejected goal halts for each
-            self.reject_second(node, first, inside(begin, 0.6, angle + 1.0))
+            self.reject_second(node, first, place_inside(begin, 0.6, angle + 1.0))
             node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
             if first.over_at is not None or _moves.metres_left(first, target) < _moves.CANCEL_UNTIL_M:
                 break
         self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair(), 1.0)))
 
     @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
-    @fair
+    @judge_fairly
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
         expected = "one of the two goals accepted, the other rejected"
         for one, other in zip(angles[::2], angles[1::2], strict=True):
             begin = self.at
-            first, second = [_moves.send_goal(node, inside(begin, 0.5, angle)) for angle in (one, other)]
+            first, second = [_moves.send_goal(node, place_inside(begin, 0.5, angle)) for angle in (one, other)]
             for goal in (first, second):
                 goal.wait_for_answer(expected, _moves.allowed_s(0.5))
             sent = f"{first.shown}; in the same instant {second.shown}"
             accepted = [goal for goal in (first, second) if goal.accepted]
             if not accepted:
-                self.drive(node, inside(begin, 0.5, one))  # which fails where the server accepts nothing any more
+                self.drive(node, place_inside(begin, 0.5, one))  # which fails where the server accepts nothing any more
                 both = Evidence(sent, expected, "both goals rejected")
                 raise Failed(both, "The robot was free: one has to be accepted.", breaks="second_goal")
             self.special = "second_goal"
             if len(accepted) > 1:
                 both = Evidence(sent, expected, "both goals accepted")
                 _moves.require_one_at_a_time(first, second, both, node.context.wait_until)
-            target = inside(begin, 0.5, one if accepted[0] is first else other)
+            target = place_inside(begin, 0.5, one if accepted[0] is first else other)
             self.targets.append(target)
-            _moves.judge("arrives", self.finish(begin, target, accepted[0]))
+            _moves.judge_aspect("arrives", self.finish(begin, target, accepted[0]))
 
-    @step_rule("second_goal", way=_moves.ways(draw_between(1.0, 1.4)), angle=ANGLE)
-    @fair
+    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.0, 1.4)), angle=ANGLE)
+    @judge_fairly
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
         slow = _moves.is_slow(node.context)
         for _ in range(2):  # what is seen is a matter of milliseconds
             begin, target, first = self.set_off(node, way, 0.1)
-            self.special, other = "second_goal", inside(begin, 0.7, angle)
+            self.special, other = "second_goal", place_inside(begin, 0.7, angle)
             self.reject_second(node, first, other)
             first.cancel()
             second = _moves.send_goal(node, other)
@@ -209,14 +209,15 @@ class RobotModel(Model):
                 raise OverError(evidence, "Here it does not matter what keeps the server from answering.")
             if second.accepted and not slow:
                 raise TooFastError(evidence, "With the robot at its own speed, this can be seen.")
-            move = self.arrive(Move(begin, target, first, first.wait_for_end(_moves.allowed_s(way.length), expected)))
-            self.special, self.cancelled = "after_cancel" if move.ended.status == CANCELED else "cancel", True
+            ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
+            self.note_arrival(Move(begin, target, first, ended))
+            self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
             if second.accepted:
-                self.arrive(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
+                self.note_arrival(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
                 _moves.require_end_before(first, second, evidence)
 
     @step_rule("cancel", way=STOPS, share=CUTS, disturbed=draw_one_of(False, True), then=draw_one_of(None, MOVES))
-    @fair
+    @judge_fairly
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.cancel(node, way, share, disturbed=disturbed and share < 1.0)
@@ -261,11 +262,11 @@ class RobotModel(Model):
     def finish(self, begin: ArenaPoint, target: ArenaPoint, goal: GradedGoal, within_s: float = 0.0) -> Move:
         """Wait until a move has succeeded, for so many seconds or as long as it may take."""
         ended = goal.ends(within_s=within_s or _moves.allowed_s(math.dist(begin, target)), breaks="succeeds")
-        return self.arrive(Move(begin, target, goal, ended))
+        return self.note_arrival(Move(begin, target, goal, ended))
 
     def set_off(self, node: GradedNode, way: Way, share: float) -> tuple[ArenaPoint, ArenaPoint, GradedGoal]:
         """Begin a move, and wait until feedback says that a share of it is done, or for as long as that may take."""
-        self.settle(node)
+        self.make_plain_move(node)
         begin, target = self.at, self.target_of(way)
         goal = self.start(node, target)
         length, clock = math.dist(begin, target), node.context.clock()
@@ -288,7 +289,7 @@ class RobotModel(Model):
             evidence = Evidence(first.shown, expected, "both goals accepted")
             _moves.require_one_at_a_time(first, second, evidence, node.context.wait_until)
 
-    def arrive(self, move: Move) -> Move:
+    def note_arrival(self, move: Move) -> Move:
         """The robot is then where the result says, unless that is nowhere in the arena."""
         said = _moves.place_of(move.ended.result.final_position)
         if all(-1.0 <= value <= ARENA + 1.0 for value in said):
@@ -297,10 +298,10 @@ class RobotModel(Model):
             self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         return move
 
-    def settle(self, node: GradedNode) -> None:
+    def make_plain_move(self, node: GradedNode) -> None:
         """After something special a plain move comes first: what is wrong with it has that cause."""
         if self.special:
-            self.judge(self.drive(node, inside(self.at, _moves.LONG_M, 0.5)))
+            self.judge(self.drive(node, place_inside(self.at, _moves.LONG_M, 0.5)))
             self.special = ""
 
     def judge(self, move: Move, *aspects: str) -> None:
@@ -308,7 +309,7 @@ class RobotModel(Model):
         lost = {*self.lost, "progress"} if "feedback" in self.lost else self.lost
         for aspect in _moves.ASPECTS:
             if aspect not in lost and (aspect in aspects or not aspects):
-                _moves.judge(aspect, move)
+                _moves.judge_aspect(aspect, move)
 
     def cancel(self, node: GradedNode, way: Way, share: float, *, disturbed: bool) -> None:
         """Set off, cancel after a share of the way, or just before it is too late, and see that the robot stops."""
@@ -317,7 +318,7 @@ class RobotModel(Model):
         begin, target, goal = self.set_off(node, way, 1.0 - 0.42 / way.length if late else share)
         length, breaks = math.dist(begin, target), "after_cancel" if self.cancelled else "cancel"
         if disturbed and "second_goal" not in self.lost:
-            self.reject_second(node, goal, inside(begin, 0.6, way.angle + 1.0))
+            self.reject_second(node, goal, place_inside(begin, 0.6, way.angle + 1.0))
         goal.shown += ", and on the way the request to cancel it"
         clock = node.context.clock(lambda: 0.0)  # an answer that came when the goal was over was not late for us alone
         try:
@@ -329,7 +330,7 @@ class RobotModel(Model):
         left = _moves.metres_left(goal, target) if share else length
         ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, short of the target")
         took_s = clock.fair()
-        move = self.arrive(Move(begin, target, goal, ended))
+        move = self.note_arrival(Move(begin, target, goal, ended))
         _moves.require_stop(move, breaks, short=not late and (not slow or left >= A_SECOND))
         if ended.status == CANCELED and took_s > A_SECOND:
             evidence = Evidence(goal.shown, "CANCELED within 1 s", f"CANCELED after {took_s:.1f} s")
@@ -407,7 +408,7 @@ class RobotModel(Model):
 
     def target_of(self, way: Way) -> ArenaPoint:
         """Where a drawn way leads; not too near to (0, 0), which stands in a result that nobody fills in."""
-        return inside(self.at, max(way.length, _moves.LONG_M) if self.at == ORIGIN else way.length, way.angle)
+        return place_inside(self.at, max(way.length, _moves.LONG_M) if self.at == ORIGIN else way.length, way.angle)
 
 
 after_arrival = functools.partial(CheckPart, after=["arrives"])

@@ -90,7 +90,7 @@ class Limiter(LimiterSteps):
     def end(self, node: GradedNode) -> None:
         """After all of it the node does what it did; and nothing comes late."""
         if not self.lost & set(CHANGES.values()):
-            self.several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
+            self.set_several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.require_status(node)
@@ -100,19 +100,19 @@ class Limiter(LimiterSteps):
             node.set(vars(self.start), of=NODE)
 
     @step_rule("reacts", command=draw_one_of(*_COMMANDS, draw_by(command_of)))
-    def look(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
+    def look_at_command(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
         """A command, when all changes act; and the parameters have their values."""
         self.require_values(node)
         kind, size, others = command
         self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
 
     @step_rule("change_velocity", value=draw_one_of(0.05, 1.23456789, draw_between(0.1, 5.0)))
-    def velocity(self, node: GradedNode, value: float) -> None:
+    def set_velocity(self, node: GradedNode, value: float) -> None:
         """A valid velocity."""
         self.accept(node, {"max_velocity": value}, "change_velocity")
 
     @step_rule("change_diameter", value=draw_one_of(0.35, draw_between(0.02, 0.9)))
-    def diameter(self, node: GradedNode, value: float) -> None:
+    def set_diameter(self, node: GradedNode, value: float) -> None:
         """A valid diameter."""
         self.accept(node, {"wheel_diameter": value}, "change_diameter")
 
@@ -120,7 +120,7 @@ class Limiter(LimiterSteps):
         "change_velocity",
         values=draw_one_of((5.0, 0.01), (0.001, 1.0), (0.5, 0.2), (draw_between(2, 5), draw_between(0.1, 0.9))),
     )
-    def both(self, node: GradedNode, values: tuple[float, float]) -> None:
+    def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
         velocity, diameter = values
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
@@ -129,14 +129,14 @@ class Limiter(LimiterSteps):
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled", value=draw_one_of(*_ENABLED))
-    def enable(self, node: GradedNode, value: tuple[bool, float]) -> None:
+    def set_enabled(self, node: GradedNode, value: tuple[bool, float]) -> None:
         """On and off act, on a command to stand still, too; on, just the limit passes, and nothing beyond."""
         enabled, share = value
         self.accept(node, {"enabled": enabled}, "change_enabled")
         self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
 
     @step_rule("change_status", value=draw_one_of(*_NAMES))
-    def name(self, node: GradedNode, value: str) -> None:
+    def set_name(self, node: GradedNode, value: str) -> None:
         """A name, in any language."""
         self.accept(node, {"robot_name": value}, "change_status")
         if value != _NAMES[0] and not self.lost & {"status", "change_status"}:
@@ -150,14 +150,14 @@ class Limiter(LimiterSteps):
             {"enabled": True, "max_velocity": draw_between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
         ),
     )
-    def several(self, node: GradedNode, values: dict[str, Any]) -> None:
+    def set_several(self, node: GradedNode, values: dict[str, Any]) -> None:
         """Several valid values at once."""
         change = node.set(values, of=NODE)
         if not change.result.successful:
             for name, value in values.items():
                 self.accept(node, {name: value}, CHANGES[name])
         change.accepted(breaks="atomic")
-        self.took(values)
+        self.keep_values(values)
 
     @step_rule("refuses", often=2 * len(_INVALID), values=draw_one_of(*_INVALID))
     def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
@@ -204,19 +204,19 @@ class Limiter(LimiterSteps):
             *({"robot_name": 7}, {"wheel_diameter": 1}),
         ),
     )
-    def other_type(self, node: GradedNode, values: dict[str, Any]) -> None:
+    def set_other_type(self, node: GradedNode, values: dict[str, Any]) -> None:
         """A value of another type."""
         name = next(iter(values))
         node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
         self.refused.append(values)
 
     @step_rule("undeclared", values=draw_one_of({"wheel_count": 4}, {"max_velocity_": 1.0}))
-    def undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
+    def set_undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
         """A parameter that is not declared."""
         node.set(values, of=NODE).refused(expected="refused: it is not declared", diagnosis="parameter.undeclared")
 
     @step_rule("status")
-    def status(self, node: GradedNode) -> None:
+    def look_at_status(self, node: GradedNode) -> None:
         """The next line shows the name and the velocity."""
         self.require_status(node)
 

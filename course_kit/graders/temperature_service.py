@@ -91,17 +91,17 @@ def right_value(sample: Sample) -> float:
     return float(_exact_value(sample))
 
 
-def fits(sample: Sample, value: float) -> bool:
-    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute. Lost digits are `exact`'s part."""
+def has_right_formula(sample: Sample, value: float) -> bool:
+    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute. Digits may be lost."""
     return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
 
 
-def exact(sample: Sample, value: float) -> bool:
+def has_every_digit(sample: Sample, value: float) -> bool:
     """Whether `value` has every digit that counts; the same number where nothing is converted."""
     if sample.from_unit == sample.to_unit:
         return value.hex() == sample.value.hex()  # bit for bit: the sign of zero, too
     if abs(sample.value) > _LARGEST:
-        return fits(sample, value)
+        return has_right_formula(sample, value)
     right = _exact_value(sample)
     return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
 
@@ -125,29 +125,29 @@ class Temperatures(Model):
     @step_rule("celsius_to_fahrenheit", value=draw_one_of(*_KNOWN, *_ANY))
     def to_fahrenheit(self, node: GradedNode, value: float) -> None:
         """Celsius becomes Fahrenheit."""
-        self.converts(node, Sample(value, CELSIUS, FAHRENHEIT))
+        self.expect_conversion(node, Sample(value, CELSIUS, FAHRENHEIT))
 
     @step_rule("fahrenheit_to_celsius", value=draw_one_of(*_KNOWN, *_ANY))
     def to_celsius(self, node: GradedNode, value: float) -> None:
         """Fahrenheit becomes Celsius."""
-        self.converts(node, Sample(value, FAHRENHEIT, CELSIUS))
+        self.expect_conversion(node, Sample(value, FAHRENHEIT, CELSIUS))
 
     @step_rule(
         "precision",
         case=draw_one_of(*product((*_DIGITS, *_ANY), [pair for pair in _PAIRS if pair[0] != pair[1]])),
     )
-    def digits(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
+    def convert_every_digit(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """No digit is lost."""
-        self.converts(node, Sample(case[0], *case[1]), right=exact)
+        self.expect_conversion(node, Sample(case[0], *case[1]), right=has_every_digit)
 
     @step_rule(
         "same_unit",
         unit=draw_one_of(*UNITS),
         value=draw_one_of(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_ANY),
     )
-    def same(self, node: GradedNode, unit: str, value: float) -> None:
+    def convert_same_unit(self, node: GradedNode, unit: str, value: float) -> None:
         """A unit converted to itself."""
-        self.converts(node, Sample(value, unit, unit), right=exact)
+        self.expect_conversion(node, Sample(value, unit, unit), right=has_every_digit)
 
     @step_rule(
         "unknown_unit",
@@ -159,12 +159,12 @@ class Temperatures(Model):
         ),
         times=draw_one_of(1, 2),
     )
-    def unknown(self, node: GradedNode, value: float, units: tuple[str, str], times: int) -> None:
+    def refuse_unknown_unit(self, node: GradedNode, value: float, units: tuple[str, str], times: int) -> None:
         """An unknown unit is refused, the same one twice running, too."""
         wrong = [repr(unit) for unit in dict.fromkeys(units) if unit not in UNITS]
         what = f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}"
         for _ in range(times):
-            self.refuses(node, Sample(value, *units), what)
+            self.expect_refusal(node, Sample(value, *units), what)
 
     @step_rule(
         "unknown_unit",
@@ -174,7 +174,7 @@ class Temperatures(Model):
     )
     def doubly_wrong(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """An unknown unit is refused with a value that makes no sense, too."""
-        self.refuses(node, Sample(case[0], *case[1]), "an unknown unit with an impossible value")
+        self.expect_refusal(node, Sample(case[0], *case[1]), "an unknown unit with an impossible value")
 
     @step_rule(
         "not_a_number",
@@ -183,7 +183,7 @@ class Temperatures(Model):
     def no_number(self, node: GradedNode, case: tuple[float, str, str]) -> None:
         """NaN and infinity are refused."""
         what = "NaN" if math.isnan(case[0]) else "infinity" if case[0] > 0 else "minus infinity"
-        self.refuses(node, Sample(*case), what)
+        self.expect_refusal(node, Sample(*case), what)
 
     @step_rule("absolute_zero", case=draw_one_of(*product((_FINE_EDGE, 1.0, 1e5, draw_between(10.0, 1e4)), _PAIRS)))
     def too_cold(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
@@ -192,7 +192,7 @@ class Temperatures(Model):
         zeros = f"{ABSOLUTE_ZERO[CELSIUS]} C = {ABSOLUTE_ZERO[FAHRENHEIT]} F"
         colder = max(below, _EDGE) if units[0] == FAHRENHEIT else below
         sample = Sample(ABSOLUTE_ZERO[units[0]] - colder, *units)
-        self.refuses(node, sample, f"a temperature below absolute zero ({zeros})")
+        self.expect_refusal(node, sample, f"a temperature below absolute zero ({zeros})")
 
     @step_rule("absolute_zero", case=draw_one_of(*product((0.0, _FINE_EDGE, 1.0), _PAIRS)))
     def barely_valid(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
@@ -204,31 +204,35 @@ class Temperatures(Model):
             and not node.call(SERVICE, vars(Sample(20.0, *units)), breaks="answers").response.success
         ):
             return  # that is for the check of equal units to say
-        self.converts(node, Sample(ABSOLUTE_ZERO[units[0]] + warmer, *units), refused="absolute_zero")
+        self.expect_conversion(node, Sample(ABSOLUTE_ZERO[units[0]] + warmer, *units), refused="absolute_zero")
 
     @step_rule("fifty_calls", often=2, values=draw_by(_fifty))
-    def fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
+    def ask_fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
         """Fifty calls at once, each with its own value."""
         node.call(SERVICE, vars(values[0]), breaks="answers").within(_WITHIN_S, breaks="one_call")
         requests = [vars(sample) for sample in values]
         answers = node.call_together(SERVICE, requests, at_a_time=_AT_A_TIME, within_s=_TOGETHER_S)
         wrong = []
         for sample, answer in zip(values, answers, strict=True):
-            if answer.response.success and fits(sample, answer.response.value):
+            if answer.response.success and has_right_formula(sample, answer.response.value):
                 continue
             wrong.append(sample)
             if len(wrong) == len(values) - _FEWEST:
-                self.converts(node, sample)
+                self.expect_conversion(node, sample)
             alone = node.call(SERVICE, vars(sample))
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
-            of_another = any(fits(one, answer.response.value) for one in values)
+            of_another = any(has_right_formula(one, answer.response.value) for one in values)
             told = "This is the answer to another client's request" if of_another else "Asked alone, it is another"
             why = f"{told}: your callback mixes up values of two calls."
             answer.fail(why, expected=_wanted(sample), breaks="own_value")
 
-    def converts(
-        self, node: GradedNode, sample: Sample, right: Callable[[Sample, float], bool] = fits, refused: str = ""
+    def expect_conversion(
+        self,
+        node: GradedNode,
+        sample: Sample,
+        right: Callable[[Sample, float], bool] = has_right_formula,
+        refused: str = "",
     ) -> None:
         """The right answer comes, in time.
 
@@ -252,7 +256,9 @@ class Temperatures(Model):
                 )
                 answer.fail(why, expected=wanted, breaks="success")
             if not response.message.strip():  # no refusal: it has forgotten one line
-                value = "The value is right" if fits(sample, response.value) else "The response has a value"
+                value = (
+                    "The value is right" if has_right_formula(sample, response.value) else "The response has a value"
+                )
                 why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
                 answer.fail(why, expected=wanted, breaks="success")
             why = "Your service refused a valid request."
@@ -260,14 +266,14 @@ class Temperatures(Model):
             hot = "every_digit" if changes and abs(sample.value) > _ORDINARY else ""
             answer.fail(why, expected=wanted, breaks=refused or hot, diagnosis="validation.overzealous")
         if not right(sample, response.value):
-            answers = self.compared(node, sample, response.value)
-            diagnosis, reason = explain(answers, floors=node.context.job.facts.floor_divides)
+            answers = self.compare_answers(node, sample, response.value)
+            diagnosis, reason = explain_answers(answers, floors=node.context.job.facts.floor_divides)
             why = f"This compares the answers to {len(answers)} requests. {reason}"
-            lost = "every_digit" if all(fits(*one) for one in answers) else _DIRECTION[sample.to_unit]
+            lost = "every_digit" if all(has_right_formula(*one) for one in answers) else _DIRECTION[sample.to_unit]
             same = sample.from_unit == sample.to_unit
             answer.fail(why, expected=wanted, breaks="same_unit" if same else lost, diagnosis=diagnosis)
 
-    def compared(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:
+    def compare_answers(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:
         """A wrong value, and beside it some more of the same units that are asked for to find its cause."""
         answers = [(sample, got)]
         with suppress(Failed), node.context.record.looking_away():
@@ -278,7 +284,7 @@ class Temperatures(Model):
                     answers.append((other, response.value))
         return answers
 
-    def refuses(self, node: GradedNode, sample: Sample, what: str) -> None:
+    def expect_refusal(self, node: GradedNode, sample: Sample, what: str) -> None:
         """It is refused with a reason, in time.
 
         Raises:
@@ -358,7 +364,7 @@ _MISTAKES = {
 }
 
 
-def explain(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
+def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
     """What wrong answers have in common.
 
     Args:

@@ -9,7 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.graders.temperature_service import CELSIUS, FAHRENHEIT, Sample, exact, explain, fits, right_value
+from course_kit.graders.temperature_service import (
+    CELSIUS,
+    FAHRENHEIT,
+    Sample,
+    explain_answers,
+    has_every_digit,
+    has_right_formula,
+    right_value,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +36,7 @@ def test_textbook_values(celsius: float, fahrenheit: float) -> None:
     ("got", "right"), [(212.0 * (1 + 9e-7), True), (212.0 * (1 + 2e-6), False), (math.nan, False), (math.inf, False)]
 )
 def test_tolerance_is_relative(got: float, right: bool) -> None:
-    assert fits(Sample(100.0, CELSIUS, FAHRENHEIT), got) == right
+    assert has_right_formula(Sample(100.0, CELSIUS, FAHRENHEIT), got) == right
 
 
 FORMULAS: dict[str, tuple[Callable[[float], float], ...]] = {
@@ -53,16 +61,16 @@ FORMULAS: dict[str, tuple[Callable[[float], float], ...]] = {
 @given(value=st.floats(-459.0, 1e9))
 def test_every_usual_formula_is_exact_and_a_bit_more_is_wrong(unit: str, other: str, value: float) -> None:
     sample = Sample(value, unit, other)
-    assert [exact(sample, formula(value)) for formula in FORMULAS[unit]] == [True] * len(FORMULAS[unit])
-    assert not exact(sample, right_value(sample) + 3e-12 * max(1.0, abs(right_value(sample))))
+    assert [has_every_digit(sample, formula(value)) for formula in FORMULAS[unit]] == [True] * len(FORMULAS[unit])
+    assert not has_every_digit(sample, right_value(sample) + 3e-12 * max(1.0, abs(right_value(sample))))
 
 
 @pytest.mark.parametrize("unit", [CELSIUS, FAHRENHEIT])
 def test_the_same_unit_is_exact_to_the_last_bit(unit: str) -> None:
     sample = Sample(0.1, unit, unit)
-    assert exact(sample, 0.1)
-    assert not exact(sample, math.nextafter(0.1, 1.0))
-    code, told = explain([(sample, math.nextafter(0.1, 1.0))], floors=False)
+    assert has_every_digit(sample, 0.1)
+    assert not has_every_digit(sample, math.nextafter(0.1, 1.0))
+    code, told = explain_answers([(sample, math.nextafter(0.1, 1.0))], floors=False)
     assert (code, "calculated or rounded" in told) == ("math.formula", True)
 
 
@@ -87,6 +95,6 @@ def test_the_same_unit_is_exact_to_the_last_bit(unit: str) -> None:
 def test_mistakes_are_told_apart(unit: str, formula: Callable[[float], float], code: str, floors: bool) -> None:
     other = FAHRENHEIT if unit == CELSIUS else CELSIUS
     answers = [(Sample(value, unit, other), formula(value)) for value in VALUES]
-    found, told = explain(answers, floors=floors)
+    found, told = explain_answers(answers, floors=floors)
     assert found == code
     assert told
