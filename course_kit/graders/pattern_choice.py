@@ -36,25 +36,19 @@ _MOST_NAMED = 20  # entries that belong to no scenario
 def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
     scenarios = quiz.draw(job.seed)
-    sheet = _Sheet(scenarios)
+    sheet, after = _Sheet(scenarios), (_READ,)
     # Worth nothing by themselves: all points go to the halves.
     checks = [
         Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read, ("dictionary",)),
         Check(
-            "known_ids",
-            "Every entry belongs to a scenario",
-            0.0,
-            (_READ,),
-            _DEADLINE_S,
-            sheet.known_ids,
-            ("no_scenario",),
+            "known_ids", "Every entry belongs to a scenario", 0.0, after, _DEADLINE_S, sheet.known_ids, ("no_scenario",)
         ),
     ]
     for place, scenario in enumerate(scenarios):
         for half, run in (("pattern", sheet.pattern), ("reason", sheet.reason)):
             title = f"{half.capitalize()}: {scenario.title}"
             mark = partial(run, place)
-            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, (_READ,), _DEADLINE_S, mark, _PROVES[half]))
+            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, after, _DEADLINE_S, mark, _PROVES[half]))
     return checks
 
 
