@@ -7,7 +7,6 @@ notebook have it too; neither holds times or identifiers.
 
 from __future__ import annotations
 
-import re
 import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,23 +21,7 @@ if TYPE_CHECKING:
 _TEMPLATE = Path(__file__).with_name("templates") / "exchange.html"
 WIDTH = 80
 _EMPTY = "Nothing has been recorded yet: call a service, then draw again."
-_LINES = {
-    "request": "->>",
-    "response": "-->>",
-    "message": "-)",
-    "failure": "--x",
-    "goal": "->>",
-    "goal response": "-->>",
-    "feedback": "-)",
-    "cancel request": "->>",
-    "cancel response": "-->>",
-    "result": "-->>",
-}
 _UNNAMED = frozenset({"message", "failure"})  # a topic has nothing else; a failure says itself what it is
-# What Mermaid reads as text and nothing else. Letters of all scripts and emoji are; # and ; and { are not.
-_UNSAFE = re.compile(r"[^\w /=.,:()'\[\]+*!?\"\U0001F000-\U0001FAFF-]")
-# "end" closes a block wherever it stands as a word.
-_END = re.compile(r"\b(e)(nd)\b", re.IGNORECASE)
 
 
 class Diagram:
@@ -52,21 +35,6 @@ class Diagram:
     def participants(self) -> list[str]:
         """The nodes in the order of their first appearance."""
         return list(dict.fromkeys(name for arrow in self.arrows for name in (arrow.sender, arrow.receiver)))
-
-    def mermaid(self) -> str:
-        """The diagram in Mermaid's language."""
-        names = self.participants
-        keys = {name: f"n{number}" for number, name in enumerate(names, 1)}
-        lines = ["sequenceDiagram"]
-        lines.append("    accTitle: What crossed between the nodes")
-        lines.append(f"    accDescr: {_escape(self._summary())}")
-        lines += [f"    participant {keys[name]} as {_escape(short_name(name))}" for name in names]
-        if self.left_out:
-            lines.append(f"    Note over {keys[names[0]]}: {self._missing()}")
-        for arrow in self.arrows:
-            ends = f"{keys[arrow.sender]}{_LINES[arrow.kind]}{keys[arrow.receiver]}"
-            lines.append(f"    {ends}: {_escape(_label(arrow))}")
-        return "\n".join(lines) + "\n"
 
     def html(self) -> str:
         """The diagram as HTML: the drawing, a slider to go through it step by step, and the steps in words."""
@@ -128,9 +96,3 @@ def _ends(arrow: Arrow) -> str:
 
 def _line(text: str) -> str:
     return " ".join(text.split())
-
-
-def _escape(text: str) -> str:
-    """Text that Mermaid shows as it is: what it would read as its own language goes as an entity, `#59;` for `;`."""
-    escaped = _UNSAFE.sub(lambda found: f"#{ord(found[0])};", _line(text))
-    return _END.sub(lambda found: f"#{ord(found[1])};{found[2]}", escaped)

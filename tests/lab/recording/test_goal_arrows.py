@@ -107,16 +107,3 @@ def test_goals_at_the_same_time_are_numbered_and_others_are_not() -> None:
     assert sorted(set(texts)) == ["/fibonacci (goal 1)", "/fibonacci (goal 2)"]
     later = story(*WHOLE, goal=2, start=100)
     assert {arrow.channel for arrow in arrows_of(first + later)} == {"/fibonacci"}
-
-
-def test_mermaid_has_an_arrow_for_each_style() -> None:
-    cancel: list[Step] = [("cancel_sent", {}), ("cancel_received", {}), ("cancel_answered", YES)]
-    text = Diagram(arrows_of(story(*WHOLE[:6], *cancel, *WHOLE[6:]))).mermaid()
-    assert text.splitlines()[5:] == [
-        "    n1->>n2: /fibonacci goal: order=2",
-        "    n2-->>n1: /fibonacci goal response: accepted",
-        "    n2-)n1: /fibonacci feedback: n=1",
-        "    n1->>n2: /fibonacci cancel request",
-        "    n2-->>n1: /fibonacci cancel response: accepted",
-        "    n2-->>n1: /fibonacci result: SUCCEEDED, sequence=[0, 1]",
-    ]
