@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.lab.awaiting import current, to_be_awaited
+from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +44,12 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
         Exception: whatever `__init__` raises; nothing is left behind then.
     """
     __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-    node: NodeT = current().start(node_class, *args, **kwargs)
+    lab = current()
+    lab.not_in_callback("lab.start()")
+    with lab.warn_if_slow(node_class):
+        node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
+    lab.neighbours.node_started()
+    lab.output.drain()
     return node
 
 
@@ -55,12 +61,23 @@ def stop(target: object = None, /) -> None:
     Raises:
         LabError: no such node is running.
     """
-    current().stop(target)
+    lab = current()
+    if target is None:
+        lab.stop()
+        return
+    found = lab.engine.nodes.find(target)
+    if not found:
+        running = ", ".join(live.name.lstrip("/") for live in lab.live_nodes()) or "none"
+        name = target.__name__ if isinstance(target, type) else repr(target) if isinstance(target, str) else "This node"
+        raise LabError(f"{name} is not running in the lab. Running: {running}.")
+    for live in found:
+        lab.engine.nodes.stop(live)
+    lab.output.drain()
 
 
 def others() -> list[OtherNotebook]:
     """Other notebooks that have nodes on this graph, by title; a list of their `title` and `nodes`."""
-    return current().others()
+    return current().neighbours.others()
 
 
 def stop_others(title: str | None = None, /) -> None:
@@ -69,12 +86,27 @@ def stop_others(title: str | None = None, /) -> None:
     Raises:
         LabError: no such notebook has nodes here, or one has not stopped them within some seconds.
     """
-    current().stop_others(title)
+    current().not_in_callback("lab.stop_others()")
+    neighbours = current().neighbours
+    found = neighbours.others()
+    chosen = [one for one in found if title is None or one.title == title]
+    if title is not None and not chosen:
+        known = ", ".join(one.title for one in found) or "none"
+        raise LabError(f"{title} runs no nodes on this graph. Other notebooks that do: {known}.")
+    if left := neighbours.stop(chosen):
+        raise LabError(
+            f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
+        )
 
 
 def nodes() -> NodeList:
     """The running nodes, by name; prints as what each serves, calls, publishes and listens to."""
-    return current().nodes()
+    from course_kit.lab.runtime.nodes import NodeList
+
+    lab = current()
+    found = NodeList(lab.live_nodes())
+    found.others = lab.neighbours.others() if lab.has_engine else ()
+    return found
 
 
 @to_be_awaited("lab.call")
@@ -182,8 +214,10 @@ def subscribe(
         FieldError: this is no message type.
         LabError: the topic is no ROS name, or is in use here with another type.
     """
-    subscription: Subscription = current().subscribe(topic, message_type, callback, qos)
-    return subscription
+    from course_kit.lab.topics import Subscription
+
+    lab = current()
+    return lab.keep(Subscription(lab.engine, topic, message_type, callback, qos))
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:
@@ -199,7 +233,7 @@ def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Scri
     Raises:
         ScriptError: the name cannot be a file's name, or the mode is unknown.
     """
-    return current().script(name, source, tuple(str(one) for one in args), mode)
+    return current().scripts.run(name, source, tuple(str(one) for one in args), mode)
 
 
 def stop_script(name: str | None = None, /) -> None:
@@ -217,7 +251,7 @@ def record() -> None:
     Raises:
         LabError: no recorder is attached (`%load_ext course_kit` attaches one).
     """
-    current().record()
+    current().require_recorder().restart()
 
 
 def diagram(*, last: int | None = None) -> object:
@@ -229,7 +263,7 @@ def diagram(*, last: int | None = None) -> object:
     Raises:
         LabError: no recorder is attached (`%load_ext course_kit` attaches one).
     """
-    return current().diagram(last)
+    return current().require_recorder().diagram(last)
 
 
 def timeline() -> object:
@@ -241,7 +275,7 @@ def timeline() -> object:
     Raises:
         LabError: no recorder is attached (`%load_ext course_kit` attaches one).
     """
-    return current().timeline()
+    return current().require_recorder().timeline()
 
 
 @to_be_awaited("lab.send_goal")

@@ -54,7 +54,6 @@ class Pending(Coroutine[Any, Any, T]):
         self._make = make
         self._missing = missing
         self._running: Coroutine[Any, Any, T] | None = None
-        self.told = False
         current().expect(self)
 
     @property
@@ -80,7 +79,7 @@ class Pending(Coroutine[Any, Any, T]):
         return self._begin().__await__()
 
     def __repr__(self) -> str:
-        self.told = True
+        current().expect(self, awaited=True)  # it has said so now
         return self._missing
 
     def __getattr__(self, name: str) -> NoReturn:
@@ -98,7 +97,7 @@ class Pending(Coroutine[Any, Any, T]):
         self._complain()
 
     def _complain(self) -> NoReturn:
-        self.told = True
+        current().expect(self, awaited=True)
         raise NotAwaitedError(self._missing)
 
     def _begin(self) -> Coroutine[Any, Any, T]:

@@ -12,17 +12,17 @@ from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from course_kit.lab.clients import AT_ONCE
+from course_kit.lab.clients import AT_ONCE, WantedServer, not_found
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
-from course_kit.lab.graph import WantedServer, not_found
-from course_kit.lab.messages import message_of
+from course_kit.ros.filling import make_message
 from course_kit.ros.graph import SERVES
-from course_kit.ros.messages import is_service_type, type_name, with_article
+from course_kit.ros.messages import BadFieldError, is_message_type, is_service_type, type_name, with_article
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.filling import Fields
     from course_kit.ros.messages import Message, ServiceType
     from course_kit.ros.service import SentRequest
 
@@ -51,7 +51,7 @@ class PendingCall(ABC):
     def may_send(self) -> bool:
         """Whether the server is there."""
         if self._is_there():
-            self._lab.neighbours.tell_who_answers(self._wanted.role, self._wanted.name)
+            self._lab.before_call(self._wanted.role, self._wanted.name)
             return True
         waited = min(_APPEARANCE, self._timeout)
         if time.monotonic() - self._start < waited:
@@ -80,7 +80,7 @@ class PendingCall(ABC):
 
     def show_output(self) -> None:
         """Show what callbacks have printed meanwhile."""
-        self._lab.flush_output()
+        self._lab.output.drain()
 
     def close(self) -> None:
         """Stop waiting, whether or not the answer has come."""
@@ -232,3 +232,21 @@ def not_of_kind(given: object, kind: str, parts: tuple[str, ...], verb: str) -> 
     elif not isinstance(given, type):
         hint = f" The order is: {verb}(name, Type, field=value)."
     return f"{owner or repr(given)} is not {with_article(kind)} type.{hint}"
+
+
+def require_message_type(given: object) -> None:
+    """Refuse what is not a message's class."""
+    if not is_message_type(given):
+        raise FieldError(f"{getattr(given, '__name__', given)!r} is not a message type.")
+
+
+def message_of(message_type: type[Message], ready: Message, fields: Fields, owner: str) -> Message:
+    """The message to be sent."""
+    if ready is None:
+        try:
+            return make_message(message_type, fields, owner)
+        except BadFieldError as error:
+            raise FieldError(str(error)) from error
+    if fields or not isinstance(ready, message_type):
+        raise FieldError(f"Pass either {owner} or its fields as keywords.")
+    return ready

@@ -6,20 +6,19 @@ import os
 import threading
 import time
 from collections import OrderedDict, deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.qos import qos_profile_services_default
 from rclpy.validate_topic_name import validate_topic_name
 
-from course_kit.lab.errors import LabError, error_text
-from course_kit.lab.graph import WantedServer, not_found
+from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError, error_text
 from course_kit.ros import graph
 from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.messages import type_name
-from course_kit.ros.names import full_action_name
+from course_kit.ros.names import full_action_name, is_hidden, is_of_every_node, nearest_name
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import types_of
 
@@ -32,13 +31,47 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
 
     from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.lab.runtime.executor_thread import ExecutorThread
+    from course_kit.lab.runtime.executor import ExecutorThread
     from course_kit.ros.messages import ActionType, Message, ServiceType
 
+LAB_NAME = "lab"  # what its own node is called in a recording
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
 _POLL = 0.005  # seconds
 _FREE = 1.0  # seconds in which the lab's thread must be free to make a client
 _KEPT = 32  # clients and publishers; the one unused for longest goes first
+
+
+class WantedServer(NamedTuple):
+    """A server that was looked for."""
+
+    role: graph.Role
+    name: str
+    type: str
+
+
+def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> LabError:
+    """The error that says why no such server was found, and what to do."""
+    kind = ServiceNotFoundError if wanted.role == graph.SERVES else ActionNotFoundError
+    return kind(_not_offered(node, wanted, waited, except_by))
+
+
+def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str]) -> str:
+    role, name, wanted_type = wanted
+    offered = graph.offered_types(node, role, except_by)
+    there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
+    types = there.get(name)
+    if types and wanted_type not in types:
+        asked = "you called it with" if role == graph.SERVES else "the goal was one of"
+        return (
+            f"{name} has the type {' and '.join(sorted(types))}, but {asked} {wanted_type}. "
+            "Client and server must use the same type."
+        )
+    message = f"No node {role.verb} {name} (waited {waited:g} s). "
+    if near := nearest_name(name, there):
+        return f"{message}The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}]."
+    if there:
+        return f"{message}On the graph: {', '.join(sorted(there)[:5])}."
+    return f"{message}No {role.kind} at all is on the graph: has its server been started?"
 
 
 class OtherTypeError(LabError):
@@ -48,10 +81,9 @@ class OtherTypeError(LabError):
 class Clients:
     """What the lab speaks through."""
 
-    def __init__(self, executor_thread: ExecutorThread, hooks: MessageHooks, alias: str) -> None:
+    def __init__(self, executor_thread: ExecutorThread, hooks: MessageHooks) -> None:
         self._executor_thread = executor_thread
         self._hooks = hooks
-        self._alias = alias
         self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
         self._goal_clients: OrderedDict[tuple[Any, str], GoalClient] = OrderedDict()
@@ -62,7 +94,8 @@ class Clients:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
         if self.known_node is None:
             node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._executor_thread.context)
-            self._hooks.aliases[node.get_fully_qualified_name()] = self._alias
+            self._hooks.aliases[node.get_fully_qualified_name()] = LAB_NAME
+            self._hooks.own_nodes.add(node)
             self._executor_thread.executor.add_node(node)
             self.known_node = node
         return self.known_node

@@ -9,10 +9,9 @@ import itertools
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_kit.lab.awaiting import to_be_awaited
-from course_kit.lab.calls import PendingCall, call_async, call_blocking, not_of_kind
+from course_kit.lab.calls import PendingCall, call_async, call_blocking, message_of, not_of_kind
+from course_kit.lab.clients import WantedServer
 from course_kit.lab.errors import FieldError, LabError, NoAnswerError
-from course_kit.lab.graph import WantedServer
-from course_kit.lab.messages import message_of
 from course_kit.ros.goal import GoalTracker
 from course_kit.ros.graph import RUNS
 from course_kit.ros.messages import is_action_type, type_name
@@ -67,7 +66,7 @@ class Wait(PendingCall):
         self._listener = look
         self._tracker.listeners.append(look)
         if self._awaited.begin is not None:
-            self._lab.do(begin)
+            self._lab.executor.create_task(begin)
         else:
             look()
 
@@ -91,7 +90,7 @@ class Wait(PendingCall):
         self._missing = 0 if self._is_there() else self._missing + 1
         if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
             self._lab.before_blaming()
-            self._lab.do(self._tracker.lose)
+            self._lab.executor.create_task(self._tracker.lose)
         elif self._missing > _MISSED:
             raise NoAnswerError(gone(self._wanted.name))
 

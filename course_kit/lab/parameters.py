@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-import threading
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.lab.awaiting import current, to_be_awaited
@@ -25,8 +24,8 @@ from course_kit.ros.parameters import Descriptor
 
 if TYPE_CHECKING:
     from rclpy.node import Node
-    from rclpy.subscription import Subscription
 
+    from course_kit.lab.topics import DeliveryWait
     from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
@@ -86,7 +85,7 @@ async def set_parameters(
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    with ParameterEventWait() as waiting:
+    with _wait_for_events() as waiting:
         outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if waiting.expects(outcome.events):
             await asyncio.to_thread(waiting.wait)
@@ -98,7 +97,7 @@ def set_parameters_blocking(
 ) -> Outcome:
     """See `set_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
-    with ParameterEventWait() as waiting:
+    with _wait_for_events() as waiting:
         outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if waiting.expects(outcome.events):
             waiting.wait()
@@ -230,49 +229,13 @@ def _no_node(node: str) -> NodeNotFoundError:
     return NodeNotFoundError(f"There is no node {node}, nor any other with parameters: has it been started?")
 
 
-_HEARING = 1.0  # seconds
+def _wait_for_events() -> DeliveryWait:
+    """For the lab's subscriptions to /parameter_events."""
+    from rcl_interfaces.msg import ParameterEvent
 
+    from course_kit.lab.topics import DeliveryWait
 
-class ParameterEventWait:
-    """Waits for the lab's subscriptions to /parameter_events, so that what they print stands where it was caused."""
-
-    def __init__(self) -> None:
-        self._engine = current().engine
-        self._counts: dict[Subscription, int] = {}
-        self._expected = 0
-        self._complete = threading.Event()
-
-    def __enter__(self) -> ParameterEventWait:  # noqa: PYI034 - typing.Self is newer than Python 3.10
-        from rcl_interfaces.msg import ParameterEvent
-
-        if self._engine.tells_deliveries():
-            self._counts = dict.fromkeys(self._engine.subscriptions("/parameter_events", ParameterEvent), 0)
-        self._engine.listen_for_deliveries(self._heard, listen=True)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._engine.listen_for_deliveries(self._heard, listen=False)
-        self._engine.flush_output()
-
-    def expects(self, count: int) -> bool:
-        """Whether anybody has still to hear of so many changes."""
-        self._expected = count
-        return not self._all_heard()
-
-    def wait(self) -> None:
-        """Return when all have heard, or after a second."""
-        if not self._all_heard():
-            self._complete.wait(_HEARING)
-        self._engine.flush_output()
-
-    def _heard(self, subscription: Subscription) -> None:
-        if subscription in self._counts:
-            self._counts[subscription] += 1
-            if self._expected and self._all_heard():
-                self._complete.set()
-
-    def _all_heard(self) -> bool:
-        return all(count >= self._expected for count in self._counts.values())
+    return DeliveryWait(current().engine, "/parameter_events", ParameterEvent)
 
 
 class Values(dict[str, Any]):

@@ -8,8 +8,9 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from course_kit.lab.calls import message_of, require_message_type
 from course_kit.lab.errors import NoAnswerError
-from course_kit.lab.messages import message_of, require_message_type
+from course_kit.ros import compat
 from course_kit.ros.messages import type_name
 from course_kit.ros.topic import as_offered, is_heard, is_hearing, publishers_of
 
@@ -67,10 +68,51 @@ class Subscription:
         """End it: the callback is not called again. Safe to call twice, and after the lab has ended."""
         if self._open:
             self._open = False
-            self._lab.destroy_subscription(self._subscription)
+            _destroy(self._lab, self._subscription)
 
     def __repr__(self) -> str:
         return f"subscription to {self.topic} [{self._type}]{'' if self._open else ' (closed)'}"
+
+
+class DeliveryWait:
+    """Waits for the lab's own subscriptions to a topic, so that what they print stands where it was caused."""
+
+    def __init__(self, lab: Engine, topic: str, message_type: object) -> None:
+        self._lab = lab
+        nodes = [*(live.node for live in lab.nodes), *lab.hooks.own_nodes]
+        known = [one for node in nodes for one in node.subscriptions] if lab.found.has(compat.RECORDING) else []
+        mine = [one for one in known if one.topic_name == topic and one.msg_type is message_type]
+        self._counts: dict[RclpySubscription, int] = dict.fromkeys(mine, 0)
+        self._expected = 0
+        self._complete = threading.Event()
+
+    def __enter__(self) -> DeliveryWait:  # noqa: PYI034 - typing.Self is newer than Python 3.10
+        self._lab.hooks.on_delivery.add(self._count)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lab.hooks.on_delivery.discard(self._count)
+        self._lab.output.drain()
+
+    def expects(self, count: int) -> bool:
+        """Whether any of them has still to get so many messages."""
+        self._expected = count
+        return not self._is_complete()
+
+    def wait(self) -> None:
+        """Return when all have had them, or after a second."""
+        if not self._is_complete():
+            self._complete.wait(_DELIVERY)
+        self._lab.output.drain()
+
+    def _count(self, subscription: RclpySubscription) -> None:
+        if subscription in self._counts:
+            self._counts[subscription] += 1
+            if self._expected and self._is_complete():
+                self._complete.set()
+
+    def _is_complete(self) -> bool:
+        return all(count >= self._expected for count in self._counts.values())
 
 
 def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
@@ -79,25 +121,13 @@ def publish(lab: Engine, topic: str, message_type: type[Message], message: Messa
     ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
     publisher = lab.clients.publisher(message_type, topic)
     _wait_until(lambda: is_heard(lab.node, publisher))
-    if lab.in_callback() or not lab.tells_deliveries():  # in a callback this is the thread that would deliver
+    if lab.in_callback():  # this is the thread that would deliver
         publisher.publish(ready)
         return
-    waiting = lab.subscriptions(publisher.topic_name, publisher.msg_type)
-    all_had_it = threading.Event()
-
-    def had(subscription: RclpySubscription) -> None:
-        waiting.discard(subscription)
-        if not waiting:
-            all_had_it.set()
-
-    lab.listen_for_deliveries(had, listen=True)
-    try:
+    with DeliveryWait(lab, publisher.topic_name, publisher.msg_type) as deliveries:
         publisher.publish(ready)
-        if waiting:
-            all_had_it.wait(_DELIVERY)
-    finally:
-        lab.listen_for_deliveries(had, listen=False)
-        lab.flush_output()
+        if deliveries.expects(1):
+            deliveries.wait()
 
 
 async def next_messages(
@@ -131,8 +161,8 @@ async def next_messages(
             raise NoAnswerError(f"{text} {_why_none(lab.node, subscription)}")
     finally:
         deadline.cancel()
-        lab.destroy_subscription(subscription)
-        lab.flush_output()
+        _destroy(lab, subscription)
+        lab.output.drain()
     return received
 
 
@@ -146,3 +176,7 @@ def _why_none(node: Node, subscription: RclpySubscription) -> str:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
     names = sorted({one.node for one in found})
     return f"{', '.join(names)} has a publisher for it but may not have published yet."
+
+
+def _destroy(lab: Engine, subscription: RclpySubscription) -> None:
+    lab.executor_thread.run_between_callbacks(lambda: lab.node.destroy_subscription(subscription), 1.0)

@@ -13,7 +13,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
-from course_kit.lab.messages import message_of
+from course_kit.lab.calls import message_of
 from tests.lab.nodes import Faulty, OwnBaseError, Raising, SpeechlessError, Switch, Talker
 
 if TYPE_CHECKING:

@@ -188,7 +188,7 @@ def test_input_in_a_callback_is_refused_whether_a_cell_runs_or_not(kernel: Kerne
     told = tmp_path / "told"
     kernel.run(  # the kernel puts Python's own `input` back when a cell has ended
         "import builtins, json, threading\n"
-        "def ask():\n    ended.wait()\n    lab.current().engine.do(look)\n"
+        "def ask():\n    ended.wait()\n    lab.current().engine.executor.create_task(look)\n"
         "def look():\n    try:\n        input()\n    except BaseException as error:\n"
         f"        open({str(told)!r}, 'w').write(json.dumps(type(error).__name__))\n"
         "ended = threading.Event()\nthreading.Thread(target=ask, daemon=True).start()\n"

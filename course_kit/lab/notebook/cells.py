@@ -23,12 +23,10 @@ from typing import TYPE_CHECKING, Any
 from course_kit.lab.errors import InputError, LabError
 from course_kit.lab.notebook import interrupts
 from course_kit.lab.overrides.patches import Patches
-from course_kit.lab.runtime.advice import advice_on
+from course_kit.lab.runtime.failures import advice_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from course_kit.lab.awaiting import Pending
 
     CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
 
@@ -92,7 +90,7 @@ class Notebook:
             return str(found[1]) if found else None
         return None
 
-    def expect(self, verb: Pending[Any], *, awaited: bool) -> None:
+    def expect(self, verb: object, *, awaited: bool) -> None:
         """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
         if self._attached:
             self._not_awaited.expect(verb, awaited=awaited)
@@ -288,10 +286,10 @@ class NotAwaited:
     """The verbs that the running cell has called and not awaited."""
 
     def __init__(self) -> None:
-        self._verbs: list[Pending[Any]] = []
+        self._verbs: list[object] = []
 
-    def expect(self, verb: Pending[Any], *, awaited: bool) -> None:
-        """A verb was called, or awaited."""
+    def expect(self, verb: object, *, awaited: bool) -> None:
+        """A verb was called; or awaited, or has said itself that it was not."""
         if awaited:
             self._verbs = [one for one in self._verbs if one is not verb]
         else:
@@ -303,7 +301,7 @@ class NotAwaited:
         coming: list[Any] = []
         with suppress(RuntimeError):  # a terminal has no loop
             coming = [task.get_coro() for task in asyncio.all_tasks()]
-        missing = [verb for verb in verbs if not verb.told and not any(one is verb for one in coming)]
+        missing = [verb for verb in verbs if not any(one is verb for one in coming)]
         for sentence in dict.fromkeys(map(repr, missing)):
             sys.stderr.write(f"{sentence}\n")
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from course_kit import environment
 from course_kit.lab.errors import CallbackError
-from course_kit.lab.runtime.callback_errors import is_own, own_line
+from course_kit.lab.runtime.failures import is_own, own_line
 from course_kit.ros.messages import with_article
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.callback_errors import Locate
+    from course_kit.lab.runtime.failures import Locate
 
 # Where the callback stands among the arguments, after the node.
 _CALLBACKS = {"create_service": 2, "create_subscription": 2, "create_timer": 1, "add_on_set_parameters_callback": 0}
@@ -29,7 +29,7 @@ _CALLED = re.compile(r"(?P<name>\w+(?:\.\w+)*)\(\)")
 _EXECUTE = 3  # the place of an action server's execute callback, after the server: node, type, name, callback
 
 
-def install(patches: Patches, locate: Locate) -> None:
+def require_callables(patches: Patches, locate: Locate) -> None:
     """Replace rclpy's functions that are given callbacks; `patches` takes it back."""
     for method, place in _CALLBACKS.items():
         _require_callable(patches, Node, method, place, locate)

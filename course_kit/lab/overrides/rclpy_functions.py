@@ -7,9 +7,11 @@ the callback's own thread raise DeadlockError instead of hanging.
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import threading
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -17,16 +19,17 @@ from rclpy.action import ActionClient
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.task import Future
 
 from course_kit.lab.errors import DeadlockError, LabError
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Generator
 
     from rclpy.action.client import ClientGoalHandle
     from rclpy.context import Context
     from rclpy.node import Node
-    from rclpy.task import Future
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.engine import Engine
@@ -37,16 +40,20 @@ _TURN = 0.01  # seconds for which an executor of the learner's waits in a callba
 _SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
 
 
-def install(patches: Patches, lab: Engine) -> None:
-    """Replace rclpy's functions; `patches` takes it back."""
+def replace_functions(lab: Engine) -> None:
+    """Replace rclpy's functions; the lab's patches take it back."""
+    patches = lab.patches
     _guard_context(patches, lab)
     _guard_spinning(patches, lab)
     _guard_spinning_for_a_while(patches, lab)
     _guard_executors(patches, lab)
     _guard_calls(patches, lab)
+    if lab.found.has(compat.WAITING_FOR_GOALS):
+        _guard_goals(patches, lab)
+    _guard_awaits(patches, lab)
 
 
-def check_await(lab: Engine, future: Future) -> None:
+def _check_await(lab: Engine, future: Future) -> None:
     """Raise DeadlockError for an await in a callback whose answer could only be taken after that callback."""
     if not lab.in_callback() or future.done():
         return
@@ -135,7 +142,7 @@ def _ignored(lab: Engine, args: list[str] | None, domain_id: int | None) -> str:
 def _guard_spinning(patches: Patches, lab: Engine) -> None:
     def spin(node: Node, executor: Executor | None = None) -> None:
         _refuse_to_stay(lab, "rclpy.spin()")
-        if lab.is_live(node):
+        if node in lab.nodes:
             lab.note(f"rclpy.spin(): the lab spins {node.get_name()} in the background already; nothing to do.")
             return
         if isinstance(node, type):
@@ -149,7 +156,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         try:
             while executor.context.ok():
                 executor.spin_once(timeout_sec=_SLICE)
-                lab.flush_output()
+                lab.output.drain()
         finally:
             executor.remove_node(node)
 
@@ -159,14 +166,14 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
 def _guard_spinning_for_a_while(patches: Patches, lab: Engine) -> None:
     def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
-        if lab.in_callback() and lab.is_live(node):
+        if lab.in_callback() and node in lab.nodes:
             _tell_of_spinning(lab, "rclpy.spin_once()", node)
-            lab.run_others(lambda: False, min(at_most, _SLICE))
-        elif lab.is_live(node):
+            lab.executor.run_others(lambda: False, min(at_most, _SLICE))
+        elif node in lab.nodes:
             if lab.in_execution():
                 _tell_of_spinning(lab, "rclpy.spin_once()", node)
-            lab.wait_for_turn(min(at_most, _SLICE))
-            lab.flush_output()
+            lab.executor.wait_for_turn(min(at_most, _SLICE))
+            lab.output.drain()
         else:
             _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
@@ -175,12 +182,12 @@ def _guard_spinning_for_a_while(patches: Patches, lab: Engine) -> None:
     ) -> None:
         what = "rclpy.spin_until_future_complete()"
         endless = timeout_sec is None or timeout_sec < 0
-        if lab.in_callback() and lab.is_live(node):
+        if lab.in_callback() and node in lab.nodes:
             if endless and not future.done() and _held_back(lab, future) is not None:
                 raise DeadlockError(f"{what} {_FOR_EVER} Return, and let add_done_callback() run what comes next.")
             _tell_of_spinning(lab, what, node)
-            lab.run_others(future.done, timeout_sec)
-        elif lab.is_live(node):
+            lab.executor.run_others(future.done, timeout_sec)
+        elif node in lab.nodes:
             if lab.in_execution():
                 _tell_of_spinning(lab, what, node)
             _has_come(lab, future, timeout_sec)
@@ -198,7 +205,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
         try:
             while executor.context.ok() and not getattr(executor, "_is_shutdown", False):
                 executor.spin_once(timeout_sec=_SLICE)  # in between Python sees that Stop was pressed
-                lab.flush_output()
+                lab.output.drain()
         finally:
             lab.spinning.discard(executor)
 
@@ -210,7 +217,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
 
         def spin_once(executor: Executor, *arguments: Any, **options: Any) -> Any:
             if lab.in_callback():
-                lab.run_others(lambda: False, 0.0)
+                lab.executor.run_others(lambda: False, 0.0)
                 *first, timeout = (*arguments, options.get("timeout_sec")) if options or not arguments else arguments
                 short = isinstance(timeout, (int, float)) and 0 <= timeout < _TURN
                 return original(executor, *first, timeout if short else _TURN)
@@ -224,7 +231,7 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
     add_node = Executor.add_node
 
     def add_node_kept(executor: Executor, node: Node) -> bool:
-        if lab.is_live(node) and not lab.is_own_executor(executor):
+        if node in lab.nodes and executor is not lab.executor:
             lab.note(
                 f"{type(executor).__name__}.add_node(): the lab spins {node.get_name()} already and keeps it. "
                 f"lab.stop({node.get_name()!r}) frees the name for your own node."
@@ -250,9 +257,7 @@ def _guard_calls(patches: Patches, lab: Engine) -> None:
     patches.set(Client, "call", call_guarded)
 
 
-def guard_goals(patches: Patches, lab: Engine) -> None:
-    """Replace those functions of action clients that wait; `patches` takes it back."""
-
+def _guard_goals(patches: Patches, lab: Engine) -> None:
     def send_goal(client: ActionClient, goal: Message, **options: Any) -> Message:
         _require_an_answer(lab, client, "send_goal()", "send_goal_async()")
         sent = client.send_goal_async(goal, **options)
@@ -306,7 +311,7 @@ def _tell_of_spinning(lab: Engine, what: str, node: Node) -> None:
 def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:
     """Wait for a future; False if it is not done within `timeout` seconds."""
     if lab.in_callback():
-        lab.run_others(future.done, timeout)
+        lab.executor.run_others(future.done, timeout)
         return bool(future.done())
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
@@ -319,8 +324,8 @@ def _wait_in_slices(lab: Engine, done: threading.Event, timeout: float | None) -
     while deadline is None or time.monotonic() < deadline:
         if done.wait(_SLICE if deadline is None else max(0.0, min(_SLICE, deadline - time.monotonic()))):
             break
-        lab.flush_output()
-    lab.flush_output()
+        lab.output.drain()
+    lab.output.drain()
 
 
 def _spin_for(node: Node, executor: Executor | None, work: Callable[[Executor], None]) -> None:
@@ -343,3 +348,49 @@ def _spin_until(executor: Executor, future: Future, timeout: float | None) -> No
         if left <= 0:
             return
         executor.spin_once(timeout_sec=left)
+
+
+def _as_asyncio(future: Future) -> asyncio.Future[Any]:
+    """The running loop's future that follows an rclpy future; cancelling it cancels that one."""
+    loop = asyncio.get_running_loop()
+    follower = loop.create_future()
+
+    def follow() -> None:
+        if follower.done():
+            return
+        if future.cancelled():
+            follower.cancel()
+        elif future.exception() is not None:
+            follower.set_exception(future.exception())
+        else:
+            follower.set_result(future.result())
+
+    def completed(_: object) -> None:
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            loop.call_soon_threadsafe(follow)
+
+    def forward_cancel(waited: asyncio.Future[Any]) -> None:
+        if waited.cancelled():
+            future.cancel()
+
+    future.add_done_callback(completed)
+    follower.add_done_callback(forward_cancel)
+    return follower
+
+
+def _guard_awaits(patches: Patches, lab: Engine) -> None:
+    original = Future.__await__
+
+    def wait(future: Future) -> Generator[Any, None, Any]:
+        try:
+            asyncio.get_running_loop()
+        except RuntimeError:
+            if lab.found.has(compat.PENDING_CALLS):
+                _check_await(lab, future)
+            return (yield from original(future))
+        try:
+            return (yield from _as_asyncio(future).__await__())
+        finally:
+            lab.output.drain()
+
+    patches.set(Future, "__await__", wait)

@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Kind
-    from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.lab.recording.spans import CallbackSpans, Where
+    from course_kit.lab.recording.hooks import CallbackSpans, MessageHooks, Where
     from course_kit.ros.messages import ActionType, Message
 
 _WHERE = "_course_kit_where"  # on a client or server: its node, the action's full name and its type

@@ -22,8 +22,6 @@ def attach(lab: Lab | None = None) -> Recording:
     from course_kit import lab as labs
 
     target = lab or labs.current()
-    if isinstance(target.recorder, Recording):
-        return target.recorder
-    recording = Recording()
-    target.attach(recording)
-    return recording
+    if target.recorder is None:
+        target.record(Recording())
+    return target.require_recorder()

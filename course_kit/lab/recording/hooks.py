@@ -4,35 +4,45 @@ Sending is seen by wrapping `Client.call_async` and `Publisher.publish`, two pub
 the three methods by which rclpy's Executor takes work from the middleware (`_take_service`, `_take_client` and
 `_take_subscription`): they are the only place that has both the message and the number of its request. The same
 hooks serve the lab's own executor and the programs of `%%ros_script`.
+
+When a thread is inside a callback is reported, too: from when to when, on which thread. A callback that awaits gives
+its thread back meanwhile, so what is reported are the pieces between its awaits.
 """
 
 from __future__ import annotations
 
 import inspect
+import os
+import threading
 import time
 from typing import TYPE_CHECKING, Any
+from weakref import WeakSet
 
 from rclpy.exceptions import InvalidHandle
 from rclpy.subscription import Subscription
 
 from course_kit.lab.errors import CallbackStopped, error_text
-from course_kit.lab.recording.spans import CallbackSpans, timer_work
 from course_kit.ros.messages import type_name
+from course_kit.ros.names import is_hidden, is_of_every_node
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable, Coroutine, Generator
 
     from rclpy.client import Client
     from rclpy.executors import Executor
+    from rclpy.node import Node
     from rclpy.service import Service
     from rclpy.task import Future
     from rclpy.timer import Timer
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import EventStream
-    from course_kit.lab.recording.spans import Where, Work
     from course_kit.ros.messages import ActionType, Message, ServiceType
 
+    Work = Callable[[], Coroutine[object, None, None]]
+    Where = tuple[str, str, str]
+
+_NODE = "_course_kit_node"  # on a timer: the name of its node
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
 # rclpy publishes these on its own; a learner never meant to.
 _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_lab/stop"})  # the last two are the lab's
@@ -61,6 +71,70 @@ class WrongResultError(WrongResponseError):
         TypeError.__init__(self, f"the execute callback {self.what}")
 
 
+class CallbackSpans:
+    """Reports pieces of callbacks as events: where, and as its value the thread, the process, and what is called."""
+
+    def __init__(self, events: EventStream) -> None:
+        self._events = events
+        self._count = 0
+        self._counting = threading.Lock()
+
+    def around(self, work: Work, where: Where, what: str) -> Work:
+        """The same work, reported while it runs."""
+        if not self._events or is_of_every_node(where[1]):
+            return work
+
+        async def reported() -> None:
+            await self.steps(work(), where, what)
+
+        return reported
+
+    def steps(self, awaitable: Awaitable[Any], where: Where, what: str) -> _Steps:
+        """What is to be awaited instead of something, so that its pieces are reported."""
+        return _Steps(self, awaitable, where, what)
+
+    def begin(self, where: Where, what: str) -> int:
+        """Report that the thread is inside a callback from now on; returns the number of this piece."""
+        with self._counting:
+            self._count += 1
+            number = self._count
+        thread = threading.current_thread()
+        value = {"what": what, "thread": thread.name, "ident": threading.get_ident(), "process": os.getpid()}
+        self._events.emit("callback_begun", where, value, number)
+        return number
+
+    def end(self, number: int, where: Where, *, failed: bool) -> None:
+        """Report that it is outside again."""
+        self._events.emit("callback_ended", where, {"failed": failed, "process": os.getpid()}, number)
+
+
+class _Steps:
+    """Drives something awaitable and reports each of its steps."""
+
+    def __init__(self, spans: CallbackSpans, awaitable: Awaitable[Any], where: Where, what: str) -> None:
+        self._spans, self._awaitable, self._where, self._what = spans, awaitable, where, what
+
+    def __await__(self) -> Generator[Any, Any, Any]:
+        steps: Any = self._awaitable.__await__()
+        sent = None
+        try:
+            while True:
+                failed = True
+                number = self._spans.begin(self._where, self._what)
+                try:
+                    awaited = steps.send(sent) if hasattr(steps, "send") else next(steps)
+                    failed = False
+                except StopIteration as end:
+                    failed = False
+                    return end.value
+                finally:
+                    self._spans.end(number, self._where, failed=failed)
+                sent = yield awaited
+        finally:
+            if hasattr(steps, "close"):
+                steps.close()
+
+
 class MessageHooks:
     """Sees messages cross and reports them to `events`."""
 
@@ -68,6 +142,8 @@ class MessageHooks:
         self.events = events
         self.aliases: dict[str, str] = {}
         self.direct: set[Client] = set()
+        self.own_nodes: set[Node] = set()  # of the lab itself
+        self.clients: WeakSet[Client] = WeakSet()  # that have asked
         self.on_delivery: set[Callable[[Subscription], None]] = set()
         self.spans = CallbackSpans(events)
 
@@ -91,6 +167,7 @@ class MessageHooks:
         publish = Publisher.publish
 
         def call_async_seen(client: Client, request: Message) -> Future:
+            self.clients.add(client)
             if not self.events:
                 return call_async(client, request)
             before = time.monotonic_ns()  # the answer may be here before `call_async` returns
@@ -188,7 +265,16 @@ class MessageHooks:
 
     def take_timer(self, executor: Executor, timer: Timer, work: Work | None) -> Work | None:
         """What `Executor._take_timer` has returned, reported while it runs."""
-        return timer_work(self.spans, executor, timer, work)
+        if work is None:
+            return None
+        node = vars(timer).get(_NODE)
+        if node is None:
+            owners = [one for one in executor.get_nodes() if any(timer is own for own in one.timers)]
+            node = owners[0].get_fully_qualified_name() if owners else ""
+            setattr(timer, _NODE, node)
+        if not node or is_hidden(node):  # the lab's own
+            return work
+        return self.spans.around(work, (node, getattr(timer.callback, "__name__", "timer"), ""), "timer")
 
     def _reported(self, work: Work, entity: Any, what: str) -> Work:
         """The work, reported while it runs, unless it is that of the lab itself or of ROS."""

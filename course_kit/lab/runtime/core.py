@@ -5,43 +5,46 @@ from __future__ import annotations
 import atexit
 import sys
 import threading
+import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from course_kit.lab import graph
 from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
-from course_kit.lab.runtime.callback_errors import where_is
-from course_kit.ros import graph as ros_graph
+from course_kit.lab.runtime.failures import where_is
+from course_kit.ros import graph
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator
+    from contextlib import AbstractContextManager
 
-    from course_kit.lab.awaiting import Pending
     from course_kit.lab.recording.recording import Recording
-    from course_kit.lab.runtime.callback_errors import Locate
     from course_kit.lab.runtime.engine import Engine
-    from course_kit.lab.runtime.neighbours import OtherNotebook
-    from course_kit.lab.runtime.nodes import NodeList
-    from course_kit.lab.scripts.running import Script, Scripts
+    from course_kit.lab.runtime.failures import Locate
+    from course_kit.lab.runtime.neighbours import Neighbours
+    from course_kit.lab.runtime.nodes import LiveNode
+    from course_kit.lab.scripts.running import Scripts
     from course_kit.lab.topics import Subscription
-    from course_kit.ros.messages import Message
+
+_SETTLING = 3.0  # seconds; a killed participant's lease lasts 2
+_POLL = 0.01
 
 
 class Lab:
-    """Nodes, scripts and calls of one process."""
+    """What the verbs of one process work on: its nodes, scripts, panels and recording."""
 
     def __init__(self) -> None:
         self.events = EventStream()
         self.output = Output()
         self._notebook = Notebook.of_this_process(self.output)
-        self._notebook.nodes_run = lambda: bool(self.nodes())
+        self._notebook.nodes_run = lambda: bool(self.live_nodes())
         self._notebook.on_end = self._end_strays
         self._engine: Engine | None = None
+        self._neighbours: Neighbours  # made with the engine
         self._scripts: Scripts | None = None
-        self._recorder: Recording | None = None
+        self.recorder: Recording | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
         self._told: set[str] = set()
         self._subscriptions: list[Subscription] = []
@@ -63,10 +66,13 @@ class Lab:
         """The programs that run as child processes."""
         with self._lock:
             if self._scripts is None:
+                from course_kit.lab.runtime.neighbours import mark_of
                 from course_kit.lab.scripts.running import Scripts
 
                 self._notebook.watch_output()
-                self._scripts = Scripts(self)
+                self._scripts = scripts = Scripts(self.output, self.events.forward, mark_of(self._notebook.title))
+                scripts.wait_for_nodes, scripts.tell_once = self._wait_for_nodes, self.tell_once
+                scripts.live_names = lambda: [live.name for live in self.live_nodes()]
                 _at_exit(self.close)
             return self._scripts
 
@@ -74,114 +80,63 @@ class Lab:
         """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
         self._notebook.watch_output()
 
-    def expect(self, verb: Pending[Any], *, awaited: bool = False) -> None:
+    def expect(self, verb: object, *, awaited: bool = False) -> None:
         """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
         self._notebook.expect(verb, awaited=awaited)
 
-    def start(self, node_class: type, /, *arguments: Any, **options: Any) -> Any:
-        """See `course_kit.lab.start`."""
-        self._not_in_callback("lab.start()")
-        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-        engine = self.engine
-        with told_if_slow(node_class, self._notebook.locate, engine.note):
-            node = engine.nodes.start(node_class, arguments, options)
-        engine.neighbours.node_started()
-        self.output.drain()
-        return node
+    @property
+    def has_engine(self) -> bool:
+        """Whether ROS was needed so far."""
+        return self._engine is not None
 
-    def stop(self, target: object = None, /) -> None:
-        """See `course_kit.lab.stop`."""
-        if self._engine is None:
-            nodes = []
-        else:
-            nodes = list(self._engine.nodes) if target is None else self._engine.nodes.find(target)
-        if not nodes and target is not None:
-            running = ", ".join(sorted(live.name.lstrip("/") for live in self.engine.nodes)) or "none"
-            raise LabError(f"{_shown(target)} is not running in the lab. Running: {running}.")
-        for live in nodes:
-            self.engine.nodes.stop(live)
-        if target is None:
-            while self._subscriptions:
-                self._subscriptions.pop().close()
-            if self._engine is not None:
-                self._engine.clients.forget_all()
-        self.output.drain()
+    @property
+    def neighbours(self) -> Neighbours:
+        """Other notebooks on the graph."""
+        self.engine  # noqa: B018 - it makes them
+        return self._neighbours
 
-    def subscribe(self, topic: str, message_type: type[Message], callback: Callable[[Message], None], qos: Any) -> Any:
-        """See `course_kit.lab.subscribe`."""
-        from course_kit.lab.topics import Subscription
+    def live_nodes(self) -> list[LiveNode]:
+        """The started nodes, by name."""
+        return sorted(self._engine.nodes, key=lambda live: live.name) if self._engine is not None else []
 
-        self._subscriptions = [one for one in self._subscriptions if one.is_open]
-        subscription = Subscription(self.engine, topic, message_type, callback, qos)
-        self._subscriptions.append(subscription)
+    def not_in_callback(self, what: str) -> None:
+        """Raise DeadlockError if the caller is a callback on the lab's thread."""
+        if self._engine is not None:
+            self._engine.not_in_callback(what)
+
+    def warn_if_slow(self, node_class: object) -> AbstractContextManager[None]:
+        """Say where `__init__` is when it takes longer than any needs."""
+        return _warn_if_slow(node_class, self._notebook.locate, self.engine.note)
+
+    def keep(self, subscription: Subscription) -> Subscription:
+        """Have a subscription closed by `stop` and with the lab."""
+        self._subscriptions = [*(one for one in self._subscriptions if one.is_open), subscription]
         return subscription
 
-    def others(self) -> list[OtherNotebook]:
-        """See `course_kit.lab.others`."""
-        return self.engine.neighbours.others()
+    def stop(self) -> None:
+        """Take all nodes off the graph, and close the subscriptions."""
+        for live in self.live_nodes():
+            self.engine.nodes.stop(live)
+        while self._subscriptions:
+            self._subscriptions.pop().close()
+        if self._engine is not None:
+            self._engine.clients.forget_all()
+        self.output.drain()
 
-    def stop_others(self, title: str | None) -> None:
-        """See `course_kit.lab.stop_others`."""
-        self._not_in_callback("lab.stop_others()")
-        others = [one for one in self.others() if title is None or one.title == title]
-        if title is not None and not others:
-            known = ", ".join(one.title for one in self.others()) or "none"
-            raise LabError(f"{title} runs no nodes on this graph. Other notebooks that do: {known}.")
-        if left := self.engine.neighbours.stop(others):
-            raise LabError(
-                f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
-            )
-
-    def nodes(self) -> NodeList:
-        """See `course_kit.lab.nodes`."""
-        from course_kit.lab.runtime.nodes import NodeList
-
-        live = sorted(self._engine.nodes, key=lambda one: one.name) if self._engine else []
-        found = NodeList(live)
-        found.others = self.others() if self._engine else []
-        return found
-
-    def script(self, name: str, source: str, arguments: tuple[str, ...], mode: str) -> Script:
-        """See `course_kit.lab.script`."""
-        return self.scripts.run(name, source, arguments, mode)
-
-    def wait_for_nodes(self, names: list[str], *, there: bool) -> None:
-        """Wait until the nodes of a script are on the graph as this process sees it, or are not; with a deadline."""
-        if self._engine is not None and not self._engine.in_callback():
-            graph.wait_for_nodes(self._engine.node, names, {live.name for live in self._engine.nodes}, there=there)
-
-    @property
-    def mark(self) -> str:
-        """By what other notebooks know the processes of this one."""
-        from course_kit.lab.runtime.neighbours import mark_of
-
-        return mark_of(self._notebook.title)
-
-    @property
-    def recorder(self) -> Recording | None:
-        """What keeps the events, if anything does."""
-        return self._recorder
-
-    def attach(self, recorder: Recording) -> None:
-        """Have a recorder told what crosses from now on, and `diagram` answered by it."""
-        self._recorder = recorder
+    def record(self, recorder: Recording) -> None:
+        """Have a recorder told what crosses from now on, and `lab.diagram` answered by it."""
+        self.recorder = recorder
         self.events.listen(recorder.observe)
 
-    def record(self) -> None:
-        """See `course_kit.lab.record`."""
-        self._require_recorder().restart()
-
-    def diagram(self, last: int | None) -> object:
-        """See `course_kit.lab.diagram`."""
-        recorder = self._require_recorder()
+    def require_recorder(self) -> Recording:
+        """What keeps the events; raises LabError where nothing does."""
+        if self.recorder is None:
+            raise LabError(
+                "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
+                "`from course_kit.lab.recording import attaching`, and `attaching.attach()` before nodes are started."
+            )
         self.output.drain()  # also takes in what scripts have reported
-        return recorder.diagram(last)
-
-    def timeline(self) -> object:
-        """See `course_kit.lab.timeline`."""
-        recorder = self._require_recorder()
-        self.output.drain()  # also takes in what scripts have reported
-        return recorder.timeline()
+        return self.recorder
 
     def tell_once(self, sentences: Iterable[str]) -> None:
         """Say what is off in this lab, each sentence once."""
@@ -216,14 +171,18 @@ class Lab:
         from course_kit import environment
 
         environment.apply_settings()
+        from course_kit.lab.overrides import callbacks, rclpy_functions
         from course_kit.lab.runtime.engine import Engine
+        from course_kit.lab.runtime.neighbours import Neighbours
         from course_kit.ros import compat
 
         found = compat.check_features()
         engine = Engine(self.events, self.output, self._notebook, found)
-        engine.on_server_gone = self._let_scripts_end
-        engine.neighbours.on_stop_asked = self._stop_for
-        engine.neighbours.script_nodes = self._script_nodes
+        rclpy_functions.replace_functions(engine)
+        callbacks.require_callables(engine.patches, engine.locate)
+        self._neighbours = Neighbours(engine, self._notebook.title, self._stop_for, self._script_nodes)
+        engine.before_call = self._neighbours.tell_who_answers
+        engine.before_blaming = self._let_scripts_end
         self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
@@ -244,6 +203,21 @@ class Lab:
             verb = "are" if len(ended) > 1 else "is"
             self.output.put(f"{', '.join(ended)}, which the lab did not run, {verb} gone, as when a program ends.\n")
 
+    def _wait_for_nodes(self, names: list[str], there: bool) -> None:
+        """Wait until every node of a script is on the graph as this process sees it, or none is; 3 s at most."""
+        engine = self._engine
+        if engine is None or engine.in_callback():
+            return
+        own = {live.name for live in engine.nodes}
+        deadline = time.monotonic() + _SETTLING
+        pause = threading.Event()  # rclpy has no event for changes of the graph
+        while time.monotonic() < deadline:
+            seen = graph.node_names(engine.node)
+            counts = [seen.count(name) - (name in own) for name in names]
+            if all(count > 0 for count in counts) if there else not any(count > 0 for count in counts):
+                return
+            pause.wait(_POLL)
+
     def _script_nodes(self) -> dict[str, str]:
         return self._scripts.nodes() if self._scripts is not None else {}
 
@@ -257,23 +231,7 @@ class Lab:
     def _let_scripts_end(self) -> None:
         if self._scripts is not None and self._engine is not None:
             node = self._engine.node
-            self._scripts.wait_for_end_of_those_without_node(set(ros_graph.node_names(node)))
-
-    def _require_recorder(self) -> Recording:
-        if self._recorder is None:
-            raise LabError(
-                "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
-                "`from course_kit.lab.recording import attaching`, and `attaching.attach()` before nodes are started."
-            )
-        return self._recorder
-
-    def _not_in_callback(self, what: str) -> None:
-        if self._engine is not None:
-            self._engine.not_in_callback(what)
-
-
-def _shown(target: object) -> str:
-    return target.__name__ if isinstance(target, type) else repr(target) if isinstance(target, str) else "This node"
+            self._scripts.wait_for_end_of_those_without_node(set(graph.node_names(node)))
 
 
 def _at_exit(function: Callable[[], None]) -> None:
@@ -291,7 +249,7 @@ _SLOW = 3.0  # seconds
 
 
 @contextmanager
-def told_if_slow(node_class: object, locate: Locate, tell: Callable[[str], None]) -> Iterator[None]:
+def _warn_if_slow(node_class: object, locate: Locate, tell: Callable[[str], None]) -> Iterator[None]:
     """Say where `__init__` is when it takes longer than any needs."""
     starting = threading.get_ident()
 

@@ -1,11 +1,19 @@
-"""The executor of the lab: rclpy's single-threaded one, which outlives the errors of callbacks."""
+"""The executor of the lab, rclpy's single-threaded one, which outlives the errors of callbacks; its thread and context.
+
+Ending a process while a thread is inside rcl_wait aborts it ("terminate called"). So the thread is told to stop,
+woken and joined before anything is destroyed; `threading._register_atexit` has that done at interpreter exit
+early enough, before Python begins to take its threads away.
+"""
 
 from __future__ import annotations
 
+import ctypes
 import threading
 import time
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, TypeVar
 
+import rclpy
+from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import (
     ConditionReachedException,
@@ -14,37 +22,34 @@ from rclpy.executors import (
     ShutdownException,
     TimeoutException,
 )
+from rclpy.signals import SignalHandlerOptions
 
-from course_kit.lab.errors import CallbackStopped, DeadlockError
+from course_kit.lab.errors import CallbackStopped, DeadlockError, NoAnswerError
 from course_kit.lab.runtime.describe import is_alive
+from course_kit.lab.runtime.failures import Turn
+from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rclpy.client import Client
-    from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.service import Service
     from rclpy.subscription import Subscription
     from rclpy.task import Future, Task
     from rclpy.timer import Timer
 
-    from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.lab.recording.spans import Work
+    from course_kit.lab.recording.hooks import MessageHooks, Work
     from course_kit.lab.runtime.failures import Failures
+    from course_kit.ros.compat import Compatibility
 
 _DEEPEST = 8  # callbacks that wait inside each other; a MultiThreadedExecutor's threads are no more
+_JOIN = 2.0  # seconds a callback is given to end
 _BREATH = 0.1  # seconds between attempts while the middleware itself fails
-
-
-class Turn(NamedTuple):
-    """The callback that is running."""
-
-    entity: Any
-    node: Node | None
-    since: float
-    callback: Any = None
-    follows: str = ""
+# rclpy's ~/get_type_description, which no lesson asks for, triples the time to make a node and leaves 100 kB behind
+# for each one destroyed, until the last node of the process is gone.
+_ARGUMENTS = ("--ros-args", "-p", "start_type_description_service:=false")
+ResultT = TypeVar("ResultT")
 
 
 class LabExecutor(Executor):
@@ -155,6 +160,11 @@ class LabExecutor(Executor):
             task.cancel()
         self._tell(error, turn)
 
+    def wait_for_turn(self, timeout: float) -> None:
+        """Return when a callback has run, or after `timeout` seconds."""
+        self.turned.clear()
+        self.turned.wait(timeout)
+
     def unfinished(self) -> list[Any]:
         """What the callbacks were called for that have begun and not ended, because they run or await something."""
         return [turn.entity for turn in list(self._begun.values())]
@@ -172,7 +182,10 @@ class RecordingExecutor(LabExecutor):
         self._hooks = hooks
 
     def _take_service(self, srv: Service) -> Work | None:
-        return self._hooks.take_service(srv, self._failures.request_failed)
+        return self._hooks.take_service(srv, self._request_failed)
+
+    def _request_failed(self, service: Service, sequence: int, error: BaseException) -> None:
+        self._failures.request_failed(self.turn, service, sequence, error)
 
     def _take_client(self, client: Client) -> Work | None:
         return self._hooks.take_client(self, client)
@@ -183,3 +196,91 @@ class RecordingExecutor(LabExecutor):
     def _take_timer(self, tmr: Timer) -> Work | None:
         work: Work | None = super()._take_timer(tmr)
         return self._hooks.take_timer(self, tmr, work)
+
+
+class ExecutorThread:
+    """Owns the context, the executor and the thread."""
+
+    def __init__(self, ros_arguments: list[str], hooks: MessageHooks, failures: Failures, found: Compatibility) -> None:
+        # Where the default context cannot be replaced by ours, ours is that one.
+        self.context = Context() if found.has(compat.DEFAULT_CONTEXT) else rclpy.get_default_context()
+        rclpy.init(
+            args=[*ros_arguments, *_ARGUMENTS], context=self.context, signal_handler_options=SignalHandlerOptions.NO
+        )
+        records = found.has(compat.RECORDING)
+        self.executor: LabExecutor = (
+            RecordingExecutor(self.context, hooks, failures) if records else LabExecutor(self.context, failures)
+        )
+        self._thread = threading.Thread(target=self.executor.run, name="ros-lab", daemon=True)
+        self._thread.start()
+
+    @property
+    def thread_id(self) -> int:
+        """The identifier of the thread that runs callbacks."""
+        return self._thread.ident or 0
+
+    def is_current_thread(self) -> bool:
+        """Whether the caller is inside a callback."""
+        return threading.current_thread() is self._thread
+
+    def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
+        """Run `function` on the thread while no callback is running."""
+        if self.is_current_thread():
+            function()
+            return True
+        if not self._thread.is_alive():  # the lab has ended, and so has what it owned
+            return False
+        done = threading.Event()
+
+        def task() -> None:
+            try:
+                function()
+            finally:
+                done.set()
+
+        self.executor.create_task(task)
+        return done.wait(deadline)
+
+    def ask(self, function: Callable[[], ResultT], deadline: float) -> ResultT:
+        """Return what `function` returns on the thread, between two callbacks; what it raises is raised here."""
+        outcome: list[ResultT] = []
+        raised: list[BaseException] = []
+        late = False
+
+        def run() -> None:
+            if late:
+                return
+            try:
+                outcome.append(function())
+            except BaseException as error:  # noqa: BLE001 - passed on
+                raised.append(error)
+
+        if not self.run_between_callbacks(run, deadline):
+            late = True
+            raise NoAnswerError(
+                f"A callback has blocked the lab's thread for more than {deadline:g} s, so this was not done."
+            )
+        if raised:
+            raise raised[0]
+        return outcome[0]
+
+    def stop_callback(self) -> None:
+        """Raise CallbackStopped inside the callback that is running; reaches Python code, not a C function."""
+        if not self.is_current_thread() and self._thread.is_alive():
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                ctypes.c_ulong(self.thread_id), ctypes.py_object(CallbackStopped)
+            )
+
+    def close(self, destroy_nodes: Callable[[], None]) -> bool:
+        """End the thread, then the nodes, then the context."""
+        self.executor.request_stop()
+        self._thread.join(_JOIN)
+        if self._thread.is_alive():
+            self.stop_callback()
+            self._thread.join(_JOIN)
+        if self._thread.is_alive():
+            return False
+        destroy_nodes()
+        self.executor.shutdown()
+        self.context.try_shutdown()
+        return True

@@ -1,39 +1,146 @@
-"""Telling of callbacks that fail: once each, in a few lines, and to whoever waits for their answer."""
+"""Callbacks that fail: whose it is, what went wrong and where, what to write instead, and who hears of it."""
 
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING
+import inspect
+import linecache
+import re
+import sysconfig
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from course_kit.lab.errors import DeadlockError, ServiceFailedError
-from course_kit.lab.recording.hooks import WrongResultError
-from course_kit.lab.runtime.callback_errors import Crash, examine
+from rclpy.exceptions import InvalidHandle
+
+from course_kit import environment
+from course_kit.lab.errors import DeadlockError, InputError, ServiceFailedError, error_text
+from course_kit.lab.recording.hooks import WrongResponseError, WrongResultError, failure_text
 from course_kit.lab.runtime.describe import is_alive
-from course_kit.lab.runtime.executor import Turn
+from course_kit.ros import names
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import CodeType, FrameType
+
     from rclpy.client import Client
+    from rclpy.node import Node
     from rclpy.service import Service
     from rclpy.task import Future
 
     from course_kit.lab.notebook.output import Output
     from course_kit.lab.recording.hooks import MessageHooks
-    from course_kit.lab.runtime.callback_errors import Locate
-    from course_kit.lab.runtime.engine import Engine
 
+    Locate = Callable[[str], str | None]
+
+_NOT_THE_LEARNERS = tuple(
+    dict.fromkeys(
+        [
+            str(environment.PACKAGE),
+            *(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")),
+            "<frozen",
+        ]
+    )
+)
 _SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
+_ARGUMENTS = re.compile(r"(?P<name>\w+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) ")
+_SUB_MESSAGE = re.compile(r"The '(?P<field>\w+)' field must be a sub message of type '(?P<type>\w+)'")
+_UNDECLARED = re.compile(r"undeclared parameter\(s\): (?P<name>\S+)")
+_OF_EVERY_NODE = frozenset({"use_sim_time", "start_type_description_service"})
+_GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belongs to
+    "Service": ("request", "response"),
+    "Subscription": ("message",),
+    "Timer": (),
+    "Turn": ("goal_handle",),
+}
+
+
+class Turn(NamedTuple):
+    """The callback that is running."""
+
+    entity: Any
+    node: Node | None
+    since: float
+    callback: Any = None
+    follows: str = ""
+
+
+class Crash(NamedTuple):
+    """What is known about a callback that failed; text only, so that no frame is kept alive."""
+
+    node: str
+    callback: str
+    error: str
+    place: str
+    source: str
+    advice: str = ""
+
+    def text(self, ending: str) -> str:
+        """The message for the notebook; `ending` says what follows from it."""
+        who = f"{self.node}: " if self.node else ""
+        lines = [f"{who}{self.callback or 'a callback'} {self.error}"]
+        if self.place:
+            lines.append(f"  {self.place}: {self.source}")
+        if self.advice:
+            lines.append(f"  {self.advice}")
+        return "\n".join([*lines, f"  {ending}", ""])
+
+
+def own_line(filename: str, number: int, locate: Locate) -> tuple[str, str]:
+    """How to call a line of the learner's, and its text."""
+    place = locate(filename) or Path(filename).name
+    return f"{place}, line {number}", linecache.getline(filename, number).strip()
+
+
+def is_own(filename: str) -> bool:
+    """Whether code of this file is the learner's, not ours, rclpy's or Python's."""
+    return not filename.startswith(_NOT_THE_LEARNERS)
+
+
+def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate) -> Crash:
+    """Find out about an error while its traceback is there."""
+    frames = traceback.walk_tb(error.__traceback__)
+    own = [(frame, number) for frame, number in frames if is_own(frame.f_code.co_filename)]
+    callback = getattr(entity, "callback", None)
+    function = getattr(callback, "__name__", "") or (own[0][0].f_code.co_name if own else "")
+    owner = node if node is not None else node_in(error)
+    name = owner.get_name() if owner is not None else ""
+    code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
+    if own and not isinstance(error, WrongResponseError):
+        place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate)
+    else:  # it has not run, or what it returned is wrong
+        place, source = _definition(code, locate)
+    if isinstance(error, WrongResponseError):
+        return Crash(name, function, error.what, place, source)
+    if isinstance(error, (DeadlockError, InputError)):
+        return Crash(name, function, f"was stopped: {error}", place, source)
+    return Crash(name, function, f"raised {failure_text(error)}", place, source, advice_on(error, owner, entity))
+
+
+def where_is(frame: FrameType | None, locate: Locate) -> tuple[str, str] | None:
+    """The innermost line of the learner's in a running thread, as `own_line` gives it."""
+    while frame is not None:
+        if is_own(frame.f_code.co_filename):
+            return own_line(frame.f_code.co_filename, frame.f_lineno, locate)
+        frame = frame.f_back
+    return None
+
+
+def _definition(code: CodeType | None, locate: Locate) -> tuple[str, str]:
+    if code is None or not is_own(code.co_filename):
+        return "", ""
+    return own_line(code.co_filename, code.co_firstlineno, locate)
 
 
 class Failures:
     """Told by the executor of callbacks that fail."""
 
-    def __init__(self, output: Output, locate: Locate, hooks: MessageHooks, lab: Engine) -> None:
+    def __init__(self, output: Output, locate: Locate, hooks: MessageHooks) -> None:
         self._output = output
         self._locate = locate
         self._hooks = hooks
-        self._lab = lab
         self._last_crash: tuple[Crash | None, int] = (None, 0)
 
     def forget(self) -> None:
@@ -46,9 +153,7 @@ class Failures:
             return
         with contextlib.suppress(Exception):  # a class of the learner's may allow none
             setattr(error, _SHOWN, True)
-        node = turn.node
-        if node is self._lab.hidden_node:
-            node = None
+        node = turn.node if turn.node not in self._hooks.own_nodes else None
         crash = examine(error, turn if turn.entity is None else turn.entity, node, self._locate)
         if node is not None and not is_alive(node):
             return  # the rest of a node that was stopped in the middle
@@ -62,26 +167,27 @@ class Failures:
             ending += " (This keeps happening and will not be shown again.)"
         self._output.put(crash.text(ending), "stderr")
 
-    def request_failed(self, service: Service, sequence: int, error: BaseException) -> None:
+    def request_failed(self, turn: Turn | None, service: Service, sequence: int, error: BaseException) -> None:
         """Give the one who waits for this answer an error, if it is a client in this lab."""
-        turn = self._lab.turn()
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
             self.callback_crashed(error, Turn(service, turn.node, turn.since))
         crash = examine(error, service, None, self._locate)
         owner = short_name(self._hooks.where(service)[0])
         place = f" ({crash.place})" if crash.place else ""
         text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
-        asking = [client for client in self._lab.all_clients() if client.service_name == service.service_name]
-        waiting = [future for client in asking if (future := _pending(client, sequence)) is not None]
+        found = [_pending(client, service.service_name, sequence) for client in list(self._hooks.clients)]
+        waiting = [future for future in found if future is not None]
         if len(waiting) == 1:  # two clients may have used the same number; then each waits for its timeout
             waiting[0].set_exception(ServiceFailedError(text))
             waiting[0].exception()  # marks it as seen: a caller that lost interest is no news
 
 
-def _pending(client: Client, sequence: int) -> Future | None:
+def _pending(client: Client, service: str, sequence: int) -> Future | None:
     """The future of a request. A client holds its lock from sending until there is one: the answer may be sooner."""
-    with client._lock:  # noqa: SLF001
-        return client._pending_requests.get(sequence)  # noqa: SLF001
+    with contextlib.suppress(InvalidHandle), client._lock:  # noqa: SLF001 - it may have been destroyed
+        if client.service_name == service:
+            return client._pending_requests.get(sequence)  # noqa: SLF001
+    return None
 
 
 def _consequence(error: BaseException, turn: Turn) -> str:
@@ -94,3 +200,84 @@ def _consequence(error: BaseException, turn: Turn) -> str:
     if isinstance(error, WrongResultError):
         return "The client gets an empty result. In a separate program it would wait for ever."
     return "The node keeps running, and so do the others."
+
+
+def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
+    """A sentence or two; empty where there is nothing to add."""
+    text = error_text(error)
+    if newer := of_newer_ros(error):
+        return newer
+    node = node if node is not None else node_in(error)
+    if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
+        return _on_arguments(found["name"], node, entity)
+    if isinstance(error, AssertionError) and (found := _SUB_MESSAGE.search(text)):
+        return _on_sub_message(found["field"], found["type"])
+    if isinstance(error, NameError) and callable(getattr(type(node), error.name or "", None)):
+        return f"{error.name} belongs to the node. Write: self.{error.name}(...)"
+    if type(error).__name__ == "ParameterNotDeclaredException" and (found := _UNDECLARED.search(text)):
+        return _on_parameter(found["name"].strip("'[]"), node)
+    return ""
+
+
+def of_newer_ros(error: BaseException) -> str:
+    """What to say of `with rclpy.init():`, which the examples of newer versions have; empty for any other error."""
+    text = error_text(error)
+    if not isinstance(error, (TypeError, AttributeError)) or not ("context manager" in text or "__enter__" in text):
+        return ""
+    lines = [
+        linecache.getline(frame.f_code.co_filename, number) for frame, number in traceback.walk_tb(error.__traceback__)
+    ]
+    if not any("rclpy.init(" in line for line in lines[-1:]):
+        return ""
+    return (
+        "This line belongs to a newer ROS 2. In Jazzy rclpy.init() returns nothing, so `with` cannot use it: write "
+        "rclpy.init() on a line of its own, and rclpy.try_shutdown() where the block ends."
+    )
+
+
+def node_in(error: BaseException) -> Any:
+    """The node whose method is the innermost in an error's traceback; None if there is none."""
+    found = None
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        candidate = frame.f_locals.get("self")
+        if hasattr(candidate, "get_fully_qualified_name"):
+            found = candidate
+    return found
+
+
+def without_self(node_class: type, name: str) -> str:
+    """What to say of a method whose first parameter is not self; empty where it is, or nothing is known of it."""
+    code: CodeType | None = getattr(getattr(node_class, name, None), "__code__", None)
+    if code is None:
+        return ""
+    parameters = code.co_varnames[: code.co_argcount]
+    if parameters[:1] in {("self",), ("cls",)}:
+        return ""
+    return f"{name}() has no self. Write: def {name}({', '.join(('self', *parameters))}):"
+
+
+def _on_arguments(name: str, node: Any, entity: Any) -> str:
+    if node is None:
+        return ""
+    if missing := without_self(type(node), name):
+        return missing
+    given = _GIVEN_TO.get(type(entity).__name__)
+    if given is None:
+        return ""
+    return f"rclpy calls it with {' and '.join(given) or 'nothing'}. Write: def {name}({', '.join(('self', *given))}):"
+
+
+def _on_sub_message(field: str, kind: str) -> str:
+    examples = {"Point": "x=1.0, y=2.0, z=0.0", "Vector3": "x=1.0, y=2.0, z=0.0", "Quaternion": "w=1.0"}
+    example = f"{kind}({examples.get(kind, '...')})"
+    return f"{field} is a message of its own. Write {example}, or set its fields one by one."
+
+
+def _on_parameter(name: str, node: Any) -> str:
+    if node is None:
+        return ""
+    declared = node.get_parameters_by_prefix("")  # works for a node that is destroyed, too, as its name does not
+    own = [one for one in declared if one not in _OF_EVERY_NODE]
+    if not own:
+        return f"The node has declared no parameter so far: declare_parameter({name!r}, ...) comes first."
+    return f"The node has declared {', '.join(own)}.{names.did_you_mean(name, own)}"

@@ -67,9 +67,11 @@ def mark_as(topic: str, node: Node) -> None:
 class Neighbours:
     """Tells the learner what other notebooks have to do with this one's nodes."""
 
-    def __init__(self, lab: Engine, title: str) -> None:
-        self.on_stop_asked: Callable[[str], None] = lambda _: None  # called on a thread of its own
-        self.script_nodes: Callable[[], dict[str, str]] = dict  # full names of nodes, each with its script's name
+    def __init__(
+        self, lab: Engine, title: str, on_stop: Callable[[str], None], script_nodes: Callable[[], dict[str, str]]
+    ) -> None:
+        """Begin; `on_stop` is called on a thread of its own, `script_nodes` says which script has which node."""
+        self._on_stop, self._script_nodes = on_stop, script_nodes
         self._mark = mark_of(title)
         self._lab, self._node, self._title = lab, lab.node, title
         mark_as(self._mark, self._node)
@@ -109,7 +111,7 @@ class Neighbours:
     def _hear_stop(self, message: Message) -> None:
         key, _, by = message.data.partition(" ")
         if key == self._mark:  # ending scripts takes seconds, in which callbacks go on
-            threading.Thread(target=self.on_stop_asked, args=(by,), name="lab-stop", daemon=True).start()
+            threading.Thread(target=self._on_stop, args=(by,), name="lab-stop", daemon=True).start()
 
     def tell_who_answers(self, role: graph.Role, name: str) -> None:
         """Say so once where another notebook's node answers, in place of one that this one has forgotten to start."""
@@ -119,7 +121,7 @@ class Neighbours:
         ):
             return
         whose = {node: other.title for other in self.others() for node in other.nodes}
-        if not whose or any(self._offers(node, role, name) for node in self.script_nodes()):
+        if not whose or any(self._offers(node, role, name) for node in self._script_nodes()):
             return
         node = next((node for node in whose if self._offers(node, role, name)), "")
         if node and (node, name) not in self._answered:
@@ -141,7 +143,7 @@ class Neighbours:
     def _tell(self, node: str, sentence: str) -> None:
         """Say it with whose node it is, and what stops it; one that is no notebook's may have been killed just now."""
         shown = short_name(node)
-        if script := self.script_nodes().get(node):
+        if script := self._script_nodes().get(node):
             self._lab.note(f"{sentence.format(f'{shown} of your script {script}')} %ros_stop {script} stops it.")
         elif title := next((other.title for other in self.others() if node in other.nodes), ""):
             self._lab.note(f"{sentence.format(f'{shown} of {title}')} {_REMEDY}")

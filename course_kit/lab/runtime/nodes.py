@@ -23,18 +23,17 @@ from rclpy.action import ActionClient, ActionServer
 
 from course_kit.lab.clients import HIDDEN_NAME, incompatible
 from course_kit.lab.errors import LabError
-from course_kit.lab.runtime.advice import without_self
 from course_kit.lab.runtime.describe import channels_of, is_alive
+from course_kit.lab.runtime.failures import without_self
 from course_kit.ros.names import full_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches
-    from course_kit.lab.runtime.executor_thread import ExecutorThread
-    from course_kit.lab.runtime.neighbours import OtherNotebook
+    from course_kit.lab.runtime.executor import ExecutorThread
 
 _BETWEEN_CALLBACKS = 1.0  # seconds a running callback may take before its node is destroyed under it
 
@@ -199,14 +198,14 @@ class Nodes:
 class NodeList(list[LiveNode]):
     """Live nodes that print as a list of what each offers."""
 
-    others: list[OtherNotebook]
+    others: Sequence[object] = ()
 
     def __repr__(self) -> str:
         from course_kit.lab.runtime.describe import describe_node
 
         lines = [describe_node(live.node) for live in self] or ["No node is running in the lab."]
-        if others := getattr(self, "others", []):
-            lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {one}" for one in others)]
+        if self.others:
+            lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {one}" for one in self.others)]
         return "\n".join(lines)
 
 

@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.recording.events import EventStream
-from course_kit.lab.runtime.advice import of_newer_ros
 from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
@@ -187,6 +186,8 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
         if interrupts.seen or type(error).__name__ == "ExternalShutdownException":
             return INTERRUPTED
         sys.stdout.flush()
+        from course_kit.lab.runtime.failures import of_newer_ros
+
         newer = of_newer_ros(error)
         sys.stderr.write(own_traceback(error, path) + (f"{newer}\n" if newer else ""))
         return 1

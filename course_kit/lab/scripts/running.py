@@ -24,8 +24,9 @@ from course_kit.process.output import LineReader
 from course_kit.reader.text import as_utf8
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from course_kit.lab.notebook.output import Output
-    from course_kit.lab.runtime.core import Lab
 
 
 class Script:
@@ -72,9 +73,11 @@ _TURN = 0.1
 class Scripts:
     """The programs of one lab."""
 
-    def __init__(self, lab: Lab) -> None:
-        self._lab = lab
-        self._output: Output = lab.output
+    def __init__(self, output: Output, forward: Callable[[Event], None], mark: str) -> None:
+        self.wait_for_nodes: Callable[[list[str], bool], None] = lambda *_: None  # until they are there, or are not
+        self.live_names: Callable[[], list[str]] = list  # of the lab's nodes
+        self.tell_once: Callable[[list[str]], None] = lambda _: None
+        self._output, self._forward, self._mark = output, forward, mark
         self._running: dict[str, Script] = {}
         self._lock = threading.Lock()
         (text, self._text_end), (reports, self._reports_end) = os.pipe(), os.pipe()
@@ -157,7 +160,7 @@ class Scripts:
                 RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
                 RCUTILS_COLORIZED_OUTPUT="0",
                 PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
-                COURSE_KIT_LAB_MARK=self._lab.mark,
+                COURSE_KIT_LAB_MARK=self._mark,
                 PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
             ),
         )
@@ -183,7 +186,7 @@ class Scripts:
         begun = time.monotonic()
         while script.running:
             if mode != "wait" and script.spins and (script.spins == "server" or mode == "background"):
-                self._lab.wait_for_nodes(script.nodes, there=True)
+                self.wait_for_nodes(script.nodes, True)
                 self._say(self._up(script))
                 return
             limit = _WAIT if mode == "wait" else _CLIENT if script.spins == "client" else _UP
@@ -201,7 +204,7 @@ class Scripts:
     def _up(self, script: Script) -> str:
         names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
         text = f"{script.name} is running in the background" + (f" (node {names})." if names else ".")
-        here = sorted(live.name for live in self._lab.nodes() if live.name in script.nodes)
+        here = sorted(name for name in self.live_names() if name in script.nodes)
         if here:
             shown = here[0].lstrip("/")
             text += (
@@ -220,7 +223,7 @@ class Scripts:
         script.process.end(Ladder(*_GRACE))
         self._running.pop(script.name, None)
         self.pump()
-        self._lab.wait_for_nodes(script.nodes, there=False)
+        self.wait_for_nodes(script.nodes, False)
 
     def _say(self, text: str) -> None:
         self._output.put(text + "\n")
@@ -251,7 +254,7 @@ class Scripts:
             script.spins = str(report["spins"])
             self._output.poke()
         elif script is not None and "off" in report:
-            self._lab.tell_once([str(report["off"])])
+            self.tell_once([str(report["off"])])
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
-                self._lab.events.forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))
+                self._forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))
