@@ -266,7 +266,7 @@ def test_an_export_shows_the_graph_as_it_is(live_lab: Lab) -> None:
     assert not re.findall(r"https?:|<script|url\(", html)
     lab.stop()
     assert "No node is on the ROS graph." in panels.graph()._repr_mimebundle_()["text/html"]
-    assert not live_lab.nodes()
+    assert not live_lab.live_nodes()
 
 
 def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:

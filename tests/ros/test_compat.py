@@ -150,7 +150,7 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     for number in range(2):
-        own_lab.script(f"program{number}", f"import rclpy\nrclpy.init()\nprint('ran {number}')\n", (), "wait")
+        own_lab.scripts.run(f"program{number}", f"import rclpy\nrclpy.init()\nprint('ran {number}')\n", (), "wait")
     told = capsys.readouterr()
     assert "ran 0" in told.out
     assert "ran 1" in told.out

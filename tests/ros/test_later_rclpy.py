@@ -78,7 +78,7 @@ class Asking(Node):
 
 
 def test_a_callback_that_awaits_twice_answers(later_lab: Lab) -> None:
-    assert later_lab.nodes() == []
+    assert later_lab.live_nodes() == []
     lab.start(Everything)
     lab.start(Asking)
     assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
@@ -163,7 +163,7 @@ def test_a_server_without_an_execute_callback_ends_its_goals_and_is_recorded(
         goal.result_blocking(timeout=0.5)
     lab.call_blocking("/end", Trigger)
     assert list(goal.result_blocking(timeout=10).sequence) == [7]
-    assert "/count result: SUCCEEDED, sequence=[7]" in str(lab_with_goals_that_others_end.diagram(None))
+    assert "/count result: SUCCEEDED, sequence=[7]" in str(lab.diagram())
 
 
 SPINS = """\
