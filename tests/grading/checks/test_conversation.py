@@ -31,6 +31,7 @@ class StandIn:
             seed=1, first_failure=False, mode="run", limits=SimpleNamespace(wall_s=60.0)
         )
     )
+    deadline_s: float = 45.0
 
     def spoil(self) -> None:
         self.asked, self.starts = [], self.starts + 1
