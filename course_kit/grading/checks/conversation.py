@@ -268,8 +268,7 @@ class Conversation:
     def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:
         """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
-        best: list[Step] = done
-        found: tuple[Failed, CheckPart] | None = None
+        best, found = done, None
         for length in sorted({*(one for one in _TAILS if one < len(done)), len(done)}):
             if length > 1 and clock.past(_SHRINK_S):
                 break

@@ -56,10 +56,8 @@ def goal_succeeds(
                 _require_some_accepted(node, action, goal, several[1:])
             goal.accepted_by().ends(within_s=within_s, **expect(node.message_for(action, fields)))
             if clock.wall() < not_before_s:
-                evidence = Evidence(
-                    goal.shown, f"not before {not_before_s:g} s", f"it ended after {clock.wall():.2f} s"
-                )
-                raise Failed(evidence, TOO_SOON)
+                got = f"it ended after {clock.wall():.2f} s"
+                raise Failed(Evidence(goal.shown, f"not before {not_before_s:g} s", got), TOO_SOON)
 
     return _make_check(talk, **declared)
 
