@@ -50,12 +50,10 @@ def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Pa
     given = min(known.hints.get(found.key, 0), len(found.rungs))
     if again:
         return _text(exercise, found, 0, max(given, found.in_report), command), trouble
-    # The first call repeats what the report has shown, which may be long gone, and adds the rung after it.
-    first, last = (given, given + 1) if given else (0, 1 + found.in_report)
-    last = min(last, len(found.rungs))
+    last = min(max(given, found.in_report) + 1, len(found.rungs))  # the report has shown the first
     if last > given:
         trouble = progress.update_progress(exercise.id, lambda old: _with_hints(old, found.key, last)) or trouble
-    return _text(exercise, found, min(first, max(last - 1, 0)), last, command), trouble
+    return _text(exercise, found, max(last - 1, 0), last, command), trouble
 
 
 def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import anywidget
 import traitlets
 
+from course_kit import lab
 from course_kit.panels import goal_panel
 from course_kit.panels.base import drawn, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
@@ -91,6 +92,13 @@ class RobotMap(GoalFollower):
         """Send the robot to (x, y), in metres; returns at once. What a click does."""
         from geometry_msgs.msg import Point
 
+        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
+        if servers > 1:
+            self._sender.say(
+                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
+                "Stop all but one: panels.graph() shows them."
+            )
+            return
         self._sender.send(self._type.Goal(target=Point(x=float(x), y=float(y))))
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
@@ -129,7 +137,10 @@ def _drawable(standing: Standing) -> list[float]:
 def _line(action: str, standing: Standing) -> str:
     """Position, distance left and status, for those who see the map and those who do not."""
     if standing.asked is None and not standing.note:
-        return f"Click on the map, or type x and y and press Go: that sends a goal to {action}."
+        return (
+            f"Click on the map, or type x and y and press Go: that sends a goal to {action}. "
+            "A new robot stands at (0.0, 0.0); where this one is shows with its first feedback."
+        )
     parts = [_said(standing)]
     if standing.result is not None:
         parts.append(f"The robot stands at {_place(standing.result.final_position)}.")

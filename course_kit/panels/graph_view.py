@@ -235,7 +235,7 @@ class GraphView(Panel):
 
     def describe(self) -> str:
         """The graph in lines: each node, what it does, and what may be amiss."""
-        return in_lines(graph.read_graph(self._node))
+        return in_lines(self._seen())
 
     def displayed(self) -> Widget:
         """The picture, and below it what other notebooks run."""
@@ -243,7 +243,12 @@ class GraphView(Panel):
 
     def still(self) -> str:
         """The drawing of this moment."""
-        return still(self.describe(), graph_svg(graph.read_graph(self._node), lab.others()), "graph_flow.css")
+        return still(self.describe(), graph_svg(self._seen(), lab.others()), "graph_flow.css")
+
+    def _seen(self) -> Overview:
+        """The graph of this moment, with the notebook itself where it takes part."""
+        seen = graph.read_graph(self._node)
+        return with_lab(seen, self._uses_of_lab(seen))
 
     def _watch(self) -> None:
         with suppress(lab.LabError):  # the lab has been closed meanwhile
@@ -260,9 +265,10 @@ class GraphView(Panel):
             if picture == self._drawn:
                 return
             before, self._shown, self._drawn = self._shown, seen, picture
+            shown = matching(with_lab(seen, picture[2]), self.widget.wanted)
             with self.widget.hold_sync():
-                self.widget.svg = graph_svg(matching(with_lab(seen, picture[2]), self.widget.wanted), picture[3])
-                self.widget.text = in_lines(matching(seen, self.widget.wanted))
+                self.widget.svg = graph_svg(shown, picture[3])
+                self.widget.text = in_lines(shown)
                 if before is not None and (said := news(before, seen)):
                     self.widget.news = said
 

@@ -3,6 +3,7 @@
 
 const NS = "http://www.w3.org/2000/svg";
 const SIZE = { width: 640, height: 240, left: 58, right: 14, top: 12, bottom: 40 };
+const SAME = 1e-9; // of a number: what differs by less is drawn as one, as doubles have no round numbers between them
 const QUIET = 2000; // milliseconds without a message after which that is said
 
 function make(tag, attributes = {}, ...children) {
@@ -93,7 +94,7 @@ function render({ model, el }) {
   function verticalRange(values) {
     let low = Math.min(...values);
     let high = Math.max(...values);
-    if (!(high > low)) {
+    if (!(high - low > SAME * Math.max(Math.abs(low), Math.abs(high)))) {
       const room = Math.abs(low) > 0 ? Math.abs(low) * 0.2 : 1;
       [low, high] = [low - room, high + room];
     }

@@ -189,6 +189,7 @@ class NumberField:
 
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 626, 12, 200  # of the frame, in the template's user units
+_SAME = 1e-9  # of a number: what differs by less is drawn as one, as doubles have no round numbers between them
 _LEAST_GAP = 0.5  # seconds without a message that the line never goes across
 
 
@@ -227,7 +228,7 @@ def plot_svg(samples: Sequence[Sequence[float]], span: float, field: str) -> str
 def _range(values: Sequence[float]) -> tuple[float, float]:
     """What the vertical axis has to cover; never nothing."""
     low, high = (min(values), max(values)) if values else (0.0, 1.0)
-    if high > low:
+    if high - low > _SAME * max(abs(low), abs(high)):
         return low, high
     room = abs(low) * 0.2 or 1.0
     return low - room, high + room

@@ -102,6 +102,22 @@ def test_the_line_of_a_plot_goes_through_what_is_known(samples: list[list[float]
     assert f'<path class="ck-way" d="{line}"/>' in plot_svg(samples, 20.0, "data")
 
 
+def test_a_plot_of_values_that_doubles_hardly_tell_apart_has_an_axis() -> None:
+    drawing = plot_svg([[0.0, 1.0], [0.1, 1.0 + 2.3e-16], [0.2, 1.0 + 4.5e-16]], 20.0, "data")
+    assert re.findall(r">([\d.]+)</text>", drawing)[:5] == ["0.8", "0.9", "1", "1.1", "1.2"]
+
+
+def test_the_quiz_shows_what_was_chosen_with_its_marks() -> None:
+    panel = panels.quiz()
+    scenario = quiz.show().scenarios[0]
+    pattern, reasons = next(iter(scenario.accepted.items()))
+    panel.answer(scenario.id, pattern, reasons[0])
+    html = still(panel)
+    panel.reset()
+    assert scenario.reasons[reasons[0]] in html
+    assert f"{pattern} <b>✓</b>" in html
+
+
 def test_the_quiz_shows_its_first_scenario_and_no_answer() -> None:
     html = still(panels.quiz())
     first = quiz.show().scenarios[0]

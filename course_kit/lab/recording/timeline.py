@@ -237,18 +237,17 @@ class Timeline:
 
 
 def _apart(bars: list[TimelineBar]) -> list[TimelineBar]:
-    """The bars of a thread; a text for which there is no room before the next one's is left to its tooltip."""
-    kept: list[TimelineBar] = []
-    free = 0.0
-    for bar in bars:
+    """The bars of a thread; a text that would lie on a longer bar's is left to its tooltip."""
+    taken: list[tuple[float, float]] = []
+    texts: dict[TimelineBar, str] = {}
+    for bar in sorted(bars, key=lambda bar: -bar.width):
         room = len(bar.text) * _CHARACTER
         begin = bar.text_x if bar.anchor == "start" else bar.text_x - room
-        if begin < free:
-            kept.append(bar._replace(text=""))
-            continue
-        free = begin + room + _CHARACTER
-        kept.append(bar)
-    return kept
+        end = begin + room + _CHARACTER
+        if all(end <= before or begin >= after for before, after in taken):
+            taken.append((begin, end))
+            texts[bar] = bar.text
+    return [bar._replace(text=texts.get(bar, "")) for bar in bars]
 
 
 def _short(one: Busy) -> str:
