@@ -16,8 +16,7 @@ from course_kit.grading.errors import GradingError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from course_kit.grading.model.exercise import Exercise
-    from course_kit.grading.model.sentences import Sentence
+    from course_kit.grading.model.exercise import Exercise, Sentence
 
 _WIDTH = 118  # columns of a starter's docstring
 _PLACES = ("- ", "|")

@@ -76,7 +76,7 @@ def check_step(step: LessonStep) -> StepResult:
           <- response: sum=42
     """
     ends = [_endpoint(one) for one in step.needs if not one.startswith("node ")]
-    job = Job("", "attach", "", seed=1, limits=replace(Limits(), start_s=_APPEARS_S), endpoints=tuple(ends))
+    job = Job("", "attach", "", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
     context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it
     try:
         context.begin(_MOST_S)

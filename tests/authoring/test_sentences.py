@@ -11,8 +11,7 @@ from course_kit import environment
 from course_kit.authoring import corpus, sentences
 from course_kit.authoring.corpus import Corpus, ProofSubmission
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.model.sentences import Sentence
+from course_kit.grading.model.exercise import Sentence, load_exercise
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check

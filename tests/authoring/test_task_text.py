@@ -11,8 +11,7 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import corpus, new_exercise, task_text
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.model.sentences import Sentence
+from course_kit.grading.model.exercise import Sentence, load_exercise
 
 if TYPE_CHECKING:
     from pathlib import Path

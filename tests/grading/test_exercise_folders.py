@@ -137,7 +137,7 @@ def test_an_unknown_exercise_names_the_added_ones_and_what_is_missing(
         ('grader = "checks.py"', 'grader = "missing.py"', "the grader missing.py is not there"),
         ('grader = "checks.py"', 'grader = "../other.py"', "lies outside"),
         ('grader = "checks.py"', "", "'grader' is missing"),
-        ('grader = "checks.py"', "grader = 3", "'grader' is not a text"),
+        ('grader = "checks.py"', "grader = 3", "'grader' cannot be right: expected str, got int"),
     ],
 )
 def test_a_grader_lies_in_the_folder_of_its_exercise(old: str, new: str, sentence: str, tmp_path: Path) -> None:

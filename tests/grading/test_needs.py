@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 from contextlib import closing
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -148,7 +147,7 @@ def test_a_system_that_refuses_prctl_is_told(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_full_disk_is_found_before_a_submission_meets_it(tmp_path: Path) -> None:
     assert needs.lacking(Limits(), guest=True, disk=str(tmp_path)) == ""
-    said = needs.lacking(replace(Limits(), file_mb=1), guest=True, disk="/proc")  # which has room for nothing
+    said = needs.lacking(Limits(file_mb=1), guest=True, disk="/proc")  # which has room for nothing
     assert said.startswith("The disk with /proc is full")
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+
+import msgspec
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import rebuilt
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.isolation import Isolation
@@ -16,7 +17,7 @@ from course_kit.grading.sandbox.sandbox import Conditions
 
 
 def through_json(thing: object) -> dict[str, object]:
-    read: dict[str, object] = json.loads(json.dumps(asdict(thing)))  # type: ignore[call-overload]
+    read: dict[str, object] = json.loads(json.dumps(msgspec.to_builtins(thing)))
     return read
 
 
@@ -34,12 +35,12 @@ def test_a_job_arrives_with_all_its_parts() -> None:
         isolation=Isolation(network=True, reason="none"),
         hidden=("/a", "/b"),
     )
-    assert Job.from_record(through_json(job)) == job
+    assert convert_record(through_json(job), Job) == job
 
 
 def test_the_conditions_and_the_program_of_a_sandbox_arrive() -> None:
     view = FileView(("/usr",), ("/usr/x",), ("/bin",))
     cell = Conditions(Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
-    assert Conditions.from_record(through_json(cell)) == cell
+    assert convert_record(through_json(cell), Conditions) == cell
     program = Program("a.py", "text", arguments=("-p", "x"), files={"f": "text"}, command=("sh",))
-    assert rebuilt(Program, through_json(program)) == program
+    assert convert_record(through_json(program), Program) == program

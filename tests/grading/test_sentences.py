@@ -1,33 +1,45 @@
-"""The task of an exercise, sentence by sentence, is read and checked."""
+"""What an exercise.toml says of the sentences of its task is read and checked."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.model import sentences
-from course_kit.grading.model.sentences import Sentence
+from course_kit.grading.errors import GradingError
+from course_kit.grading.model.exercise import Sentence, read_exercise
+from tests import outside_exercises
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from course_kit.grading.model.exercise import Exercise
 
 
-def test_sentences_are_read_with_all_their_fields() -> None:
-    table = {"id": "depth", "text": " Any depth will do. ", "heading": "Queues.", "cell": "task", "freedom": "shallow"}
-    assert sentences.read([table]) == (Sentence("depth", "Any depth will do.", "Queues.", "task", "shallow"),)
+def read(toml: str, folder: Path) -> Exercise:
+    made = outside_exercises.write(folder)
+    with (made / "exercise.toml").open("a") as file:
+        file.write(f"\n{toml}\n")
+    return read_exercise(made)
+
+
+def test_sentences_are_read_with_all_their_fields(tmp_path: Path) -> None:
+    more = 'heading = "Queues."\ncell = "task"\nfreedom = "shallow"'
+    exercise = read(f'[[sentences]]\nid = "depth"\ntext = " Any depth will do. "\n{more}', tmp_path)
+    assert exercise.sentences[-1] == Sentence("depth", "Any depth will do.", "Queues.", "task", "shallow")
 
 
 @pytest.mark.parametrize(
-    ("tables", "said"),
+    ("toml", "said"),
     [
-        ({"id": "a", "text": "A."}, "has to be written as"),
-        (["A."], "a table of texts"),
-        ([{"id": "a", "text": 3}], "a table of texts"),
-        ([{"text": "A."}], "the sentence 'A.' needs an 'id'"),
-        ([{"id": "A b", "text": "A."}], "small letters"),
-        ([{"id": "a", "text": " "}], "the sentence 'a' has no 'text'"),
-        ([{"id": "a", "txt": "A."}], "no field 'txt'"),
-        ([{"id": "a", "text": "A."}, {"id": "a", "text": "B."}], "two sentences have the id 'a'"),
+        ('[[sentences]]\nid = "a"\ntext = 3', "cannot be right: expected str, got int"),
+        ('[[sentences]]\ntext = "A."', "'id' is missing in sentences"),
+        ('[[sentences]]\nid = "A b"\ntext = "A."', "matching regex"),
+        ('[[sentences]]\nid = "a"\ntext = " "', "cannot be right"),
+        ('[[sentences]]\nid = "a"\ntext = "A."\ntxt = "B."', "no 'txt' to set in sentences"),
+        ('[[sentences]]\nid = "a"\ntext = "A."\n[[sentences]]\nid = "a"\ntext = "B."', "two sentences have the id 'a'"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_with_its_cause(tables: Any, said: str) -> None:
-    with pytest.raises(ValueError, match=said):
-        sentences.read(tables)
+def test_what_cannot_be_meant_is_refused_with_its_cause(toml: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(GradingError, match=said):
+        read(toml, tmp_path)

@@ -50,7 +50,7 @@ def catalogue() -> dict[str, Diagnosis]:
     return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
 
 
-def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
+def reword_diagnosis(code: str, fields: Mapping[str, str]) -> Diagnosis:
     """The entry of a code as an exercise words it."""
     if code not in catalogue():
         near = nearest_name(code, catalogue())
@@ -58,8 +58,8 @@ def reworded(code: str, fields: Mapping[str, str]) -> Diagnosis:
     for name, text in fields.items():
         if name not in REPLACEABLE:
             raise ValueError(f"the diagnosis {code} has no '{name}' to set; known are {', '.join(REPLACEABLE)}")
-        if not isinstance(text, str) or not text.strip():
-            raise ValueError(f"'{name}' of the diagnosis {code} is not a text")
+        if not text.strip():
+            raise ValueError(f"'{name}' of the diagnosis {code} is empty")
     if "notebook" in fields and "section" not in fields:
         raise ValueError(f"the diagnosis {code} names a notebook without a 'section' of it")
     return replace(catalogue()[code], **fields)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-import re
+import dataclasses
 import sys
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+import msgspec
+from msgspec import structs
 
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise_folders, sentences
+from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise_folders import FoundExercises
 from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import Record, convert_record
 from course_kit.ros.names import did_you_mean, from_root
 
 if sys.version_info >= (3, 11):
@@ -25,22 +29,45 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.diagnosis.catalogue import Diagnosis
-    from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.model.sentences import Sentence
 
 FORMAT_VERSION = 1
-_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*\Z")
-_TEXTS = ("id", "title", "starter", "notebook")
-ENDPOINT_KINDS = ("service", "action", "publisher", "subscription")
+_Text: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]
+_Identifier: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"\A[a-z][a-z0-9_]*\Z")]  # small letters, digits and _
 _OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
 
 
-@dataclass(frozen=True)
-class Hint:
+class Hint(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One rung of the ladder, and what it helps with: ids of checks (`*_reason` means all that end so), diagnoses."""
 
-    topics: tuple[str, ...]
-    text: str
+    topics: tuple[str, ...] = msgspec.field(name="for")
+    text: str = msgspec.field()
+
+
+class Sentence(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One thing that a learner reads in the notebook and in the starter; checks name what they prove by their ids."""
+
+    id: _Identifier
+    # In Markdown, one or more sentences that are tested together, or a row of a table (`| a | b |`).
+    text: Annotated[str, msgspec.Meta(pattern=r"\S")]
+    heading: str = ""  # begins a new paragraph with these words; above a row of a table the header of a new table
+    # The id of the notebook's cell in which it and those after it stand; that of the one before when empty.
+    cell: str = ""
+    freedom: str = ""  # for a sentence that grants a freedom, the right program of the proof set that makes use of it
+
+    @property
+    def is_row(self) -> bool:
+        """Whether it is a row of a table."""
+        return self.text.startswith("|")
+
+    def without_margins(self) -> Sentence:
+        """The same without the ends of lines that TOML keeps around a text."""
+        return Sentence(*(text.strip() for text in structs.astuple(self)))
+
+
+class _Endpoint(msgspec.Struct, forbid_unknown_fields=True):
+    kind: Literal["service", "action", "publisher", "subscription"]
+    name: str
+    type: str
 
 
 @dataclass(frozen=True)
@@ -128,8 +155,8 @@ def read_exercise(folder: Path) -> Exercise:
     """Read the exercise in a folder."""
     table = read_exercise_table(folder)
     try:
-        return _parse(table, folder)
-    except (ValueError, KeyError, TypeError) as problem:
+        return _make_exercise(table, folder)
+    except ValueError as problem:
         raise _unusable(folder, problem) from problem
 
 
@@ -142,59 +169,68 @@ def read_exercise_table(folder: Path) -> Record:
 
 
 def _unusable(folder: Path, problem: Exception) -> GradingError:
-    what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-    return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {what}.")
+    return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {problem}.")
 
 
-def _parse(table: Record, folder: Path) -> Exercise:
-    if table["format_version"] != FORMAT_VERSION:
-        raise ValueError(f"its format_version is {table['format_version']}, but this kit reads {FORMAT_VERSION}")
-    for name in _TEXTS:
-        if not isinstance(table[name], str) or not table[name]:
-            raise ValueError(f"'{name}' is not a text")
-    if table["id"] != folder.name or not _IDENTIFIER.match(table["id"]):
-        raise ValueError(f"its id '{table['id']}' is not the name of its folder, or not an identifier")
-    points, pass_mark = float(table["points"]), float(table["pass_mark"])
-    if not 0 < pass_mark <= points:
-        raise ValueError(f"the pass mark {pass_mark:g} is not between 0 and {points:g} points")
-    hints = tuple(Hint(tuple(hint["for"]), str(hint["text"])) for hint in table.get("hints", []))
-    texts: dict[str, Any] = {name: table[name] for name in _TEXTS}
-    goal: dict[str, Any] = {name: str(table.get(name, "")) for name in ("class_name", "variable")}
-    if bool(goal["class_name"]) == bool(goal["variable"]):
-        raise ValueError("it needs either a 'class_name' or a 'variable'")
-    seed = table.get("seed")
-    if seed is not None and not isinstance(seed, int):
-        raise ValueError("'seed' is not a whole number")
-    practice = table.get("practice", False)
-    if not isinstance(practice, bool):
-        raise ValueError("'practice' is neither true nor false")  # noqa: TRY004 - a file's mistakes are all of one kind
-    return Exercise(
-        folder=folder,
-        order=int(table["order"]),
-        points=points,
-        pass_mark=pass_mark,
-        limits=Limits.from_mapping(table.get("limits", {})),
-        hints=hints,
-        diagnoses=_diagnoses(table.get("diagnoses", {})),
-        seed=seed,
-        solution=find_solution(table, folder),
-        grader=_grader(table, folder),
-        sentences=sentences.read(table.get("sentences", [])),
-        endpoints=_endpoints(table.get("endpoints", [])),
-        practice=practice,
-        symptom=str(table.get("symptom", "")),
-        **goal,
-        **texts,
-    )
+class _Table(msgspec.Struct):
+    """What stands in an exercise.toml; for what it is about see `Exercise`."""
+
+    format_version: int
+    id: _Identifier
+    title: _Text
+    order: int
+    points: float
+    pass_mark: float
+    starter: _Text
+    notebook: _Text
+    grader: _Text
+    class_name: str = ""
+    variable: str = ""
+    seed: int | None = None
+    practice: bool = False
+    symptom: str = ""
+    solution: _Text | None = None
+    limits: dict[str, int | float] = {}
+    hints: tuple[Hint, ...] = ()
+    diagnoses: dict[str, dict[str, str]] = {}
+    sentences: tuple[Sentence, ...] = ()
+    endpoints: tuple[_Endpoint, ...] = ()
 
 
-def _grader(table: Record, folder: Path) -> str:
-    """What checks it: a module, or a file of its folder."""
-    if "checks" in table:
+def _make_exercise(fields: Record, folder: Path) -> Exercise:
+    if "checks" in fields:
         raise ValueError("checks are written in Python now, in a file that 'grader' names, instead of [[checks]]")
-    grader = table["grader"]
-    if not isinstance(grader, str) or not grader:
-        raise ValueError("'grader' is not a text")
+    if fields.get("format_version") != FORMAT_VERSION:
+        version = fields.get("format_version")
+        raise ValueError(f"its format_version is {version}, but this kit reads {FORMAT_VERSION}")
+    table = convert_record(fields, _Table)
+    if table.id != folder.name:
+        raise ValueError(f"its id '{table.id}' is not the name of its folder")
+    if not 0 < table.pass_mark <= table.points:
+        raise ValueError(f"the pass mark {table.pass_mark:g} is not between 0 and {table.points:g} points")
+    if bool(table.class_name) == bool(table.variable):
+        raise ValueError("it needs either a 'class_name' or a 'variable'")
+    names = [sentence.id for sentence in table.sentences]
+    if doubles := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"two sentences have the id '{doubles[0]}'")
+    in_course = folder.parent.parent / "solutions" / folder.name / table.starter  # which a release leaves out
+    read: Record = {
+        "folder": folder,
+        "solution": in_course if table.solution is None else folder / table.solution,
+        "grader": _find_grader(table.grader, folder),
+        "limits": convert_record(table.limits, Limits),
+        "diagnoses": {code: catalogue.reword_diagnosis(code, texts) for code, texts in table.diagnoses.items()},
+        "sentences": tuple(sentence.without_margins() for sentence in table.sentences),
+        "endpoints": tuple({**structs.asdict(one), "name": from_root(one.name)} for one in table.endpoints),
+    }
+    same: Record = {
+        field.name: getattr(table, field.name) for field in dataclasses.fields(Exercise) if field.name not in read
+    }
+    return Exercise(**read, **same)
+
+
+def _find_grader(grader: str, folder: Path) -> str:
+    """What checks it: a module, or a file of its folder."""
     if not grader.endswith(_OWN_MODULE):
         return grader
     if not (folder / grader).is_file():
@@ -202,30 +238,3 @@ def _grader(table: Record, folder: Path) -> str:
     if not (folder / grader).resolve().is_relative_to(folder.resolve()):
         raise ValueError(f"the grader {grader} lies outside of the exercise's folder")
     return str(folder.absolute() / grader)
-
-
-def find_solution(table: Record, folder: Path) -> Path:
-    """Where the solution lies: the course's own beside all exercises, in a folder that a release leaves out."""
-    named = table.get("solution")
-    if named is None:
-        return folder.parent.parent / "solutions" / folder.name / str(table["starter"])
-    if not isinstance(named, str) or not named:
-        raise ValueError("'solution' is not a text")
-    return folder / named
-
-
-def _endpoints(tables: object) -> tuple[Record, ...]:
-    """The `[[endpoints]]`: each has a kind, a full name and a type."""
-    if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
-        raise ValueError("'endpoints' has to be written as [[endpoints]]")
-    for one in tables:
-        if set(one) != {"kind", "name", "type"} or one["kind"] not in ENDPOINT_KINDS:
-            kinds = ", ".join(ENDPOINT_KINDS)
-            raise ValueError(f"the endpoint {one.get('name', one)} needs a name, a type, and a kind out of {kinds}")
-    return tuple({**one, "name": from_root(str(one["name"]))} for one in tables)
-
-
-def _diagnoses(tables: object) -> dict[str, Diagnosis]:
-    if not isinstance(tables, dict) or not all(isinstance(fields, dict) for fields in tables.values()):
-        raise ValueError("'diagnoses' has to hold a table for each code")
-    return {code: catalogue.reworded(code, fields) for code, fields in tables.items()}

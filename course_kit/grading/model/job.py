@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import Record, rebuilt
+from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.isolation import Isolation
 
@@ -51,8 +51,3 @@ class Job:
     def start_cpu_s(self) -> float:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf
-
-    @classmethod
-    def from_record(cls, record: Record) -> Job:
-        """The job of which `dataclasses.asdict` has made a record."""
-        return rebuilt(cls, record, facts=Facts, limits=Limits, isolation=Isolation)

@@ -3,46 +3,34 @@
 from __future__ import annotations
 
 import resource
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, TypeAlias
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+import msgspec
 
 QUEUE_S = 60.0  # for which a grading may wait for a ROS domain, where it needs one of the machine's
 _MB = 1024 * 1024
 # Stacks and arenas of the threads that ROS 2 starts: address space that is reserved and hardly touched.
 RESERVED_MB = 512
 _READER_MB = 1024
+_Number: TypeAlias = Annotated[float, msgspec.Meta(gt=0)]
+_Whole: TypeAlias = Annotated[int, msgspec.Meta(gt=0)]
 SPARE_TASKS = 32  # the kernel's own stop lies above the one that is reported
 
 
-@dataclass(frozen=True)
-class Limits:
+class Limits(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The limits of one exercise, `[limits]` in its exercise.toml."""
 
-    start_s: float = 5.0  # seconds from the program's start until it can be asked
+    start_s: _Number = 5.0  # seconds from the program's start until it can be asked
     # seconds of computing after which a program is given up before that, if none of its nodes has appeared; a right one
     # needs 0.1 s until then. Commands have yet to load everything, and are not held to it
-    start_cpu_s: float = 2.0
-    cpu_s: int = 20  # seconds of computing, all threads of a process together
-    wall_s: float = 60.0  # seconds for the whole grading, however much of it is waiting
-    memory_mb: int = 256  # resident memory of all its processes together
-    tasks: int = 128  # processes and threads together; ROS 2 itself needs about 15 threads a program
-    file_mb: int = 16  # size of one file it writes, and of everything in its scratch directory together
-    open_files: int = 256  # file descriptors of a process
-    output_kb: int = 2048  # what it may write to stdout and stderr together
-
-    @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Limits:
-        """Limits from a table of an exercise.toml."""
-        known = {field.name: field for field in fields(cls)}
-        for name, value in values.items():
-            if name not in known:
-                raise ValueError(f"there is no limit called '{name}'; known are {', '.join(known)}")
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or value <= 0:
-                raise ValueError(f"the limit {name} = {value!r} is not a number above 0")
-        return cls(**values)
+    start_cpu_s: _Number = 2.0
+    cpu_s: _Whole = 20  # seconds of computing, all threads of a process together
+    wall_s: _Number = 60.0  # seconds for the whole grading, however much of it is waiting
+    memory_mb: _Whole = 256  # resident memory of all its processes together
+    tasks: _Whole = 128  # processes and threads together; ROS 2 itself needs about 15 threads a program
+    file_mb: _Whole = 16  # size of one file it writes, and of everything in its scratch directory together
+    open_files: _Whole = 256  # file descriptors of a process
+    output_kb: _Whole = 2048  # what it may write to stdout and stderr together
 
 
 def apply_to_this_process(limits: Limits, others: int) -> None:

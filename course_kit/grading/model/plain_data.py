@@ -1,22 +1,30 @@
-"""Dataclasses as JSON carries them between the grader's processes, and back."""
+"""Plain data, as JSON and TOML have it, read into objects with types: in one way, its errors worded once."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+import msgspec
 
 Record: TypeAlias = dict[str, Any]
 """A JSON object: whoever reads it knows what is in it, and checks what a stranger may have written."""
 T = TypeVar("T")
+_MISSING = "Object missing required field "
+_UNKNOWN = "Object contains unknown field "
 
 
-def rebuilt(kind: type[T], record: Mapping[str, Any], **parts: type) -> T:
-    """The object of which `dataclasses.asdict` has made a record; JSON has turned its tuples into lists."""
-    fields = {name: _with_tuples(value) for name, value in record.items()}
-    return kind(**{**fields, **{name: rebuilt(part, record[name]) for name, part in parts.items()}})
+def convert_record(record: object, kind: type[T]) -> T:
+    """The object of a class whose fields a record has; ValueError says which of them is wrong."""
+    try:
+        return msgspec.convert(record, kind)
+    except msgspec.ValidationError as problem:
+        raise ValueError(_describe_mistake(str(problem))) from None
 
 
-def _with_tuples(value: object) -> object:
-    return tuple(map(_with_tuples, value)) if isinstance(value, list) else value
+def _describe_mistake(said: str) -> str:
+    what, _, place = said.replace("`", "").replace("$.", "").partition(" - at ")
+    if what.startswith(_MISSING):
+        return f"'{what.removeprefix(_MISSING)}' is missing{f' in {place}' if place else ''}"
+    if what.startswith(_UNKNOWN):
+        return f"there is no '{what.removeprefix(_UNKNOWN)}' to set in {place}"
+    return f"'{place}' cannot be right: {what[:1].lower()}{what[1:]}"

@@ -18,10 +18,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-import msgspec
-
 import course_kit
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.plain_data import Record, convert_record
 from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
 from course_kit.process.child import INTO_STDOUT, Child
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from course_kit.grading.model.exercise import Exercise
-    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.reading.file_copy import Copy
 
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
@@ -200,7 +198,7 @@ def _summary(copy: Copy, answer: bytes) -> FileSummary:
         fields = json.loads(answer)  # not by msgspec, which takes no text with half a character
         if fields.get("program"):
             fields["program"].update(name=copy.name, program=_program_name(copy.name))
-        return msgspec.convert(fields, FileSummary)
+        return convert_record(fields, FileSummary)
     except (ValueError, AttributeError, RecursionError):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.") from None
 

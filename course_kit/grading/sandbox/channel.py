@@ -15,6 +15,8 @@ import time
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
+import msgspec
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
@@ -50,7 +52,7 @@ class Channel:
 
     def send(self, message: Mapping[str, object]) -> None:
         """Send one message."""
-        payload = json.dumps(message).encode()
+        payload = json.dumps(message, default=msgspec.to_builtins).encode()
         with self._use():
             self._send(_LENGTH.pack(len(payload)) + payload)
 

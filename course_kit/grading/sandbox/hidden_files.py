@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import Exercise, find_solution, read_exercise_table
+from course_kit.grading.model.exercise import Exercise, read_exercise
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,8 +65,8 @@ def _with_bytecode(module: Path) -> Iterator[Path]:
 def _named(folder: Path, written: int) -> tuple[Path, ...]:
     """What the exercise.toml of a folder names outside of it; read again when it was written at another time."""
     del written
-    table = read_exercise_table(folder)
-    return tuple(beside(find_solution(table, folder), str(table.get("grader", ""))))
+    brought = read_exercise(folder)
+    return tuple(beside(brought.solution, brought.grader))
 
 
 def _is_of_libraries(folder: Path) -> bool:

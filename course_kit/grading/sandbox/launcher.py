@@ -19,11 +19,10 @@ import os
 import signal
 import socket
 from contextlib import suppress
-from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING
 
-from course_kit.grading.model.plain_data import rebuilt
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
@@ -75,7 +74,7 @@ class Launcher:
             descriptors = [theirs.fileno(), *inside.descriptors(), *network]
             socket.send_fds(self._line, [_START], descriptors)
             theirs.close()
-            request.send({"program": asdict(program), "cell": asdict(cell)})
+            request.send({"program": program, "cell": cell})
         except (OSError, ChannelClosedError) as problem:
             raise SandboxStartError(f"a program cannot be started: {problem}") from problem
         finally:
@@ -190,4 +189,4 @@ def _receive(descriptor: int) -> tuple[Program, Conditions]:
     channel = Channel(socket.socket(fileno=descriptor))
     request = channel.receive(_REQUEST_S)
     channel.close()
-    return rebuilt(Program, request["program"]), Conditions.from_record(request["cell"])
+    return convert_record(request["program"], Program), convert_record(request["cell"], Conditions)

@@ -11,23 +11,23 @@ import os
 import shutil
 import stat
 import tempfile
+from collections.abc import Mapping  # noqa: TC003 - msgspec looks up what a record has
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import Record, rebuilt
+from course_kit.grading.model.limits import Limits  # noqa: TC001 - msgspec looks up what a record has
 from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.isolation import Isolation
+from course_kit.grading.sandbox.isolation import Isolation  # noqa: TC001 - as above
 from course_kit.grading.sandbox.runner import Program
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.process import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from course_kit.grading.model.job import Job
     from course_kit.grading.sandbox.launcher import Launcher
@@ -52,11 +52,6 @@ class Conditions:
     priority: int = 0  # the nice value to run at
     others: int = 0  # the user's other processes and threads where the kernel counts them together with the program's
     user: int = 0  # the number of the user and group it runs as; 0 for the grader's own
-
-    @classmethod
-    def from_record(cls, record: Record) -> Conditions:
-        """The conditions of which `dataclasses.asdict` has made a record."""
-        return rebuilt(cls, record, limits=Limits, isolation=Isolation, view=FileView)
 
 
 @dataclass

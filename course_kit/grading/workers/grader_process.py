@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import run_all
@@ -77,7 +76,7 @@ def _run(supervisor: Channel, job: Job) -> Record:
         context.launch()
     try:
         for result in run_all(checks, context):
-            supervisor.send({"do": "result", "result": asdict(result)})
+            supervisor.send({"do": "result", "result": result})
             times[result.id] = time.monotonic() - began
             if job.first_failure and result.status == "failed" and result.max_points:
                 break

@@ -8,7 +8,6 @@ once and forks. Several workers grade side by side. This is the handle in the tr
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import asdict
 from typing import TYPE_CHECKING, cast
 
 from course_kit.grading.errors import GradingError
@@ -80,7 +79,7 @@ class Worker(Closable):
         """Grade one submission; returns the outcome as the supervisor describes it."""
         self.ready()
         try:
-            self._channel.send({"job": asdict(job)})
+            self._channel.send({"job": job})
             outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem

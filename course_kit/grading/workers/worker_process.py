@@ -12,11 +12,12 @@ import signal
 import socket
 import sys
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from course_kit.grading.model.job import Job
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, namespaces, needs, scratch
 from course_kit.grading.sandbox import launcher as launchers
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
@@ -145,9 +146,9 @@ def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container
     os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     loaded = set(common.loaded)
     try:
-        channel.send({"isolation": asdict(found), "process": os.getpid()})
+        channel.send({"isolation": found, "process": os.getpid()})
         while True:
-            job = Job.from_record(channel.receive()["job"])
+            job = convert_record(channel.receive()["job"], Job)
             job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
             needed = _prepare(job) if job.interfaces in ("", common.interfaces) else []
             if new := [one for one in needed if one not in loaded]:

@@ -95,11 +95,11 @@ def test_a_diagnosis_of_the_task_itself_leads_to_the_notebook_of_the_exercise() 
             "there is no diagnosis 'math.formulae'; did you mean math.formula?",
         ),
         ('[diagnoses."math.formula"]\nhint = "A"', "the diagnosis math.formula has no 'hint' to set; known are title"),
-        ('[diagnoses."math.formula"]\ntitle = " "', "'title' of the diagnosis math.formula is not a text"),
-        ('[diagnoses."math.formula"]\nsection = 3', "'section' of the diagnosis math.formula is not a text"),
+        ('[diagnoses."math.formula"]\ntitle = " "', "'title' of the diagnosis math.formula is empty"),
+        ('[diagnoses."math.formula"]\nsection = 3', "'diagnoses[...][...]' cannot be right: expected str, got int"),
         ('[diagnoses."math.formula"]\nnotebook = "a.ipynb"', "names a notebook without a 'section' of it"),
-        ("[diagnoses]\n'math.formula' = 'A'", "'diagnoses' has to hold a table for each code"),
-        ("diagnoses = 3", "'diagnoses' has to hold a table for each code"),
+        ("[diagnoses]\n'math.formula' = 'A'", "'diagnoses[...]' cannot be right: expected object, got str"),
+        ("diagnoses = 3", "'diagnoses' cannot be right: expected object, got int"),
     ],
 )
 def test_a_mistake_in_an_exercises_diagnoses_is_named(table: str, said: str, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import memory
 from tests.grading.sandbox import attack_modes
 
@@ -126,7 +127,7 @@ def test_infinite_loop_in_a_callback_names_its_line(grade_source: Grade, solutio
 @pytest.mark.parametrize("values", [{"memory": 5}, {"tasks": 0}, {"cpu_s": "10"}, {"wall_s": True}])
 def test_a_mistake_in_the_limits_is_named(values: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
-        Limits.from_mapping(values)
+        convert_record(values, Limits)
 
 
 def test_what_the_user_starts_meanwhile_takes_nothing_from_a_submission_without_namespaces() -> None:
