@@ -87,8 +87,8 @@ def describe_outcome(found: ProofOutcome) -> Iterator[str]:
     heads = [*_KINDS, "checks", "sentences"]
     yield "  ".join([f"{'exercise':<{width}}", *heads])
     for one in found.sets:
-        checks = {check.id for each in one.of("solution") for check in found.reports[each].checks}
-        counts = [*(len(one.of(kind)) for kind in _KINDS.values()), len(checks), len(one.exercise.sentences)]
+        checks = {check.id for each in one.of_kind("solution") for check in found.reports[each].checks}
+        counts = [*(len(one.of_kind(kind)) for kind in _KINDS.values()), len(checks), len(one.exercise.sentences)]
         cells = (f"{count or '-':>{len(head)}}" for count, head in zip(counts, heads, strict=True))
         yield "  ".join([f"{one.exercise.id:<{width}}", *cells])
     if found.faults:

@@ -60,7 +60,7 @@ class Corpus:
     exercise: Exercise
     submissions: tuple[ProofSubmission, ...]
 
-    def of(self, kind: str) -> tuple[ProofSubmission, ...]:
+    def of_kind(self, kind: str) -> tuple[ProofSubmission, ...]:
         """Those of one kind."""
         return tuple(one for one in self.submissions if one.kind == kind)
 

@@ -37,11 +37,11 @@ class Fault:
 
 def judge_starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """The starter and its notebook run, do not pass, and are helped on by the first rung of the exercise's ladder."""
-    if not sets.of("starter"):
+    if not sets.of_kind("starter"):
         yield "there is no starter."
     rungs = {hint.text for hint in sets.exercise.hints}
     seen = set()
-    for one in sets.of("starter"):
+    for one in sets.of_kind("starter"):
         report = reports[one]
         failed = [check for check in report.checks if check.status == "failed"]
         seen.add(tuple((check.id, check.status, check.diagnosis) for check in report.checks))
@@ -55,14 +55,14 @@ def judge_starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofS
 
 def judge_solution(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """There is a solution, and it gets full marks."""
-    if not sets.of("solution"):
+    if not sets.of_kind("solution"):
         yield "there is no solution."
-    yield from _not_full_marks(sets.of("solution"), reports)
+    yield from _not_full_marks(sets.of_kind("solution"), reports)
 
 
 def judge_variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Right programs in other styles get full marks."""
-    yield from _not_full_marks(sets.of("variant"), reports)
+    yield from _not_full_marks(sets.of_kind("variant"), reports)
 
 
 def _is_added(sets: Corpus) -> bool:
@@ -75,7 +75,7 @@ def judge_broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSu
 
     Beside an exercise of another folder it may have any name, and then loses points.
     """
-    for one in sets.of("broken"):
+    for one in sets.of_kind("broken"):
         report = reports[one]
         got = {check.diagnosis for check in report.checks if check.status == "failed"}
         is_code = one.name in catalogue.catalogue()
@@ -90,7 +90,7 @@ def judge_broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSu
 
 def judge_slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each slip fails the checks it is listed with, with those diagnoses, and no other."""
-    for one in sets.of("slip"):
+    for one in sets.of_kind("slip"):
         report = reports[one]
         failed = [check for check in report.checks if check.status in ("failed", "error")]
         if {(check.id, check.diagnosis) for check in failed} != one.failed:
@@ -104,7 +104,7 @@ def judge_slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSub
 def judge_checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each check can fail: some submission turns it red."""
     red = {check.id for one in sets.submissions for check in reports[one].checks if check.status == "failed"}
-    known = {check.id: None for one in sets.of("solution") for check in reports[one].checks}
+    known = {check.id: None for one in sets.of_kind("solution") for check in reports[one].checks}
     yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
 
 

@@ -278,15 +278,15 @@ class Gradebook:
 
     def graded(self, exercise_id: str | None = None) -> list[GradeRecord]:
         """The records that hold a grade, of one exercise or of all; see `GradeRecord.has_grade`."""
-        of = self.records if exercise_id is None else self.of(exercise_id)
-        return [record for record in of if record.has_grade]
+        records = self.records if exercise_id is None else self.records_of(exercise_id)
+        return [record for record in records if record.has_grade]
 
     @property
     def not_graded(self) -> list[GradeRecord]:
         """The records of submissions that have to be graded again, as the grader itself failed."""
         return [record for record in self.records if not record.has_grade]
 
-    def of(self, exercise_id: str) -> list[GradeRecord]:
+    def records_of(self, exercise_id: str) -> list[GradeRecord]:
         """The records of one exercise, by student."""
         return [record for record in self.records if record.entry.exercise == exercise_id]
 

@@ -172,6 +172,6 @@ def graded_otherwise(book: Gradebook) -> dict[str, int]:
     found = {}
     for exercise in book.exercises:
         now = versions_of(exercise)
-        others = [one for one in book.of(exercise.id) if one.entry.source and one.versions != now]
+        others = [one for one in book.records_of(exercise.id) if one.entry.source and one.versions != now]
         found.update({exercise.id: len(others)} if others else {})
     return found

@@ -18,7 +18,7 @@ from course_kit.classroom.grading_loop import GradingLoop
 from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
-from course_kit.classroom.rules.tables import People
+from course_kit.classroom.rules.people import People
 from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
@@ -142,7 +142,7 @@ class ClassRun:
         """See that what the instructor has written is about this class, before hours go into grading it."""
         earlier = (record.entry for record in self._earlier_records())
         people = People((*self.intake.entries, *self.intake.others, *earlier))
-        self._instructions = self._instructions.of(people)
+        self._instructions = self._instructions.match_people(people)
         self._seeds = self._plan.seeds and self._plan.seeds.of_class(self.intake.entries, people)
 
     def _take_away_what_is_gone(self) -> None:
@@ -175,7 +175,7 @@ class ClassRun:
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
         exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
         usual = self.seed if exercise.seed is None else exercise.seed
-        own = self._seeds.of(entry) if self._seeds else None
+        own = self._seeds.seed_for(entry) if self._seeds else None
         seed = usual if own is None else own
         return submissions.read_submission(entry, self.intake.root, exercise, seed, self.readings, known=known)
 

@@ -135,7 +135,7 @@ class GradeMagics(Magics):
         from course_kit.grading.model.exercise import load_exercise
 
         load_exercise(exercise)  # says which there are, where there is no such
-        cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.of(exercise)]
+        cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.cells_of(exercise)]
         if not cells:
             return None
         with tempfile.TemporaryDirectory() as folder:
@@ -151,7 +151,7 @@ class GradeMagics(Magics):
         return self._reports[key]
 
     def _say_what_was_graded(self, exercise: str) -> None:
-        cells = self._submissions.of(exercise)
+        cells = self._submissions.cells_of(exercise)
         print(f"Graded: {'; '.join(map(str, cells))}.")
         for warning in self._submissions.warnings(exercise):
             print_complaint(warning)

@@ -64,7 +64,7 @@ class SubmissionCells:
         if not _MARK.match(source):
             self._unmarked.update(dict.fromkeys(_CLASS.findall(source), number))
 
-    def of(self, exercise: str) -> list[SubmissionCell]:
+    def cells_of(self, exercise: str) -> list[SubmissionCell]:
         """The cells that make up the submission: those that were run and, as for a class, those that were saved."""
         saved = _Saved.now()
         order = {cell_id: place for place, cell_id in enumerate(saved.sources)}
@@ -87,7 +87,7 @@ class SubmissionCells:
 
     def warnings(self, exercise: str) -> list[str]:
         """What the notebook shows and is not graded, a sentence each."""
-        graded = self.of(exercise)
+        graded = self.cells_of(exercise)
         saved = _Saved.now()
         said = []
         if any(not cell.number for cell in graded):

@@ -130,7 +130,7 @@ def texts(rule: str, of: corpus.Corpus, reports: dict[corpus.ProofSubmission, Re
 
 
 def test_a_check_that_nothing_turns_red_is_named() -> None:
-    right, wrong = (corpus.load_corpus("temperature_service", ROOT).of(kind)[0] for kind in ("solution", "slip"))
+    right, wrong = (corpus.load_corpus("temperature_service", ROOT).of_kind(kind)[0] for kind in ("solution", "slip"))
     reports = {right: made_report(right), wrong: made_report(wrong, other=None)}
     said = texts("checks", made_sets(right, wrong), reports)
     assert said == "temperature_service: no submission makes the check 'fine' fail."
@@ -146,14 +146,18 @@ def test_a_check_that_nothing_turns_red_is_named() -> None:
     ],
 )
 def test_broken_submission_with_another_code_is_named(failed: dict[str, str | None], said: str) -> None:
-    one = next(one for one in corpus.load_corpus("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    one = next(
+        one for one in corpus.load_corpus("temperature_service", ROOT).of_kind("broken") if one.name == "start.crash"
+    )
     found = texts("broken", made_sets(one), {one: made_report(one, **failed)})
     assert found.startswith(f"temperature_service broken start.crash: {said}" if said else "")
     assert bool(found) == bool(said)
 
 
 def test_poor_feedback_is_named() -> None:
-    one = next(one for one in corpus.load_corpus("temperature_service", ROOT).of("broken") if one.name == "start.crash")
+    one = next(
+        one for one in corpus.load_corpus("temperature_service", ROOT).of_kind("broken") if one.name == "start.crash"
+    )
     report = made_report(one, offered="start.crash")
     silent = replace(report.checks[1], hint=None, got="", message="?")
     found = texts("broken", made_sets(one), {one: replace(report, checks=(silent,))})
@@ -163,7 +167,7 @@ def test_poor_feedback_is_named() -> None:
 
 
 def test_starter_that_passes_or_has_no_hint_of_its_own_is_named() -> None:
-    program, notebook = corpus.load_corpus("temperature_service", ROOT).of("starter")
+    program, notebook = corpus.load_corpus("temperature_service", ROOT).of_kind("starter")
     reports = {program: made_report(program), notebook: made_report(notebook, answers=None)}
     said = texts("starter", made_sets(program, notebook), reports)
     assert "starter temperature_service.py: it should be graded and not passed" in said

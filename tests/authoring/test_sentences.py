@@ -34,7 +34,7 @@ def test_sentences_and_checks_fit_together(name: str) -> None:
 def test_freedoms_name_programs_that_are_there(name: str) -> None:
     sets = corpus.load_corpus(name, ROOT)
     right = {one.path.stem for one in sets.submissions if one.kind in ("solution", "variant")}
-    right |= {one.name for one in sets.of("slip") if not one.failed}
+    right |= {one.name for one in sets.of_kind("slip") if not one.failed}
     assert {one.freedom for one in sets.exercise.sentences if one.freedom} <= right
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules import seeds
-from course_kit.classroom.rules.tables import People
+from course_kit.classroom.rules.people import People
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import StandInForGrading, run
@@ -75,6 +75,6 @@ def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
     absent = Entry("bo", "", "", "Bo Li")  # who is on the roster, and has handed in nothing
     for name in ("4711", "Ann Li", "ANN"):
         listed_seeds = seeds.read_seeds(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
-        assert listed_seeds.of_class([entry], People([entry, absent])).of(entry) == 5
+        assert listed_seeds.of_class([entry], People([entry, absent])).seed_for(entry) == 5
         with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
             listed_seeds.of_class([entry], People([entry]))

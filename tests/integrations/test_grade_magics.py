@@ -79,7 +79,7 @@ def test_a_slip_gets_a_sentence_and_no_traceback(kernel: Kernel, line: str, sent
 
 
 def sources(cells: SubmissionCells, exercise: str = "exercise") -> list[str]:
-    return [cell.source for cell in cells.of(exercise)]
+    return [cell.source for cell in cells.cells_of(exercise)]
 
 
 def test_cells_of_a_submission_are_joined_in_the_notebooks_order(

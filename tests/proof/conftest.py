@@ -49,18 +49,18 @@ def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
     told: set[str] = set()
     chosen = []
     for one in whole:
-        others = sorted(one.of("variant"), key=lambda each: zlib.crc32(each.name.encode()))
+        others = sorted(one.of_kind("variant"), key=lambda each: zlib.crc32(each.name.encode()))
         here = {
             *others[::ONE_IN],
-            *one.of("solution"),
-            *(each for each in one.of("starter") if each.path.suffix != ".py"),
+            *one.of_kind("solution"),
+            *(each for each in one.of_kind("starter") if each.path.suffix != ".py"),
         }
         # pattern_choice, which has no node, fails in ways of its own.
-        named = [each for each in (*one.of("broken"), *one.of("slip")) if each.name in catalogue()]
+        named = [each for each in (*one.of_kind("broken"), *one.of_kind("slip")) if each.name in catalogue()]
         here.update(each for each in named if each.name not in told or each.exercise == "pattern_choice")
         told.update(each.name for each in named)
         seen = {check for each in here for check, _ in each.failed}
-        for each in sorted(one.of("slip"), key=lambda each: (each.name not in catalogue(), each.name)):
+        for each in sorted(one.of_kind("slip"), key=lambda each: (each.name not in catalogue(), each.name)):
             checks = {check for check, _ in each.failed} or {"none"}
             if not checks <= seen:
                 here.add(each)

@@ -169,7 +169,7 @@ def test_there_are_eight() -> None:
 
 def test_drills_have_other_repairs_other_wrong_repairs_and_short_graders() -> None:
     for drill in DRILLS:
-        slips = corpus.load_corpus(drill, ROOT).of("slip")
+        slips = corpus.load_corpus(drill, ROOT).of_kind("slip")
         assert len([one for one in slips if not one.failed]) >= 2
         assert len([one for one in slips if one.failed]) >= 5
         assert 0 < grader_lines(drill) <= LONGEST_GRADER

@@ -136,7 +136,7 @@ def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mappin
 def _failed(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
-        records = [record for record in book.of(exercise.id) if outcome_of(record) in _NOT_PASSED]
+        records = [record for record in book.records_of(exercise.id) if outcome_of(record) in _NOT_PASSED]
         records.sort(key=lambda one: (_NOT_PASSED.index(outcome_of(one)), score_of(one) or 0.0))
         people = _of_records(records, called, _how_it_went)
         yield AttentionGroup(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)

@@ -129,7 +129,7 @@ def find_lookalikes(book: Gradebook, texts: ProgramTexts | None = None) -> LookA
     for exercise in book.exercises:
         if not exercise.class_name:
             continue
-        programs = list(_programs(book.of(exercise.id), exercise, texts))
+        programs = list(_programs(book.records_of(exercise.id), exercise, texts))
         groups += _groups(programs)
         long_enough = sum(len(prints) >= _FEWEST for _, prints in programs)
         compared += long_enough

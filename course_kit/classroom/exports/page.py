@@ -136,7 +136,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
         "figures": [_figure(one, records) for one in book.exercises if (records := book.graded(one.id))],
-        "checks": [(one, found) for one in book.exercises if (found := count_checks(book.of(one.id)))],
+        "checks": [(one, found) for one in book.exercises if (found := count_checks(book.records_of(one.id)))],
         "heat_maps": [one for one in _heat_maps(book) if one.rows],
         "diagnoses": catalogue.catalogue(),
         "alike": alike,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from course_kit.classroom.rules.adjustments import Adjustment
-from course_kit.classroom.rules.tables import Mistakes, describe_unknown, read_rows
+from course_kit.classroom.rules.people import Mistakes, describe_unknown, read_rows
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids
 from course_kit.ros.names import did_you_mean
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from datetime import tzinfo
     from pathlib import Path
 
-    from course_kit.classroom.rules.tables import People
+    from course_kit.classroom.rules.people import People
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
@@ -98,7 +98,7 @@ class Deadlines:
     def _penalty(self, exercise: Exercise, days: int) -> float:
         return round(exercise.points * min(days * self.percent_per_day, self.at_most_percent) / _ALL, 6)
 
-    def of(self, people: People) -> Deadlines:
+    def match_people(self, people: People) -> Deadlines:
         """The extensions by the students of a class; who is not in it is a mistake."""
         if self.mistakes is None:
             return self

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.classroom.rules import deadlines
 from course_kit.classroom.rules.deadlines import submission_moment
-from course_kit.classroom.rules.tables import Mistakes, describe_unknown, parse_number, read_rows, require_none
+from course_kit.classroom.rules.people import Mistakes, describe_unknown, parse_number, read_rows, require_none
 from course_kit.grading import engine
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Gradebook
     from course_kit.classroom.rules.adjustments import Adjustment
     from course_kit.classroom.rules.deadlines import Deadlines
-    from course_kit.classroom.rules.tables import People
+    from course_kit.classroom.rules.people import People
     from course_kit.grading.model.exercise import Exercise
 
 
@@ -38,9 +38,9 @@ class Instructions:
     deadlines: Deadlines
     overrides: Overrides
 
-    def of(self, people: People) -> Instructions:
+    def match_people(self, people: People) -> Instructions:
         """Those by the students of a class, whom the files may call by any of their names."""
-        found = Instructions(self.deadlines.of(people), self.overrides.of(people))
+        found = Instructions(self.deadlines.match_people(people), self.overrides.match_people(people))
         require_none(one for one in (found.deadlines.mistakes, found.overrides.mistakes) if one is not None)
         return found
 
@@ -140,7 +140,7 @@ class Overrides:
         """What the instructor has set for a student and exercise."""
         return self._found.get((student, exercise))
 
-    def of(self, people: People) -> Overrides:
+    def match_people(self, people: People) -> Overrides:
         """The lines by the students of a class; who is not in it is a mistake."""
         mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
         lines = ((one.line, one.student, one.exercise, one) for one in self._found.values())

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import roster
-from course_kit.classroom.rules.tables import Mistakes, read_rows
+from course_kit.classroom.rules.people import Mistakes, read_rows
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.records import Entry
-    from course_kit.classroom.rules.tables import People
+    from course_kit.classroom.rules.people import People
 
 COLUMNS = ("student", "seed")
 _BITS = 31
@@ -29,7 +29,7 @@ class Seeds:
     path: Path
     found: Mapping[str, tuple[int, int]]
 
-    def of(self, entry: Entry) -> int | None:
+    def seed_for(self, entry: Entry) -> int | None:
         """The seed of whoever handed something in; None where the file has none."""
         return self.found[entry.student][0] if entry.student in self.found else None
 
