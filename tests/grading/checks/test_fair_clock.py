@@ -52,6 +52,14 @@ def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
     assert fair.past(2.4)
 
 
+def test_what_the_grader_has_waited_while_nothing_had_come_is_not_taken_off(clock: Time) -> None:
+    states = [look()]
+    fair = FairClock(Recent(lambda: states[-1]), lateness=lambda: 0.2)
+    clock.now += 4.0
+    states.append(look(grader_waited=3.0))
+    assert fair.fair() == pytest.approx(3.8)
+
+
 def test_what_nobody_knows_of_counts_as_the_submissions_own(clock: Time) -> None:
     states = [look(busy=10.0)]
     fair = FairClock(Recent(lambda: states[-1]))
