@@ -28,12 +28,11 @@ def domain_of(notebook: Path, monkeypatch: pytest.MonkeyPatch, *, by_user: str =
         return {kernel.run(DOMAIN).stdout.strip(), kernel.run(CHILD).stdout.strip()}
 
 
-def test_a_demo_has_a_domain_of_its_own_and_lessons_share_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_demo_has_a_domain_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "demos").mkdir()
-    names = ("01_services.ipynb", "02_actions.ipynb", "demos/01_deadlock.ipynb", "demos/05_wrong_name.ipynb")
-    first, second, deadlock, wrong_name = (domain_of(tmp_path / name, monkeypatch) for name in names)
-    assert first == second
-    assert len(first | deadlock | wrong_name) == 3
+    names = ("01_services.ipynb", "demos/01_deadlock.ipynb", "demos/05_wrong_name.ipynb")
+    lessons, deadlock, wrong_name = (domain_of(tmp_path / name, monkeypatch) for name in names)
+    assert len(lessons | deadlock | wrong_name) == 3
     assert len(deadlock) == len(wrong_name) == 1  # the program joins its notebook's
 
 

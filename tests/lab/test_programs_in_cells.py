@@ -45,7 +45,6 @@ def main(args=None):
 """
 SPIN = "rclpy.spin(node)"
 CAUGHT = "try:\n        rclpy.spin(node)\n    except KeyboardInterrupt:\n        pass"
-OWN = "executor = MultiThreadedExecutor()\n    executor.add_node(node)\n    executor.spin()"
 SLEEPS = "time.sleep(60)"
 
 
@@ -67,7 +66,7 @@ def nodes_after_stop(kernel: Kernel, cell: str) -> tuple[str, str]:
     return shown.stdout, kernel.run("%ros2 node list").stdout
 
 
-@pytest.mark.parametrize("spin", [SPIN, CAUGHT, OWN, SLEEPS])
+@pytest.mark.parametrize("spin", [SPIN, SLEEPS])
 def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(fresh: Kernel, spin: str) -> None:
     assert fresh.run(OTHER + LIGHT.replace("{spin}", spin)).ok
     for _ in range(2):
@@ -76,9 +75,8 @@ def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(fresh: Kernel,
         assert listed == "/other\n"
 
 
-@pytest.mark.parametrize("spin", [SPIN, CAUGHT])
-def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel, spin: str) -> None:
-    (fresh.cwd / "light.py").write_text(LIGHT.replace("{spin}", spin) + "\nmain()\n")
+def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel) -> None:
+    (fresh.cwd / "light.py").write_text(LIGHT.replace("{spin}", CAUGHT) + "\nmain()\n")
     assert nodes_after_stop(fresh, "%run light.py")[1] == ""
     assert fresh.run(OTHER).ok
     assert nodes_after_stop(fresh, "%run light.py")[1] == "/other\n"
@@ -129,23 +127,15 @@ OWN_NODE = """node = rclpy.create_node("helper")
         future = node.create_client(Trigger, "answer").call_async(Trigger.Request())
         rclpy.spin_until_future_complete(node, future)
         print("got", future.result().message)"""
-OWN_EXECUTOR = """from rclpy.executors import SingleThreadedExecutor
-        node, executor = rclpy.create_node("helper"), SingleThreadedExecutor()
-        executor.add_node(node)
-        future = node.create_client(Trigger, "answer").call_async(Trigger.Request())
-        executor.spin_until_future_complete(future)
-        print("got", future.result().message)"""
-GROUP, REENTRANT = "MutuallyExclusiveCallbackGroup()", "ReentrantCallbackGroup()"
+GROUP = "MutuallyExclusiveCallbackGroup()"
 
 
 @pytest.mark.parametrize(
     ("ask", "group", "timers", "said"),
     [
         (CALL, GROUP, "None", "MultiThreadedExecutor"),
-        (CALL, REENTRANT, "None", "MultiThreadedExecutor"),
         (SPIN_UNTIL, GROUP, "None", "would lose the node"),
         (OWN_NODE, "None", "None", ""),
-        (OWN_EXECUTOR, "None", "None", ""),
     ],
 )
 def test_a_callback_waits_for_an_answer_where_a_program_could(
