@@ -2,6 +2,9 @@
 // beside the notebook, by JupyterLab's own "Create New View for Cell Output". Where there is none, in Notebook 7 for
 // example, the panel floats over the page and goes back with a second click.
 
+const NARROW = 1600; // pixels of a window in which the list of files leaves too little for both
+const READING = 0.6;
+
 function dockable(panel, name) {
   const button = make("button", { type: "button", class: "ck-dock" });
   const place = make("div", { class: "ck-quiet", hidden: true }, `${name} floats over this page.`);
@@ -35,6 +38,19 @@ function dockable(panel, name) {
     view.title.label = name;
     app().shell.add(view, "main", { ref: host.id, mode: "split-right" });
     docked = view;
+    requestAnimationFrame(() => leaveRoom(host, view));
+  }
+
+  // The notebook keeps most of the width: its text is what one reads.
+  function leaveRoom(host, view) {
+    if (window.innerWidth < NARROW) app().shell.collapseLeft();
+    const { layout } = view.parent;
+    requestAnimationFrame(() => {
+      const left = host.node.offsetLeft;
+      const right = view.node.offsetLeft + view.node.offsetWidth;
+      const between = [...layout.handles()].find(({ offsetLeft }) => Math.abs(offsetLeft - view.node.offsetLeft) < 20);
+      if (between) layout.moveHandle(between, left + (right - left) * READING, 0);
+    });
   }
 
   function float() {
