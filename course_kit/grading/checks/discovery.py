@@ -152,8 +152,8 @@ def expect_topics(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evid
         context.wait_for_start(lambda: is_there() or has_settled(context, clock))
     if not is_there() and not node.nodes():
         context.spoil()
-        evidence = Evidence("", evidence.expected, "on the graph: no node")
-        raise Failed(evidence, *why_empty(context, ends[0].name)[::-1])
+        empty = Evidence("", evidence.expected, "on the graph: no node")
+        raise Failed(empty, *why_empty(context, ends[0].name)[::-1])
     ordered = sorted(ends, key=lambda end: end.kind)  # publishers first
     expected = "; ".join(f"{_VERBS[end.kind]} {end.name} [{end.type}]" for end in ordered)
     with explained(context, Evidence("", expected)):
@@ -165,7 +165,10 @@ def expect_topics(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evid
 
 def has_settled(context: CheckContext, clock: FairClock) -> bool:
     """Whether a node is up and spinning for so long, by a clock of the waiting, that it has made all it will make."""
-    return clock.past(_SETTLED_S) and bool(context.grader_node.nodes()) and hangs.spins(context)
+    if not clock.past(_SETTLED_S) or not context.grader_node.nodes():
+        return False
+    seen = context.memory.setdefault("seen", context.clock())  # a node is there a moment before what it offers
+    return bool(seen.past(_NODE_S / 2)) and hangs.spins(context)
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
@@ -191,8 +194,7 @@ def first_node(context: CheckContext) -> str:
         Failed: no node is there.
     """
     if not context.wait_until(lambda: bool(context.grader_node.nodes()), _NODE_S, step_s=GRAPH_STEP_S):
-        evidence = Evidence("", "a node", "no node is on the graph")
-        raise Failed(evidence, "Your program runs, but no node of it is there.")
+        raise Failed(Evidence("", "a node", "no node is on the graph"), "Your program runs, but it has no node.")
     return context.grader_node.nodes()[0]
 
 
@@ -214,8 +216,7 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     doing = hangs.doing(context)
     where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
     if context.has_computed_enough():
-        computed = f"{context.job.start_cpu_s:g} s"
-        return "limit.time", f"Your program has computed for {computed} and no node has appeared.{where}"
+        return "limit.time", f"Your program has computed for {context.job.start_cpu_s:g} s without a node.{where}"
     start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
     if hangs.computes(context):
         return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"
