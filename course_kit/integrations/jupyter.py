@@ -22,13 +22,14 @@ from jupyter_core import paths
 from course_kit import environment
 from course_kit.grading.model import exercise_folders
 from course_kit.interfaces.sources import PATH_VARIABLE
-from course_kit.learner import workspace
+from course_kit.learner import course_list, workspace
 from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
+PROGRESS_PAGE = "progress.md"  # the first thing on a learner's second day
 _CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
 _CONFIG = environment.PACKAGE / "jupyter_config"  # with labconfig: what JupyterLab asks at its first start is answered
 _ALLOW_ROOT, _NO_BROWSER = "--allow-root", "--no-browser"
@@ -62,8 +63,12 @@ def run_lab(arguments: Sequence[str]) -> int:
     if set(arguments) <= {_NO_BROWSER, _ALLOW_ROOT} and (address := running_server(folder)):
         return _open_running(folder, address, arguments)
     try:
-        command, environ = lab_command(folder, f"/lab/tree/{quote(last_notebook(folder))}", arguments)
+        last = last_notebook(folder)
+        opens = PROGRESS_PAGE if (page := course_list.to_markdown(last)) and folder.resolve() != root else last
+        command, environ = lab_command(folder, f"/lab/tree/{quote(opens)}", arguments)
         make_ready(root, folder)  # only where JupyterLab can start
+        if opens == PROGRESS_PAGE:
+            environment.write_atomically(folder / PROGRESS_PAGE, page)
     except (LabStartError, environment.DomainError) as problem:
         return refuse(problem)
     sys.stdout.flush()

@@ -6,6 +6,7 @@ Drills are small repairs for practice, which count for nothing.
 from __future__ import annotations
 
 import json
+import re
 import shlex
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
@@ -96,7 +97,68 @@ def format_list(found: list[Row], encoding: str | None) -> str:
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
         )
         lines.append(f"Next: {following.id}, {where}")
-    return "\n".join([*lines, *_guessed()])
+    return "\n".join([*lines, *_stepped(), *_guessed()])
+
+
+def _stepped() -> list[str]:
+    """A line for each lesson of which any step was tried: how many are right."""
+    tried = [one for one in _lessons() if one.tried]
+    return (
+        ["", "Steps of the lessons:", *(f"  {one.name}: {one.done} of {one.steps}" for one in tried)] if tried else []
+    )
+
+
+@dataclass(frozen=True)
+class LessonProgress:
+    """A lesson with how many of its steps are done, and tried."""
+
+    name: str
+    steps: int
+    done: int
+    tried: int
+
+    @property
+    def title(self) -> str:
+        """Its number and its subject, "1. Services"."""
+        number, _, words = self.name.partition("_")
+        return f"{int(number)}. {words.replace('_', ' ').capitalize()}"
+
+
+def _lessons() -> list[LessonProgress]:
+    (records, _), root, found = progress.read(), environment.course_files(), []
+    for path in sorted((root / "notebooks").glob("0*.ipynb")) if root is not None else []:
+        names = re.findall(r'"%check (\w+)"', path.read_text(encoding="utf-8"))  # importing the steps takes a second
+        known = [records[key] for name in names if (key := f"{path.stem}/{name}") in records]
+        found.append(LessonProgress(path.stem, len(names), sum(one.passed for one in known), len(known)))
+    return found
+
+
+def to_markdown(last: str) -> str:
+    """The page that a learner sees first on their second day: what is done, and where to go on; "" before anything is.
+
+    Args:
+        last: the notebook they were at, from their folder.
+    """
+    lessons, (exercises, _), (drills, _) = _lessons(), rows(), rows(practice=True)
+    if not any(one.tried for one in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
+        return ""
+    scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
+    lines = ["# Where you are", "", f"You were at [{last}]({last})."]
+    if following := next((one for one in lessons if one.done < one.steps), None):
+        lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
+    lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
+    for one in lessons:
+        steps = f"{one.done} of {one.steps}" if one.steps else ""
+        asked = " | ".join(scores.get((one.name, kind), "") for kind in (guesses.GUESS, guesses.CHECK))
+        lines.append(f"| [{one.title}](notebooks/{one.name}.ipynb) | {steps} | {asked} |")
+    for title, found in (("exercise", exercises), ("drill", drills)):
+        lines += ["", f"| {title} | best | tries | |", "|---|---|---|---|"]
+        for row in found:
+            known, path = row.known, exercise_folders.in_course(row.exercise.folder, row.exercise.notebook)
+            state = "done" if known.passed else "open" if known.tries else ""
+            best = f"{known.best:g} of {row.exercise.points:g}" if known.tries else ""
+            lines.append(f"| [{row.exercise.title}]({path}) | {best} | {known.tries or ''} | {state} |")
+    return "\n".join([*lines, ""])
 
 
 def _guessed() -> list[str]:

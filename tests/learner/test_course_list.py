@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.grading.model import exercise_folders
-from course_kit.learner import course_list
+from course_kit.learner import course_list, progress
 from tests import outside_exercises
 from tests.course_copy import REPOSITORY
 
@@ -43,3 +44,22 @@ def test_one_added_from_elsewhere_is_compared_where_it_lies(tmp_path: Path, monk
     assert course_list.next_step(folder.name, REPOSITORY).endswith(f"solution {folder.name} --exercises '{folder}'")
     (folder / "solution" / f"{folder.name}.py").unlink()
     assert "Compare" not in course_list.next_step(folder.name, REPOSITORY)
+
+
+def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(progress.VARIABLE, str(tmp_path / "progress.json"))
+    last = "notebooks/01_services.ipynb"
+    assert course_list.to_markdown(last) == ""
+    for step in ("drive", "bumper", "clock"):
+        progress.update(f"00_welcome/{step}", lambda old: replace(old, tries=1, first_passed="2026-11-26"))
+    progress.update("temperature_service", lambda old: replace(old, tries=2, best=8.0, first_passed="2026-11-26"))
+    page = course_list.to_markdown(last)
+    assert f"You were at [{last}]({last})." in page
+    assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
+    assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page
+    assert re.search(r"\(exercises/temperature_service/temperature_service.ipynb\) \| 8 of 10 \| 2 \| done \|", page)
+    assert "  00_welcome: 3 of 3" in course_list.to_text(course_list.rows()[0], "utf-8")
+    for link in re.findall(r"\]\(([^)]+)\)", page):
+        assert (REPOSITORY / link).is_file(), link
