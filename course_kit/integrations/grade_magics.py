@@ -6,7 +6,9 @@ says that its last line shows. So `points` prints the feedback to stdout, where 
 
 from __future__ import annotations
 
+import html
 import os
+import re
 import shlex
 import sys
 import tempfile
@@ -32,25 +34,60 @@ if TYPE_CHECKING:
 _DIGITS = 6  # of points
 _STDOUT, _STDERR = 1, 2
 NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
+_EXPLORE = (
+    "Not done yet. Look at the symptom again, ask the graph what is there, and say the cause in one sentence. "
+    "The next %grade says what the grader saw, and why."
+)
 USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE [--seed N]."
 
 
 class Card:
     """A report as a notebook shows it: a card where there is HTML, plain text elsewhere."""
 
-    def __init__(self, report: Report, folder: Path | None = None) -> None:
-        """Show `report` in a notebook that lies in `folder`, the present one when None."""
-        self._report, self._folder = report, folder
+    def __init__(self, report: Report, folder: Path | None = None, link: str = "") -> None:
+        """Show `report` in a notebook that lies in `folder`, the present one when None, and `link` below it."""
+        self._report, self._folder, self._link = report, folder, link
 
     def _repr_html_(self) -> str:
         from course_kit import grading
 
-        return grading.render_html(self._report, self._folder)
+        return f"{grading.render_html(self._report, self._folder)}{self._link}"
 
     def __repr__(self) -> str:
         from course_kit import grading
 
         return grading.render_text(self._report)
+
+
+class SideBySide:
+    """Two programs, beside each other where there is HTML, else one below the other."""
+
+    def __init__(self, yours: str, ours: str) -> None:
+        self._programs = {"Yours": yours, "Ours": ours}
+
+    def _repr_html_(self) -> str:
+        columns = [
+            f'<td style="vertical-align: top; text-align: left"><b>{title}</b><pre>{html.escape(text)}</pre></td>'
+            for title, text in self._programs.items()
+        ]
+        return f"<table><tr>{''.join(columns)}</tr></table>"
+
+    def __repr__(self) -> str:
+        return "\n\n".join(f"{title}:\n\n{text}" for title, text in self._programs.items())
+
+
+def _link_in(following: str) -> str:
+    """The lesson that comes next, as a link from an exercise's notebook."""
+    lesson = re.search(r"notebooks/\S+\.ipynb", following)
+    return f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
+
+
+def _explores_first(exercise: str) -> bool:
+    """Whether this is the first try at a drill, whose learner looks for the fault before anybody names it."""
+    from course_kit.grading.model.exercise import load_exercise
+    from course_kit.learner import progress
+
+    return load_exercise(exercise).practice and exercise not in progress.read_progress()[0]
 
 
 def _notebook_folder() -> Path | None:
@@ -123,11 +160,28 @@ class GradeMagics(Magics):
             return
         if not file:
             self._say_what_was_graded(exercise)
-        display(Card(report, _notebook_folder()))
+        following = next_step(exercise) if report.passed else ""
+        if report.passed or not _explores_first(exercise):
+            display(Card(report, _notebook_folder(), _link_in(following)))
+        else:
+            print(_EXPLORE)
         if trouble := progress.record_report(report):
             print_complaint(trouble)
         if report.passed:
-            print(next_step(exercise))
+            print(following)
+
+    @line_magic
+    def solution(self, line: str) -> None:
+        """Show our solution beside yours, once you have passed: `%solution EXERCISE`."""
+        from course_kit.learner import handouts
+
+        try:
+            ours = handouts.earned_solution(line.strip())
+        except GradingError as problem:
+            print_complaint(str(problem))
+            return
+        yours = "\n\n".join(cell.source for cell in self._submissions.of(line.strip()))
+        display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
 
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""

@@ -125,7 +125,7 @@ class LessonProgress:
 
 
 def _lessons() -> list[LessonProgress]:
-    (records, _), root, found = progress.read(), environment.course_files(), []
+    (records, _), root, found = progress.read_progress(), environment.course_files(), []
     for path in sorted((root / "notebooks").glob("0*.ipynb")) if root is not None else []:
         names = re.findall(r'"%check (\w+)"', path.read_text(encoding="utf-8"))  # importing the steps takes a second
         known = [records[key] for name in names if (key := f"{path.stem}/{name}") in records]
@@ -133,13 +133,13 @@ def _lessons() -> list[LessonProgress]:
     return found
 
 
-def to_markdown(last: str) -> str:
+def format_progress_page(last: str) -> str:
     """The page that a learner sees first on their second day: what is done, and where to go on; "" before anything is.
 
     Args:
         last: the notebook they were at, from their folder.
     """
-    lessons, (exercises, _), (drills, _) = _lessons(), rows(), rows(practice=True)
+    lessons, (exercises, _), (drills, _) = _lessons(), list_rows(), list_rows(practice=True)
     if not any(one.tried for one in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
         return ""
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}

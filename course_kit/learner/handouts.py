@@ -192,12 +192,31 @@ def _agreed(returns: list[ChangedFile], *, forget: bool) -> bool:
         return False
 
 
+def earned_solution(exercise_id: str) -> str:
+    """The text of the solution.
+
+    Raises:
+        GradingError: the learner has not passed yet, or this edition has no solutions.
+    """
+    exercise = load_exercise(exercise_id)
+    _require_solution(exercise)
+    known = progress.read_progress()[0].get(exercise.id, progress.ProgressRecord())
+    if not known.passed:
+        said = _not_yet(exercise, known)
+        raise GradingError(f"{said[:1].upper()}{said[1:]}")
+    return exercise.solution.read_text(encoding="utf-8")
+
+
+def _require_solution(exercise: Exercise) -> None:
+    if not exercise.solution.is_file():
+        raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
+
+
 def hand_out_solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
     """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
     exercise = load_exercise(exercise_id)
     source = exercise.solution
-    if not source.is_file():
-        raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
+    _require_solution(exercise)
     records, trouble = progress.read_progress()
     note(trouble)
     known = records.get(exercise.id, progress.ProgressRecord())

@@ -12,6 +12,7 @@ import pytest
 
 from course_kit.cli import main
 from course_kit.integrations.submission_cells import SubmissionCells
+from course_kit.learner import progress
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -54,6 +55,26 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     assert "10 of 10 points" in done.result["text/html"]
     assert "10 of 10 points" in done.result["text/plain"]
     assert "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot." in done.stdout
+    assert 'href="../../notebooks/02_actions.ipynb"' in done.result["text/html"]
+
+
+def test_a_drill_names_its_fault_at_the_second_try_and_shows_the_solution_once_it_is_solved(
+    kernel: Kernel, tmp_path: Path
+) -> None:
+    kernel.run(f"import os\nos.environ['{progress.VARIABLE}'] = {str(tmp_path / 'progress.json')!r}")
+    folder = SOLUTION.parent.parent.parent / "exercises/drills/dark_lamp"
+    kernel.run("%%submission dark_lamp\n" + (folder / "dark_lamp.py").read_text())
+    first = kernel.run("%grade dark_lamp")
+    assert "Look at the symptom again" in first.stdout
+    assert not first.result
+    assert "Float32" in kernel.run("%grade dark_lamp").result["text/plain"]
+    assert "You can see the solution once you have passed" in kernel.run("%solution dark_lamp").stderr
+    kernel.run("%%submission dark_lamp\n" + (folder / "solution/dark_lamp.py").read_text())
+    assert "PASS  The lamp hears the slider" in kernel.run("%grade dark_lamp").result["text/plain"]
+    shown = kernel.run("%solution dark_lamp").result
+    assert shown["text/plain"].startswith("Yours:\n\n%%submission dark_lamp\n")
+    assert "<b>Ours</b>" in shown["text/html"]
+    kernel.run(f"os.environ['{progress.VARIABLE}'] = 'off'")
 
 
 def test_who_grades_a_file_as_root_is_told_so_beforehand(kernel: Kernel) -> None:

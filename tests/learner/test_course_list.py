@@ -51,15 +51,17 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
 ) -> None:
     monkeypatch.setenv(progress.VARIABLE, str(tmp_path / "progress.json"))
     last = "notebooks/01_services.ipynb"
-    assert course_list.to_markdown(last) == ""
+    assert course_list.format_progress_page(last) == ""
     for step in ("drive", "bumper", "clock"):
-        progress.update(f"00_welcome/{step}", lambda old: replace(old, tries=1, first_passed="2026-11-26"))
-    progress.update("temperature_service", lambda old: replace(old, tries=2, best=8.0, first_passed="2026-11-26"))
-    page = course_list.to_markdown(last)
+        progress.update_progress(f"00_welcome/{step}", lambda old: replace(old, tries=1, first_passed="2026-11-26"))
+    progress.update_progress(
+        "temperature_service", lambda old: replace(old, tries=2, best=8.0, first_passed="2026-11-26")
+    )
+    page = course_list.format_progress_page(last)
     assert f"You were at [{last}]({last})." in page
     assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
     assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page
     assert re.search(r"\(exercises/temperature_service/temperature_service.ipynb\) \| 8 of 10 \| 2 \| done \|", page)
-    assert "  00_welcome: 3 of 3" in course_list.to_text(course_list.rows()[0], "utf-8")
+    assert "  00_welcome: 3 of 3" in course_list.format_list(course_list.list_rows()[0], "utf-8")
     for link in re.findall(r"\]\(([^)]+)\)", page):
         assert (REPOSITORY / link).is_file(), link
