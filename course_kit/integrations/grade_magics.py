@@ -180,7 +180,7 @@ class GradeMagics(Magics):
         except GradingError as problem:
             print_complaint(str(problem))
             return
-        yours = "\n\n".join(cell.source for cell in self._submissions.of(line.strip()))
+        yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
         display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
 
     def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
