@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 project = "ROS 2 course kit"
-author = "the authors of the ROS 2 course kit"
-project_copyright = "the authors of the ROS 2 course kit. Apache-2.0"
+author = "the maintainers of the ROS 2 course kit"
+project_copyright = "the maintainers of the ROS 2 course kit. Apache-2.0"
 version = release = metadata.version("ros2-course-kit")
 
 extensions = [
