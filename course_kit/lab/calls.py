@@ -49,7 +49,6 @@ class PendingCall(ABC):
         self._start = time.monotonic()
 
     def may_send(self) -> bool:
-        """Whether the server is there."""
         if self._is_there():
             self._lab.before_call(self._wanted.role, self._wanted.name)
             return True
@@ -63,11 +62,9 @@ class PendingCall(ABC):
         """Send; `completed` is called on the lab's thread when the answer is there."""
 
     def next_check(self) -> float:
-        """Seconds until `check` should be called."""
         return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
 
     def check(self) -> None:
-        """Look whether an answer can still come."""
         if self._has_come():
             return
         if time.monotonic() - self._start >= self._timeout:
@@ -79,7 +76,6 @@ class PendingCall(ABC):
         """What came back."""
 
     def show_output(self) -> None:
-        """Show what callbacks have printed meanwhile."""
         self._lab.output.drain()
 
     def close(self) -> None:
@@ -130,7 +126,6 @@ class ServiceCall(PendingCall):
         self._client.queue.enter(self, send_now)
 
     def result(self) -> Message:
-        """The response."""
         if self._unsent is not None:
             raise self._unsent
         try:

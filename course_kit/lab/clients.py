@@ -155,7 +155,6 @@ class Clients:
     def subscription(
         self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
     ) -> Subscription:
-        """A new subscription."""
         wanted = type_name(message_type)
         types = types_of(self.node, "/" + str(topic).lstrip("/"))
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
@@ -186,7 +185,6 @@ class Clients:
         )
 
     def destroy(self) -> None:
-        """Destroy the node and all that is on it."""
         self._clients.clear()
         self._publishers.clear()
         while self._goal_clients:

@@ -24,7 +24,6 @@ class LabError(RuntimeError):
     """Something the lab was asked for cannot be done; the message says why and what to do."""
 
     def _render_traceback_(self) -> list[str]:
-        """IPython's hook for exceptions that print themselves (see IPython.core.interactiveshell)."""
         return [f"{type(self).__name__}: {self}"]
 
 

@@ -211,7 +211,6 @@ def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
 
 
 def _no_node(node: str) -> NodeNotFoundError:
-    """Why the parameter services of a node were not found."""
     from course_kit.lab.awaiting import current
 
     engine = current().engine
@@ -230,7 +229,6 @@ def _no_node(node: str) -> NodeNotFoundError:
 
 
 def _wait_for_events() -> DeliveryWait:
-    """For the lab's subscriptions to /parameter_events."""
     from rcl_interfaces.msg import ParameterEvent
 
     from course_kit.lab.topics import DeliveryWait

@@ -17,7 +17,6 @@ from course_kit.ros.topic import as_offered, is_heard, is_hearing, publishers_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rclpy.node import Node
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription as RclpySubscription
 
@@ -158,7 +157,7 @@ async def next_messages(
         if len(received) < count:
             came = f"{len(received)} of {count} messages" if received else "No message"
             text = f"{came} came on {subscription.topic_name} within {timeout:g} s."
-            raise NoAnswerError(f"{text} {_why_none(lab.node, subscription)}")
+            raise NoAnswerError(f"{text} {_why_none(lab, subscription)}")
     finally:
         deadline.cancel()
         _destroy(lab, subscription)
@@ -166,8 +165,8 @@ async def next_messages(
     return received
 
 
-def _why_none(node: Node, subscription: RclpySubscription) -> str:
-    found = publishers_of(node, subscription.topic_name)
+def _why_none(lab: Engine, subscription: RclpySubscription) -> str:
+    found = publishers_of(lab.node, subscription.topic_name)
     if not found:
         return "No node publishes it."
     types = sorted({one.type for one in found})
@@ -175,6 +174,8 @@ def _why_none(node: Node, subscription: RclpySubscription) -> str:
     if types != [wanted]:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
     names = sorted({one.node for one in found})
+    for crash in (lab.failures.latest[name] for name in names if name in lab.failures.latest):
+        return f"{crash.node} publishes it, but its {crash.callback or 'callback'} {crash.error} ({crash.place})."
     return f"{', '.join(names)} has a publisher for it but may not have published yet."
 
 

@@ -74,10 +74,10 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
         try:
             setattr(message, name, fitted)
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
-            raise BadFieldError(_refused(name, value, known[name], owner)) from error
+            raise BadFieldError(explain_refusal(name, value, known[name], owner)) from error
 
 
-def _refused(field: object, value: object, field_type: str, owner: str) -> str:
+def explain_refusal(field: object, value: object, field_type: str, owner: str) -> str:
     """Why the message has refused a value."""
     if field_type in _HINTS:
         wanted = _HINTS[field_type]

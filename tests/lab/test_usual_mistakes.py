@@ -117,7 +117,7 @@ def test_a_method_without_self_is_named(kernel: Kernel) -> None:
     assert "answer() has no self. Write: def answer(self, request, response):" in shown.stderr
     assert "__init__() has no self. Write: def __init__(self):" in kernel.run(node("").replace("(self)", "()")).error
     forgotten = kernel.run(node("create_service(SetBool, 'ask', self.answer)", ANSWER))
-    assert "create_service belongs to the node. Write: self.create_service(...)" in forgotten.stderr
+    assert "create_service belongs to the node. Write: self.create_service(...)" in forgotten.error
     assert "belongs" not in kernel.run(node("create_servant()")).stderr
 
 
@@ -168,7 +168,7 @@ def test_feedback_without_parentheses_is_named(kernel: Kernel) -> None:
 def test_a_misspelt_parameter_is_told_which_there_are(kernel: Kernel) -> None:
     said = "The node has declared max_velocity. Did you mean max_velocity?"
     declared = "self.declare_parameter('max_velocity', 1.0)\n"
-    assert said in kernel.run(node(f"{declared}self.get_parameter('max_velocty')")).stderr
+    assert said in kernel.run(node(f"{declared}self.get_parameter('max_velocty')")).error
     wrong = "def answer(self, request, response):\n    self.get_parameter('max_velocty')"
     kernel.run(node(f"{declared}self.create_service(SetBool, 'ask', self.answer)", wrong))
     assert said in kernel.run("await lab.call('/ask', SetBool)").stderr
@@ -282,3 +282,41 @@ def test_tab_after_lab_offers_its_verbs_and_no_module(kernel: Kernel) -> None:
     matches = kernel.complete("lab.")
     assert {"call", "start", "stop", "send_goal", "set_parameters", "diagram", "nodes"} <= matches
     assert not matches & {"api", "calls", "annotations", "singleton", "runtime", "goal_verbs", "recording"}
+
+
+RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value=0, to_value=1.0)])"
+
+
+@pytest.mark.parametrize(
+    ("cell", "line", "said"),
+    [
+        (node(f'self.declare_parameter("speed", 1.0, {RANGE})'), 4, "takes a float: write 0.0; it was given 0, an int"),
+        (
+            node("self.add_on_set_parameters_callback(lambda _: None)\nself.declare_parameter('speed', 1.0)"),
+            5,
+            "with `return SetParametersResult(successful=True)`",
+        ),
+        (node("").replace('"learner"', '"my node"'), 3, "must not contain characters other than alphanumerics"),
+        ("point = Point()\npoint.x = 1", 2, "takes a float: write 1.0; it was given 1, an int"),
+        ("THING = Thing()\nTHING.total = 'x'", 2, "has the type int64 and takes a whole number in its range"),
+        ("lab.start(Forgotten)", 1, "After a restart of the kernel run the cells above again"),
+        ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`"),
+    ],
+)
+def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, cell: str, line: int, said: str) -> None:
+    kernel.run(
+        "from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor\nfrom course_kit import interfaces"
+    )
+    kernel.run("interfaces.define('of_mistakes/msg/Thing', 'int64 total')\nfrom of_mistakes.msg import Thing")
+    shown = kernel.run(cell)
+    assert said in shown.error
+    assert f", line {line}: " in shown.error
+    assert len(shown.error.splitlines()) <= 5
+
+
+def test_who_publishes_nothing_because_its_callback_raises_is_said(kernel: Kernel) -> None:
+    init = "self.out = self.create_publisher(Point, 'silent', 10)\nself.create_timer(0.05, self.tick)"
+    shown = kernel.run(
+        node(init, "def tick(self):\n    1 / 0") + "\nawait lab.next_messages('/silent', Point, timeout=1.0)"
+    )
+    assert "learner publishes it, but its tick raised ZeroDivisionError: division by zero (In[" in shown.error

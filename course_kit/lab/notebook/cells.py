@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.lab.errors import InputError, LabError
 from course_kit.lab.notebook import interrupts
 from course_kit.lab.overrides.patches import Patches
-from course_kit.lab.runtime.failures import advice_on
+from course_kit.lab.runtime.failures import advice_on, explain_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
 
     from course_kit.lab.notebook.output import Output, Stream
+    from course_kit.lab.runtime.failures import Locate
     from course_kit.ros.compat import Compatibility
 
 _BEAT = 0.1  # seconds
@@ -57,7 +58,6 @@ class Notebook:
 
     @classmethod
     def of_this_process(cls, output: Output) -> Notebook:
-        """Find the shell without importing IPython where it is not in use."""
         module = sys.modules.get("IPython")
         shell = module.get_ipython() if module is not None else None
         return cls(shell, output)
@@ -70,7 +70,6 @@ class Notebook:
 
     @property
     def present(self) -> bool:
-        """Whether this is a notebook."""
         return self._shell is not None
 
     def ros_arguments(self, found: Compatibility) -> list[str]:
@@ -126,7 +125,6 @@ class Notebook:
             self._keep_beating()
 
     def detach(self) -> None:
-        """Give everything back."""
         if not self._attached:
             return
         self._attached = False
@@ -185,10 +183,12 @@ class Notebook:
         self._patches.set(rcutils_logger, "_rclpy", _LogCapture(rcutils_logger._rclpy, self._output))  # noqa: SLF001
 
     def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
-        """Warnings of rclpy in a callback, without the place in rclpy, which is not where the learner went wrong."""
+        """Warnings of rclpy without the place in rclpy, which is not where the learner went wrong."""
 
         def warned(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-            if threading.get_ident() in self._output.producers:
+            if "Failed to fini " in str(message):  # beside the error that says why
+                return
+            if threading.get_ident() in self._output.producers or "rclpy" in str(place[:1]):
                 self._output.put(f"{category.__name__}: {message}\n", "stderr")
             else:
                 show(message, category, *place, **more)
@@ -250,12 +250,11 @@ class Notebook:
                 limit.begin()
                 getattr(sys, name).write(left_out)
         self._not_awaited.tell()
-        tell_meaning(result)
+        tell_meaning(result, self.locate)
         if self._loop is not None:
             self._loop.call_soon(self._route)
 
     def _keep_beating(self) -> None:
-        """Turn the loop over while a cell runs."""
         if self._loop is not None:
             if self._beat is not None:
                 self._beat.cancel()
@@ -306,10 +305,10 @@ class NotAwaited:
             sys.stderr.write(f"{sentence}\n")
 
 
-def tell_meaning(result: Any) -> None:
+def tell_meaning(result: Any, locate: Locate) -> None:
     """Say what a cell's error means, where Python's or rclpy's words do not."""
     error = getattr(result, "error_in_exec", None)
-    if not isinstance(error, BaseException) or isinstance(error, LabError):
+    if not isinstance(error, BaseException) or isinstance(error, LabError) or explain_error(error, locate):
         return
     if meant := advice_on(error):
         sys.stderr.write(f"{meant}\n")
@@ -352,13 +351,11 @@ class CellLimit:
         self.begin()
 
     def begin(self) -> None:
-        """A cell begins."""
         self._lines = self._characters = 0
         self._left_out = 0
         self._last: deque[str] = deque(maxlen=_LAST)
 
     def take(self, text: str) -> str:
-        """What of this text is shown."""
         if self._lines >= LINES or self._characters >= CHARACTERS:
             self._leave_out(text)
             return ""

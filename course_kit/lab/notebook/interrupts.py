@@ -9,6 +9,9 @@ import threading
 import traceback
 from typing import TYPE_CHECKING, Any
 
+from course_kit.lab.errors import LabError
+from course_kit.lab.runtime.failures import explain_error
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType, TracebackType
@@ -20,24 +23,33 @@ if TYPE_CHECKING:
 _INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
 
 
+class _BriefError(Exception):
+    """Shown in place of an error whose traceback says less than a sentence."""
+
+    def _render_traceback_(self) -> list[str]:
+        return [str(self)]
+
+
 class _Interrupted(KeyboardInterrupt):
     """Shown in place of the interrupt itself."""
 
     def _render_traceback_(self) -> list[str]:
-        """IPython's hook, as in `lab.errors`."""
         return [str(self)]
 
 
 def tell_briefly(
     patches: Patches, shell: Any, locate: Callable[[str], str | None], nodes_run: Callable[[], bool]
 ) -> None:
-    """Have an interrupted cell say that it was, where, and that nodes go on."""
+    """Have an interrupted cell say where it was and that nodes go on; and what ROS refuses be one sentence."""
     show = shell.showtraceback
 
     def tell(exc_tuple: ExceptionTuple | None = None, *place: Any, **more: Any) -> None:
-        kind, _, trace = exc_tuple or sys.exc_info()
-        if kind is None or not issubclass(kind, _INTERRUPTS):
-            show(exc_tuple, *place, **more)
+        kind, error, trace = exc_tuple or sys.exc_info()
+        if kind is None or error is None or not issubclass(kind, _INTERRUPTS):
+            if error is not None and not isinstance(error, LabError) and (text := explain_error(error, locate)):
+                show((kind, _BriefError(text), trace))
+            else:
+                show(exc_tuple, *place, **more)
             return
         places = [
             f"{name}, line {number}"

@@ -72,7 +72,6 @@ class Output:
             self.put(text, stream)
 
     def poke(self) -> None:
-        """Wake whoever is in `wait`."""
         self._news.set()
 
     def wait(self, timeout: float) -> None:

@@ -23,7 +23,6 @@ class Patches:
         return before
 
     def undo(self) -> None:
-        """Put everything back."""
         while self._replaced:
             owner, name, own = self._replaced.pop()
             if own is _MISSING:

@@ -1,7 +1,8 @@
 """From events to arrows: who said what to whom.
 
 Each side reports what it saw by itself. A request is known again by its service, its number and its values; the
-number alone is not enough, because every client counts from 1. Goals are drawn by `goal_arrows`.
+number alone is not enough, because every client counts from 1. Of a goal,
+what the server has seen is drawn; of a long run of its feedback the first and the last, and how many were between them.
 """
 
 from __future__ import annotations
@@ -9,14 +10,36 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from course_kit.lab.recording.goal_arrows import UNSEEN, goal_arrows
 from course_kit.ros.sequence import Arrow
 from course_kit.ros.showing import describe_message
 
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event
-    from course_kit.lab.recording.goal_arrows import Timed
 
+_FROM_SERVER = frozenset(
+    {"goal_received", "goal_answered", "feedback_sent", "cancel_received", "cancel_answered", "result_sent"}
+)
+_FROM_CLIENT = frozenset(
+    {
+        "goal_sent",
+        "goal_answer_received",
+        "feedback_received",
+        "cancel_sent",
+        "cancel_answer_received",
+        "result_received",
+    }
+)
+_AS_CLIENT_SAW_IT = {
+    "goal_answered": "goal_answer_received",
+    "feedback_sent": "feedback_received",
+    "cancel_answered": "cancel_answer_received",
+    "result_sent": "result_received",
+}
+GOAL_KINDS = _FROM_SERVER | _FROM_CLIENT
+UNSEEN = "another program"  # takes part, and nobody has told us its name
+RUN = 4  # feedback messages in a row that are all drawn
+
+Timed = tuple[tuple[int, int], Arrow]  # when it crossed, in nanoseconds, and its place among those of that moment
 NOBODY = "nobody"
 
 
@@ -133,3 +156,103 @@ def _draw_message(message: _Message) -> list[Timed]:
         ((event.at, number), Arrow(message.sender, receiver, "message", describe_message(event.value), event.channel))
         for number, receiver in enumerate(sorted(message.receivers) or [NOBODY])
     ]
+
+
+class _Goal:
+    """All that was reported about one goal, in the order of time."""
+
+    def __init__(self, events: list[Event]) -> None:
+        self.events = events
+        self.channel = events[0].channel
+        self.client = next((one.node for one in events if one.kind in _FROM_CLIENT), UNSEEN)
+        servers = dict.fromkeys(one.node for one in events if one.kind in _FROM_SERVER)
+        self.servers = list(servers) or [UNSEEN]
+
+    def overlaps(self, other: _Goal) -> bool:
+        return self.events[0].at <= other.events[-1].at and other.events[0].at <= self.events[-1].at
+
+    def of(self, kind: str, server: str) -> list[Event]:
+        """Events of a kind as a server has reported them; as the client has, of a server that reports nothing."""
+        if server == UNSEEN:
+            return [one for one in self.events if one.kind == _AS_CLIENT_SAW_IT[kind]]
+        return [one for one in self.events if one.kind == kind and one.node == server]
+
+
+def goal_arrows(events: list[Event]) -> list[Timed]:
+    """The arrows of all goals, each with its place in time."""
+    found: dict[tuple[str, int], list[Event]] = {}
+    for event in events:
+        if event.kind in GOAL_KINDS:
+            found.setdefault((event.channel, event.sequence), []).append(event)
+    goals = [_Goal(one) for one in found.values()]
+    for channel in {goal.channel for goal in goals}:
+        _number([goal for goal in goals if goal.channel == channel])
+    return [timed for goal in goals for server in goal.servers for timed in _draw(goal, server)]
+
+
+def _number(goals: list[_Goal]) -> None:
+    """Tell goals of one action apart that were on their way at the same time."""
+    if any(one.overlaps(other) for one in goals for other in goals if one is not other):
+        for number, goal in enumerate(goals, 1):
+            goal.channel += f" (goal {number})"
+
+
+def _draw(goal: _Goal, server: str) -> list[Timed]:
+    steps = _ask(goal, server) + _answers(goal, server) + _feedback(goal, server) + _cancelling(goal, server)
+    for event in goal.of("result_sent", server)[:1]:
+        text = f"{event.value['status']}, {describe_message(event.value['result'])}"
+        steps.append(((event.at, 3), Arrow(server, goal.client, "result", text, goal.channel)))
+    return steps
+
+
+def _ask(goal: _Goal, server: str) -> list[Timed]:
+    sent = [one for one in goal.events if one.kind == "goal_sent"]
+    received = [one for one in goal.events if one.kind == "goal_received" and one.node == server]
+    return [
+        ((event.at, 0), Arrow(goal.client, server, "goal", describe_message(event.value), goal.channel))
+        for event in (sent or received)[:1]
+    ]
+
+
+def _answers(goal: _Goal, server: str) -> list[Timed]:
+    seen = goal.of("goal_answered", server)
+    if seen:
+        # A server's report of a rejection is made when it has been sent; the client may have reported it before.
+        at = min(one.at for one in [*seen, *goal.of("goal_answered", UNSEEN)])
+        text = "accepted" if seen[0].value["accepted"] else "rejected"
+        return [((at, 1), Arrow(server, goal.client, "goal response", text, goal.channel))]
+    asked = [one for one in goal.events if one.kind in {"goal_sent", "goal_received"}]
+    return [
+        ((event.at, 1), Arrow(server, goal.client, "failure", "no answer so far", goal.channel)) for event in asked[:1]
+    ]
+
+
+def _feedback(goal: _Goal, server: str) -> list[Timed]:
+    breaks = [one.at for one in goal.events if one.kind.startswith("cancel")]
+    runs: list[list[Event]] = [[]]
+    for event in goal.of("feedback_sent", server):
+        if runs[-1] and any(runs[-1][-1].at < at < event.at for at in breaks):
+            runs.append([])
+        runs[-1].append(event)
+    return [timed for run in runs for timed in _fold(goal, server, run)]
+
+
+def _fold(goal: _Goal, server: str, run: list[Event]) -> list[Timed]:
+    texts = [(event.at, describe_message(event.value)) for event in run]
+    if len(run) > RUN:
+        texts = [texts[0], (run[1].at, f"... {len(run) - 2} more"), texts[-1]]
+    return [((at, 2), Arrow(server, goal.client, "feedback", text, goal.channel)) for at, text in texts]
+
+
+def _cancelling(goal: _Goal, server: str) -> list[Timed]:
+    sent = [one for one in goal.events if one.kind == "cancel_sent"]
+    received = [one for one in goal.events if one.kind == "cancel_received" and one.node == server]
+    asking = [one.node for one in sent] or [UNSEEN] * len(received)
+    drawn = [
+        ((event.at, 0), Arrow(client, server, "cancel request", "", goal.channel))
+        for client, event in zip(asking, sent or received, strict=True)
+    ]
+    for client, event in zip(asking, goal.of("cancel_answered", server), strict=False):
+        text = "accepted" if event.value["accepted"] else "refused"
+        drawn.append(((event.at, 1), Arrow(server, client, "cancel response", text, goal.channel)))
+    return drawn

@@ -33,7 +33,6 @@ class Diagram:
 
     @property
     def participants(self) -> list[str]:
-        """The nodes in the order of their first appearance."""
         return list(dict.fromkeys(name for arrow in self.arrows for name in (arrow.sender, arrow.receiver)))
 
     def html(self) -> str:

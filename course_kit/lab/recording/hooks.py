@@ -104,7 +104,6 @@ class CallbackSpans:
         return number
 
     def end(self, number: int, where: Where, *, failed: bool) -> None:
-        """Report that it is outside again."""
         self._events.emit("callback_ended", where, {"failed": failed, "process": os.getpid()}, number)
 
 
@@ -159,7 +158,6 @@ class MessageHooks:
         return known
 
     def hook_sending(self, patches: Patches) -> None:
-        """Wrap the two methods every message of a program is sent by."""
         from rclpy.client import Client
         from rclpy.publisher import Publisher
 

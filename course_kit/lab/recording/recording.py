@@ -29,11 +29,9 @@ class Recording:
         return sorted(self._events, key=lambda event: event.at)
 
     def observe(self, event: Event) -> None:
-        """Keep an event."""
         (self._spans if event.kind in SPAN_KINDS else self._events).append(event)
 
     def restart(self) -> None:
-        """Forget everything."""
         self._events.clear()
         self._spans.clear()
 

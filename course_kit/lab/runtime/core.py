@@ -63,7 +63,6 @@ class Lab:
 
     @property
     def scripts(self) -> Scripts:
-        """The programs that run as child processes."""
         with self._lock:
             if self._scripts is None:
                 from course_kit.lab.runtime.neighbours import mark_of
@@ -86,12 +85,10 @@ class Lab:
 
     @property
     def has_engine(self) -> bool:
-        """Whether ROS was needed so far."""
         return self._engine is not None
 
     @property
     def neighbours(self) -> Neighbours:
-        """Other notebooks on the graph."""
         self.engine  # noqa: B018 - it makes them
         return self._neighbours
 
@@ -100,16 +97,13 @@ class Lab:
         return sorted(self._engine.nodes, key=lambda live: live.name) if self._engine is not None else []
 
     def not_in_callback(self, what: str) -> None:
-        """Raise DeadlockError if the caller is a callback on the lab's thread."""
         if self._engine is not None:
             self._engine.not_in_callback(what)
 
     def warn_if_slow(self, node_class: object) -> AbstractContextManager[None]:
-        """Say where `__init__` is when it takes longer than any needs."""
         return _warn_if_slow(node_class, self._notebook.locate, self.engine.note)
 
     def keep(self, subscription: Subscription) -> Subscription:
-        """Have a subscription closed by `stop` and with the lab."""
         self._subscriptions = [*(one for one in self._subscriptions if one.is_open), subscription]
         return subscription
 
@@ -222,7 +216,6 @@ class Lab:
         return self._scripts.nodes() if self._scripts is not None else {}
 
     def _stop_for(self, title: str) -> None:
-        """Another notebook asks that this one stops its nodes."""
         self.stop()
         if self._scripts is not None:
             self._scripts.stop(None)

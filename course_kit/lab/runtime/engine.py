@@ -57,8 +57,8 @@ class Engine:
         self.hooks = MessageHooks(events)
         self._noted: set[str] = set()
         self._notebook = notebook
-        self._failures = Failures(output, notebook.locate, self.hooks)
-        self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self.hooks, self._failures, found)
+        self.failures = Failures(output, notebook.locate, self.hooks)
+        self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self.hooks, self.failures, found)
         self.executor = self.executor_thread.executor
         self.executions = execution.Executions(self.executor, output)
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
@@ -66,7 +66,7 @@ class Engine:
         self._patch_rclpy()
 
     def _patch_rclpy(self) -> None:
-        patches, crashed = self.patches, self._failures.callback_crashed
+        patches, crashed = self.patches, self.failures.callback_crashed
         quieten_finalizers(patches)
         if self.found.has(compat.GOAL_RECORDING):
             ActionHooks(self.hooks, patches)  # before the sending of goals is held back
@@ -102,15 +102,12 @@ class Engine:
 
     @property
     def own_names(self) -> frozenset[str]:
-        """The fully qualified names of the lab's own nodes."""
         return frozenset({self.node.get_fully_qualified_name()})
 
     def in_callback(self) -> bool:
-        """Whether the caller is inside a callback of the lab."""
         return self.executor_thread.is_current_thread()
 
     def in_execution(self) -> bool:
-        """Whether the caller is inside an execute callback on a thread of its own."""
         return self.executions.current() is not None
 
     def turn(self) -> Turn | None:
@@ -119,7 +116,6 @@ class Engine:
         return self.executor.turn if running is None else execution.turn_of(running)
 
     def not_in_callback(self, what: str) -> None:
-        """Raise DeadlockError if the caller is a callback on the lab's thread."""
         if self.in_callback():
             raise DeadlockError(
                 f"{what} inside a callback would wait for the thread it runs on. Use the node's own client and "
@@ -134,7 +130,7 @@ class Engine:
         except CallbackStopped:
             raise
         except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
-            self._failures.callback_crashed(error, Turn(None, None, begun))
+            self.failures.callback_crashed(error, Turn(None, None, begun))
 
     def note(self, text: str) -> None:
         """Tell the learner something in the notebook; a program is left alone."""
@@ -143,7 +139,6 @@ class Engine:
             self.output.drain()
 
     def note_once(self, text: str) -> None:
-        """Tell it the first time only."""
         if text not in self._noted:
             self._noted.add(text)
             self.note(text)
@@ -156,7 +151,6 @@ class Engine:
         return nodes.end_strays(lambda node: id(node) not in ids)
 
     def stop_soon(self, node: Node) -> None:
-        """Stop a node when its callback has ended."""
         running = self.executions.current()
         if running is None:
             self.nodes.stop_soon(node)
@@ -164,7 +158,6 @@ class Engine:
             running.afterwards.append(lambda: self.nodes.stop_soon(node))
 
     def why_no_answer(self, service: str) -> str:
-        """What is known about a service's server that does not answer."""
         if busy := self._busy():
             return busy
         for live in self.nodes:
@@ -182,7 +175,6 @@ class Engine:
         )
 
     def why_no_result(self, action: str) -> str:
-        """What is known about an action server that does not answer."""
         if busy := self._busy():
             return busy
         for live in self.nodes:
@@ -230,8 +222,7 @@ class Engine:
             one.join(max(0.0, deadline - time.monotonic()))
 
     def _forget(self, ending: list[Node]) -> None:
-        """Nodes are about to be destroyed."""
-        self._failures.forget()
+        self.failures.forget()
         self.executor.forget(ending)
         channels: set[str] = set()
         for node in ending:

@@ -126,7 +126,6 @@ class Execution:
         return self._result
 
     def _steps(self) -> Generator[Any, None, None]:
-        """The steps of a callback that is a coroutine."""
         steps = self.callback(self._goal_handle).__await__()
         try:
             while not self.stopped:
@@ -164,11 +163,9 @@ class Executions:
         self._running: dict[Execution, None] = {}  # a set in the order of beginning
 
     def runs(self, node: Node) -> bool:
-        """Whether the goals of a node's action servers are executed here."""
         return node.executor is self._executor
 
     async def run(self, server: ActionServer, callback: Execute, goal_handle: ServerGoalHandle) -> Message:
-        """Execute a goal."""
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
         execution = Execution(node, callback, goal_handle, self._executor.wake)
         self._running[execution] = None
@@ -182,16 +179,13 @@ class Executions:
                 self._executor.create_task(function)
 
     def current(self) -> Execution | None:
-        """The execution whose thread the caller is on."""
         thread = threading.current_thread()
         return next((one for one in list(self._running) if one.thread is thread), None)
 
     def of(self, node: Node) -> Execution | None:
-        """The longest running one of a node."""
         return next((one for one in list(self._running) if one.node is node), None)
 
     def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
-        """Have the executions of these nodes end."""
         ending = [one for one in list(self._running) if any(one.node is node for node in nodes)]
         for one in ending:
             one.stop()
@@ -278,7 +272,6 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
 async def _result(
     executions: Executions, server: ActionServer, execute_callback: Execute, handle: ServerGoalHandle
 ) -> Message:
-    """What an execute callback returns."""
     if executions.runs(server._node):  # noqa: SLF001 - as above
         result = await executions.run(server, execute_callback, handle)
     elif inspect.iscoroutinefunction(execute_callback):

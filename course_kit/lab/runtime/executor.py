@@ -66,7 +66,6 @@ class LabExecutor(Executor):
 
     @property
     def turn(self) -> Turn | None:
-        """The callback that is running."""
         if self._running is not None and self._running.entity is None:
             for task, turn in list(self._begun.items()):
                 if turn.entity is not None and task.executing() and task not in self._waiting:
@@ -79,7 +78,6 @@ class LabExecutor(Executor):
             self._spin_safely()
 
     def request_stop(self) -> None:
-        """Have `run` return after the callback that is running."""
         self._stop.set()
         self.wake()
 
@@ -105,11 +103,9 @@ class LabExecutor(Executor):
             self._running, self._waiting = turn, waiting
 
     def forget(self, nodes: list[Node]) -> None:
-        """Nodes are about to be destroyed: their callbacks that await something will not go on."""
         self._begun = {task: turn for task, turn in self._begun.items() if turn.node is None or turn.node not in nodes}
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Wait for one callback and run it."""
         try:
             found: tuple[Any, Any, Any] = self.wait_for_ready_callbacks(timeout_sec, None, self._stop.is_set)
         except (TimeoutException, ConditionReachedException):
@@ -216,15 +212,12 @@ class ExecutorThread:
 
     @property
     def thread_id(self) -> int:
-        """The identifier of the thread that runs callbacks."""
         return self._thread.ident or 0
 
     def is_current_thread(self) -> bool:
-        """Whether the caller is inside a callback."""
         return threading.current_thread() is self._thread
 
     def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
-        """Run `function` on the thread while no callback is running."""
         if self.is_current_thread():
             function()
             return True

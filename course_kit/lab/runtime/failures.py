@@ -18,6 +18,8 @@ from course_kit.lab.errors import DeadlockError, InputError, ServiceFailedError,
 from course_kit.lab.recording.hooks import WrongResponseError, WrongResultError, failure_text
 from course_kit.lab.runtime.describe import is_alive
 from course_kit.ros import names
+from course_kit.ros.filling import explain_refusal
+from course_kit.ros.messages import type_name, with_article
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ _NOT_THE_LEARNERS = tuple(
             str(environment.PACKAGE),
             *(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")),
             "<frozen",
+            "<field ",  # what checks a field of a live interface
         ]
     )
 )
@@ -47,6 +50,14 @@ _SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
 _ARGUMENTS = re.compile(r"(?P<name>\w+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) ")
 _SUB_MESSAGE = re.compile(r"The '(?P<field>\w+)' field must be a sub message of type '(?P<type>\w+)'")
+_FIELD = re.compile(r"The '(?P<field>\w+)' ")
+_IN_ROS = re.compile(r"rclpy\b|course_kit\b|\w+\.(msg|srv|action)\._")
+_IMPORTS = {
+    "Node": "from rclpy.node import Node",
+    "lab": "from course_kit import lab",
+    "panels": "from course_kit import panels",
+    "rclpy": "import rclpy",
+}
 _UNDECLARED = re.compile(r"undeclared parameter\(s\): (?P<name>\S+)")
 _OF_EVERY_NODE = frozenset({"use_sim_time", "start_type_description_service"})
 _GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belongs to
@@ -142,10 +153,12 @@ class Failures:
         self._locate = locate
         self._hooks = hooks
         self._last_crash: tuple[Crash | None, int] = (None, 0)
+        self.latest: dict[str, Crash] = {}  # by the node's name
 
     def forget(self) -> None:
         """A node is about to be destroyed: the same error of the one in its place is news."""
         self._last_crash = (None, 0)
+        self.latest.clear()
 
     def callback_crashed(self, error: BaseException, turn: Turn) -> None:
         """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
@@ -157,6 +170,7 @@ class Failures:
         crash = examine(error, turn if turn.entity is None else turn.entity, node, self._locate)
         if node is not None and not is_alive(node):
             return  # the rest of a node that was stopped in the middle
+        self.latest[crash.node] = crash
         before, times = self._last_crash
         times = times + 1 if crash == before else 1
         self._last_crash = (crash, times)
@@ -202,11 +216,55 @@ def _consequence(error: BaseException, turn: Turn) -> str:
     return "The node keeps running, and so do the others."
 
 
+def explain_error(error: BaseException, locate: Locate) -> str:
+    """What a cell's error is, with the learner's line that led to it; empty where Python's own words say it best."""
+    frames = list(traceback.walk_tb(error.__traceback__))
+    own = [(frame, number) for frame, number in frames if is_own(frame.f_code.co_filename)]
+    if not own:
+        return ""
+    last = frames[-1][0]
+    if isinstance(error, NameError) and last is own[-1][0]:
+        text, advice = failure_text(error), _on_name(error, last)
+    elif last is not own[-1][0] and _IN_ROS.match(str(last.f_globals.get("__name__", ""))):
+        refusal = _on_field(error, last)
+        text = f"{type(error).__name__}: {refusal or error_text(error)}".rstrip()
+        advice = "" if refusal else advice_on(error)
+    else:
+        return ""
+    place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate)
+    return "\n".join([text, f"  {place}: {source}", *([f"  {advice}"] if advice else [])])
+
+
+def _on_field(error: BaseException, frame: FrameType) -> str:
+    """What a message's field takes that was given something else; empty for any other error."""
+    found = _FIELD.match(error_text(error)) if isinstance(error, AssertionError) else None
+    inner: FrameType | None = frame
+    while found and inner is not None:  # a check may stand below the field itself
+        message: Any = inner.f_locals.get("self")
+        if hasattr(message, "get_fields_and_field_types"):
+            kind = message.get_fields_and_field_types()[found["field"]]
+            owner = with_article(type_name(type(message)))
+            return explain_refusal(found["field"], inner.f_locals.get("value"), kind, owner)
+        inner = inner.f_back
+    return ""
+
+
+def _on_name(error: NameError, frame: FrameType) -> str:
+    name = error.name or ""
+    if callable(getattr(type(node_in(error)), name, None)):
+        return advice_on(error)
+    if line := _IMPORTS.get(name):
+        return f"Write `{line}`, or run the cell that has it: a restarted kernel has forgotten it."
+    if near := names.nearest_name(name, [one for one in frame.f_globals if not one.startswith("_")]):
+        return f"Did you mean {near}? After a restart of the kernel run the cells above again."
+    return "After a restart of the kernel run the cells above again: Run > Run All Above Selected Cell."
+
+
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
     """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
-    if newer := of_newer_ros(error):
-        return newer
+    if known := of_newer_ros(error) or _of_set_callback(text):
+        return known
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
         return _on_arguments(found["name"], node, entity)
@@ -233,6 +291,13 @@ def of_newer_ros(error: BaseException) -> str:
         "This line belongs to a newer ROS 2. In Jazzy rclpy.init() returns nothing, so `with` cannot use it: write "
         "rclpy.init() on a line of its own, and rclpy.try_shutdown() where the block ends."
     )
+
+
+def _of_set_callback(text: str) -> str:
+    """What to write where a node's callback for new values has returned something else than their result."""
+    if "Callback returned an invalid type" not in text:
+        return ""
+    return "End the function of add_on_set_parameters_callback() with `return SetParametersResult(successful=True)`."
 
 
 def node_in(error: BaseException) -> Any:

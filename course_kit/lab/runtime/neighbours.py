@@ -149,7 +149,6 @@ class Neighbours:
             self._lab.note(f"{sentence.format(f'{shown} of {title}')} {_REMEDY}")
 
     def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
-        """What this lab's nodes offer and somebody else as well."""
         own: dict[tuple[str, graph.Role], int] = {}
         for live in self._lab.nodes:
             for name, role in _offered_by(live):

@@ -49,12 +49,10 @@ class LiveNode:
     name: str = ""
 
     def same_class(self, node_class: type) -> bool:
-        """Whether a class has the module and the name of this node's."""
         mine = self.node_class
         return (mine.__module__, mine.__qualname__) == (node_class.__module__, node_class.__qualname__)
 
     def precedes(self, node_class: type, arguments: tuple[object, ...]) -> bool:
-        """Whether starting this class with these arguments is this start done again."""
         if not self.same_class(node_class):
             return False
         return self.node_class is not node_class or _equal(self.arguments, arguments)

@@ -54,7 +54,6 @@ class Reports:
             os.write(self._descriptor, line.encode() + b"\n")
 
     def event(self, event: Event) -> None:
-        """Send what crossed."""
         self.send(event=event.kind, **{name: value for name, value in event._asdict().items() if name != "kind"})
 
 
@@ -151,7 +150,7 @@ def _record(patches: Patches, reports: Reports) -> None:
 
 def _role(nodes: list[Node]) -> str:
     """Whether these nodes wait for others ("server") or only for answers to what they have asked ("client")."""
-    from rclpy.action import ActionClient
+    from rclpy.action import ActionClient, ActionServer
 
     from course_kit.ros.names import is_of_every_node
 
@@ -159,16 +158,10 @@ def _role(nodes: list[Node]) -> str:
     for node in nodes:
         waits |= any(not is_of_every_node(service.service_name) for service in node.services)
         waits |= any(True for _ in node.timers) or any(True for _ in node.subscriptions)
-        waits |= any(not isinstance(waitable, ActionClient) and _is_action(waitable) for waitable in node.waitables)
+        waits |= any(isinstance(waitable, ActionServer) for waitable in node.waitables)
         asks |= any(True for _ in node.clients)
         asks |= any(isinstance(waitable, ActionClient) for waitable in node.waitables)
     return "server" if waits or not asks else "client"
-
-
-def _is_action(waitable: object) -> bool:
-    from rclpy.action import ActionServer
-
-    return isinstance(waitable, ActionServer)
 
 
 def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:

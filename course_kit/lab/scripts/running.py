@@ -42,7 +42,6 @@ class Script:
 
     @property
     def running(self) -> bool:
-        """Whether it has not ended."""
         return self.process.exit_code() is None
 
     def __repr__(self) -> str:
@@ -120,7 +119,6 @@ class Scripts:
         return {node: script.name for script in list(self._running.values()) for node in script.nodes}
 
     def close(self) -> None:
-        """End all programs and the reading of their output."""
         for name in list(self._running):
             self._end(name)
         self._closing.set()

@@ -40,16 +40,3 @@ def test_what_a_program_prints_the_moment_it_ends_is_shown(monkeypatch: pytest.M
         assert ends_between_two_looks(monkeypatch) == b"the last word\r\n"
     finally:
         patches.undo()
-
-
-def test_an_end_without_output_is_an_end() -> None:
-    patches = Patches()
-    show_all_output(patches)
-    try:
-        for _ in range(20):
-            program: pexpect.spawn[bytes] = pexpect.spawn("true")
-            assert program.expect_list([pexpect.EOF], timeout=10) == 0
-            assert program.before == b""
-            program.close()
-    finally:
-        patches.undo()

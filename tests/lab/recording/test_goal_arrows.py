@@ -4,10 +4,9 @@ from typing import Any
 
 import pytest
 
-from course_kit.lab.recording.arrows import UNSEEN, arrows_of
+from course_kit.lab.recording.arrows import RUN, UNSEEN, arrows_of
 from course_kit.lab.recording.diagram import Diagram
 from course_kit.lab.recording.events import Event
-from course_kit.lab.recording.goal_arrows import RUN
 from course_kit.ros.sequence import Arrow
 
 Step = tuple[str, Any]
