@@ -110,5 +110,5 @@ def _time_scale() -> float:
     except ValueError:
         scale = math.nan
     if not (math.isfinite(scale) and scale >= 0.0):
-        raise ValueError(f"{_TIME_SCALE} is '{text}', but it has to be a number from 0 up; 1 is real time. Unset it.")
+        raise ValueError(f"{_TIME_SCALE} is '{text}', but it must be a number from 0 up; 1 is real time. Unset it.")
     return scale

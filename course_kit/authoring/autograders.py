@@ -42,7 +42,7 @@ def write_gradescope(exercise_id: str, target: Path, seed: int | None = None) ->
     """Write the zip for "Configure Autograder" in Gradescope: `setup.sh`, `run_autograder` and the kit."""
     files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
     if target.exists():
-        raise GradingError(f"{target} is there already. Name a new file.")
+        raise GradingError(f"{target} already exists. Choose a new name.")
     environment.write_atomically(target, _zipped(files))
     return target
 
@@ -52,7 +52,7 @@ def write_classroom50(exercise_id: str, target: Path, seed: int | None = None) -
     scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
     kit = _zipped(list(_kit(exercise_id)))
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise GradingError(f"{target} is there already. Name a new folder.")
+        raise GradingError(f"{target} already exists. Choose a new folder.")
     for name, content, _ in scripts:
         environment.write_atomically(target / name, content)
     environment.write_atomically(target / "kit.zip", kit)

@@ -36,7 +36,7 @@ class ProofOutcome:
     """What `check` has found."""
 
     sets: tuple[Corpus, ...]  # the exercises, with their submissions
-    seed: int  # what the random values were drawn from, in exercises without a seed of their own
+    seed: int  # what the random values were drawn from, in exercises without their own seed
     reports: dict[ProofSubmission, Report]
     faults: tuple[Fault, ...]  # all that does not hold; proven when there is none
     duration_s: float  # seconds on the wall
@@ -124,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
         "exercises", nargs="*", metavar="EXERCISE", help="only these; the course's own when none is named"
     )
     parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="number of gradings at the same time")
-    parser.add_argument("--seed", type=int, help="draw the same random values again")
+    parser.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
     parser.add_argument(  # `course-kit` has taken it out before, wherever it stands
         "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the one that DIR is"
     )
@@ -134,5 +134,5 @@ def _parser() -> argparse.ArgumentParser:
 def _positive(text: str) -> int:
     number = int(text)
     if number < 1:
-        raise argparse.ArgumentTypeError("it has to be a number from 1 up")
+        raise argparse.ArgumentTypeError("it must be a number from 1 up")
     return number

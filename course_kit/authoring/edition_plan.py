@@ -159,7 +159,7 @@ def _require_all(without: Collection[str], known: Collection[str]) -> None:
 
 
 def _require_pristine(changed: list[str], without: Collection[str]) -> None:
-    """Learners work in a folder of their own, so what differs from the commit may be somebody's answer."""
+    """Learners work in their own folder, so what differs from the commit may be somebody's answer."""
     if wrong := [name for name in changed if _exercise_of(name) not in without]:
         raise GradingError(
             f"Git calls exercises changed, and students would get them as they are: {', '.join(wrong)}. "

@@ -2,7 +2,7 @@
 
 `edition_plan` decides what goes in, by the lists in edition.toml: of the exercises the files as they were committed, of
 the demos all but the cells of the instructor. The edition gets its name only if `leaks` finds no answer in it. What is
-left is a course of its own: `./course lab` and `./course test` work in it.
+left is its own course: `./course lab` and `./course test` work in it.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def _leave_answers_out(target: Path, name: str) -> None:
     try:
         notebook = nbformat.read(target, as_version=4)
     except (ValueError, KeyError, AttributeError) as problem:
-        raise ReleaseError(f"{name} is not a notebook: {problem}. Mend it, or take it away.") from problem
+        raise ReleaseError(f"{name} is not a notebook: {problem}. Repair or remove it.") from problem
     if edition_notebooks.has_answers(notebook):
         nbformat.write(edition_notebooks.remove_answers(notebook), target)
 

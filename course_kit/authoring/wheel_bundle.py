@@ -152,7 +152,7 @@ def _download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> Non
         try:
             code = subprocess.run(command, stdout=sys.stderr, timeout=_DEADLINE_S, check=False).returncode
         except (OSError, subprocess.TimeoutExpired) as problem:
-            raise BundleError(f"pip did not come to an end: {problem}") from problem
+            raise BundleError(f"pip did not finish: {problem}") from problem
     if code:
         raise BundleError(
             f"The download for Python {python} did not finish; the lines above say why. It needs a network connection. "

@@ -55,7 +55,7 @@ def _record(exercise: Exercise, source: str, report: Report, seed: int) -> Grade
 
 
 def _find(handed_over: Path, exercise: Exercise, workspace: Path) -> Path | None:
-    """The file to grade; None where there is none."""
+    """The file to grade, or None."""
     if not any((handed_over / _STUDENT).iterdir()):
         return None
     found = collecting.collect_submissions(handed_over, [exercise], workspace, "folders")

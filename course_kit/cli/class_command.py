@@ -37,9 +37,11 @@ def add_to(verbs: Any) -> None:
     parser = verbs.add_parser(
         "class",
         help="grade a whole class: a folder or zip of submissions",
-        epilog="After Ctrl-C, a crash or a full disk, run the same command with --resume. Exit code: 0 when everything "
-        "handed in has its grade; 2 when it could not be done, no submission was found, a student was dropped or a "
-        "submission could not be graded through no fault of its student; 130 when it was stopped.",
+        epilog=(
+            "After Ctrl-C, a crash or a full disk, run the same command with --resume. Exit code: 0 if every "
+            "submission has its grade; 2 if the run failed, found no submissions, skipped a student, or could not "
+            "grade a submission for a reason outside the student's control; 130 if it was stopped."
+        ),
     )
     parser.add_argument(
         "submissions",
@@ -63,15 +65,15 @@ def add_to(verbs: Any) -> None:
         metavar="ID",
         help="with --resume: grade an exercise again, show who changes from what to what, and ask before it is written",
     )
-    parser.add_argument("--write", action="store_true", help="with --again: write the changes without asking")
+    parser.add_argument("--write", action="store_true", help="with --again: save the changes without asking")
     parser.add_argument(
-        "--dry-run", action="store_true", help="show which file would be graded for whom and why, and grade nothing"
+        "--dry-run", action="store_true", help="show which file of each student would be graded and why; grade nothing"
     )
     parser.add_argument(
         "--roster",
         type=Path,
         metavar="CSV",
-        help="the class list, as Canvas, Moodle or nbgrader export it, or any other",
+        help="the class list: an export of Canvas, Moodle or nbgrader, or another CSV file",
     )
     parser.add_argument(
         "--layout", default="auto", help="canvas, moodle, gradescope, nbgrader, github, folders or files"
@@ -81,7 +83,7 @@ def add_to(verbs: Any) -> None:
         "--seeds",
         type=Path,
         metavar="CSV",
-        help="two columns, student and seed: each student gets other questions, where an exercise draws them",
+        help="a table of student and seed: each student gets different questions, where an exercise draws them",
     )
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
@@ -127,7 +129,7 @@ def _run(options: argparse.Namespace) -> int:
 
     chosen = {one: load_exercise(one) for one in options.exercise}
     if options.out.exists() and not options.out.is_dir():
-        raise GradingError(f"{options.out} is a file. --out has to name a folder for the results.")
+        raise GradingError(f"{options.out} is a file. Give --out a folder for the results.")
     if options.again and not options.resume:
         raise GradingError("--again grades results that are there already. Add --resume.")
     if unknown := [one for one in options.again if one not in chosen]:
@@ -192,8 +194,8 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
             if practised := _practised(book, one, plan.seeds):
                 print_safely(
                     f"course-kit: {one.id}: {count_of(practised, 'submission')} graded with the practice questions "
-                    f"(seed {one.seed}), whose answers every student has. "
-                    "For a grade that counts, give each a seed: --seeds."
+                    f"(seed {one.seed}), which come with their answers. "
+                    "For a grade that counts, give each student a seed: --seeds."
                 )
         return _finish(book, options)
 
@@ -266,7 +268,7 @@ def _worries(book: Gradebook) -> Iterator[str]:
     if failed := book.not_graded:
         whose = [f"{record.entry.called}, {record.entry.exercise}" for record in failed]
         yield (
-            f"{count_of(whose, 'submission')} could not be graded, through no fault of the student: "
+            f"{count_of(whose, 'submission')} could not be graded, for a reason outside the student's control: "
             f"{first_of(whose, '; ')}. Run the same command with --resume."
         )
 

@@ -26,7 +26,7 @@ _TRIED = "rclpy 7.1.6 to 7.1.11, with which the course was tried"
 _LOSES_RESULTS = "7.1.9"  # https://github.com/ros2/rclpy/issues/1598
 DEADLINE_S = 20.0
 
-# A service server in a process of its own: what the doctor's client has to discover.
+# A service server in a separate process: what the doctor's client has to discover.
 _SERVER = """
 import rclpy
 from std_srvs.srv import Trigger
@@ -58,7 +58,7 @@ def run_doctor() -> int:
         print(render_finding(finding), flush=True)
     print()
     problems = f"{bad} problem{'s' * (bad > 1)} must be fixed before the course works."
-    print(problems if bad else "Everything the course needs is here.")
+    print(problems if bad else "The course has everything it needs.")
     return 1 if bad else 0
 
 
@@ -72,7 +72,7 @@ def render_finding(finding: Finding) -> str:
 
 
 def all_findings() -> Iterator[Finding]:
-    """All findings, the quick ones first; whatever goes wrong in one is a finding of its own."""
+    """All findings, the quick ones first; whatever goes wrong in one is its own finding."""
     for check in (check_python, check_packages, course_folder, own_files):
         yield guard_check(check)
     graph = guard_check(check_settings)
@@ -116,7 +116,7 @@ def check_packages() -> Finding:
 
     requirement = installed.find_damaged_package()
     if not requirement:
-        return Finding("packages", "no package has overwritten the files of another")
+        return Finding("packages", "no package has overwritten files of another package")
     return Finding(
         "packages",
         f"{installed.OLD_NAME} has overwritten files of {requirement}, which JupyterLab uses",
@@ -146,7 +146,9 @@ def own_files() -> Finding:
     if folder == environment.paths.usual_state_dir():
         return Finding("your files", f"logs and the like are kept in {folder}")
     found = f"logs and the like are kept in {folder}, because your home directory cannot be written"
-    advice = "They may be gone after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
+    advice = (
+        "They may disappear after a restart. Set XDG_STATE_HOME to a folder that you can write to and that is kept."
+    )
     return Finding("your files", found, "note", advice)
 
 
@@ -165,7 +167,7 @@ def check_settings() -> Finding:
 
 
 def rclpy_itself() -> Finding:
-    """Whether rclpy loads, asked in a process of its own: a wrong RMW ends the process that imports it."""
+    """Whether rclpy loads, asked in a separate process: a wrong RMW ends the process that imports it."""
     said, failed = _run("import rclpy; print(rclpy.__file__)", ROS_DOMAIN_ID="0")  # nothing joins it
     if failed:
         advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
@@ -202,8 +204,8 @@ def rclpy_names() -> Finding:
 
     off = compat.check_all().sentences()
     if not off:
-        return Finding("inside rclpy", "everything that the course uses is there")
-    advice = f"You need not do anything. Nothing is off with {_TRIED}."
+        return Finding("inside rclpy", "everything that the course uses is present")
+    advice = f"There is nothing to do. Nothing is off with {_TRIED}."
     return Finding("inside rclpy", " ".join(off), "note", advice)
 
 
@@ -218,7 +220,7 @@ def check_middleware() -> Finding:
     name = f"{name} {version}" if version else name
     if not (replaced := os.environ.get(environment.middleware.REPLACED, "")):
         return Finding("RMW", name)
-    advice = f"You need not do anything. Unset {replaced.partition('=')[0]} to remove this note."
+    advice = f"There is nothing to do. Unset {replaced.partition('=')[0]} to remove this note."
     return Finding("RMW", f"{name}, because {replaced} is not installed here", "note", advice)
 
 
@@ -242,7 +244,7 @@ def check_interfaces() -> Finding:
 
 
 def _run(program: str, **environ: str) -> tuple[str, bool]:
-    """The last line that a Python program prints in a process of its own, and whether it has failed."""
+    """The last line that a Python program prints in a separate process, and whether it has failed."""
     done = subprocess.run(
         [sys.executable, "-c", program],
         cwd="/",  # a Python looks for modules in its working directory, where a learner's rclpy.py may lie
@@ -258,12 +260,12 @@ def _run(program: str, **environ: str) -> tuple[str, bool]:
 
 
 def check_discovery() -> Finding:
-    """Time until a client has found and asked a server in another process, on a domain of its own."""
+    """Time until a client has found and asked a server in another process, on its own domain."""
     try:
         seconds = seconds_to_discover()
     except environment.NoDomainError as problem:
-        advice = "Run ./course doctor again when fewer courses and graders are at work."
-        return Finding("discovery", f"not tried: no ROS domain is free to try it on. {problem}", "note", advice)
+        advice = "Run ./course doctor again when fewer courses and graders are running."
+        return Finding("discovery", f"not tried: no ROS domain is free. {problem}", "note", advice)
     if seconds is None:
         advice = "A firewall on the loopback interface, or your own Fast DDS profile, keeps the nodes apart."
         return Finding("discovery", f"no answer from another process within {DEADLINE_S:.0f} s", "bad", advice)
@@ -280,7 +282,7 @@ def check_isolation() -> Finding:
 
 
 def seconds_to_discover() -> float | None:
-    """Seconds until a client was answered by a server in another process, on a domain of their own; None if never."""
+    """Seconds until a client was answered by a server in another process, on their own domain; None if never."""
     with environment.exclusive_domain() as domain_id:
         environ = environment.child_environment(ROS_DOMAIN_ID=str(domain_id))
         server = Child([sys.executable, "-c", _SERVER], environ=environ, folder="/", stderr=NOWHERE)

@@ -48,7 +48,7 @@ def add_to(verbs: Verbs) -> None:
     )
     present.set_defaults(run=lambda options: _present(options.others), others=[])
 
-    dev = verbs.add_parser("dev", help="for those who work on the course: prove that its graders are right")
+    dev = verbs.add_parser("dev", help="for maintainers of the course: prove that its graders are right")
     dev.add_argument("tool", choices=_TOOLS)
     dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
     dev.set_defaults(run=_dev)
@@ -58,8 +58,10 @@ def _add_release(verbs: Verbs) -> None:
     release = verbs.add_parser(
         "release",
         help="make the student edition: the course without its answers",
-        epilog="Every program in it is graded, so it takes a minute or two. Exit code: 0 when it was made, 1 when a "
-        "program in it scores more than its exercise's starter, 2 when it could not be made.",
+        epilog=(
+            "This grades every program in it, and takes a minute or two. Exit code: 0 if it was made, 1 if a program "
+            "in it scores more than its exercise's starter, 2 if it could not be made."
+        ),
     )
     release.add_argument("target", help="a new folder, or a file that ends in .zip")
     release.add_argument(
@@ -73,8 +75,7 @@ def _add_seeds(verbs: Verbs) -> None:
     seeds = verbs.add_parser(
         "seeds",
         help="draw a seed for each student of a roster, for class --seeds",
-        epilog="Students who have a seed in FILE already keep it, so that the command can be run again when somebody "
-        "joins the class.",
+        epilog="Students who already have a seed in FILE keep it. Run the command again when somebody joins the class.",
     )
     seeds.add_argument("roster", type=Path, help="the class list, as for class --roster")
     seeds.add_argument("--layout", default="", help="of the submissions, as for class: decides how students are named")
@@ -95,7 +96,7 @@ def _add_export(verbs: Verbs) -> None:
             type=int,
             help="the same values for everybody; an exercise with practice questions needs it for a grade that counts",
         )
-    anonymous = kinds.add_parser("anonymous", help="the reports of a class run, by pseudonyms")
+    anonymous = kinds.add_parser("anonymous", help="the reports of a class run, under pseudonyms")
     anonymous.add_argument("results", type=Path, help="the folder that `class --out` named")
     anonymous.add_argument("--to", type=Path, required=True, metavar="DIR", help="a new folder")
     export.set_defaults(run=_export)
@@ -115,11 +116,10 @@ def _add_new(verbs: Verbs) -> None:
     kind.add_argument(
         "--refresh",
         action="store_true",
-        help="write the sentences of its exercise.toml anew into its starter and notebook, and the starter into the "
-        "notebook",
+        help="copy the sentences of its exercise.toml into its starter and notebook, and the starter into the notebook",
     )
     new.add_argument(
-        "--in", dest="folder", type=Path, metavar="DIR", help="the folder its folder is in; where you are if left out"
+        "--in", dest="folder", type=Path, metavar="DIR", help="the folder to make it in; the current one if left out"
     )
     new.set_defaults(run=_new)
 
@@ -131,7 +131,7 @@ def _add_bundle(verbs: Verbs) -> None:
         description="Download the packages of the lock into DIR. `./course lab --find-links DIR` then sets the course "
         "up without a network, on any x86-64 Linux.",
     )
-    bundle.add_argument("folder", type=Path, metavar="DIR", help="made if it is missing; what is there stays")
+    bundle.add_argument("folder", type=Path, metavar="DIR", help="made if missing; what is in it stays")
     bundle.add_argument(
         "--python",
         action="append",
@@ -169,7 +169,7 @@ def _export(options: argparse.Namespace) -> int:
 
     if options.kind == "anonymous":
         path = anonymous.write_anonymous_pages(stored_gradebook(options.results), options.to)
-        then = "reports and scores by pseudonyms."
+        then = "reports and scores under pseudonyms."
     elif options.kind == "gradescope":
         path = autograders.write_gradescope(options.exercise, options.to, options.seed)
         then = "upload it under Configure Autograder; choose a base image of Ubuntu 22.04 or newer."
@@ -262,9 +262,11 @@ def _add_prove(verbs: Verbs) -> None:
         "prove",
         help="find out what the grader of an exercise lets through",
         description="Makes every small mistake in the solution, grades each, and prints those that get full marks.",
-        epilog="Exit code: 0 when nothing was found, 1 when something was, 2 when it could not be tried, 130 when it "
-        "was stopped. Mistakes that are none are declared with the reason in equivalent.toml: see "
-        "course_kit/authoring/AUTHORING.md.",
+        epilog=(
+            "Exit code: 0 if nothing was found, 1 if something was, 2 if it failed, 130 if it was stopped. Declare "
+            "mistakes that change nothing in equivalent.toml, with the reason: see "
+            "course_kit/authoring/AUTHORING.md."
+        ),
     )
     parser.add_argument("exercise", metavar="EXERCISE")
     parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")

@@ -49,7 +49,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="gradescope and classroom50 are for autograders: PATH may be a folder, and exit code 0 means graded",
     )
     grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
-    grade.add_argument("--seed", type=int, help="draw the same random values again")
+    grade.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
@@ -67,7 +67,7 @@ def build_parser() -> argparse.ArgumentParser:
 
         instructors.add_to(verbs)
 
-    doctor = verbs.add_parser("doctor", help="say what was found on this machine and what to do about it")
+    doctor = verbs.add_parser("doctor", help="check this machine and suggest fixes")
     doctor.set_defaults(run=_doctor)
     for one in _with_commands(parser):
         one.add_argument(

@@ -136,7 +136,7 @@ def _compile(  # noqa: PLR0913 - what uv is asked
         try:
             done = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=_DEADLINE_S, check=False)
         except (OSError, subprocess.TimeoutExpired) as problem:
-            raise GradingError(f"uv did not come to an end: {problem}") from problem
+            raise GradingError(f"uv did not finish: {problem}") from problem
         if done.returncode:
             raise GradingError(f"uv could not resolve what the course needs:\n{done.stderr.strip()}")
         return [package for package in wheel_bundle.parse_lock(target.read_text(encoding="utf-8")) if _places(package)]

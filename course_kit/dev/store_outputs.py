@@ -46,7 +46,7 @@ def normalise_notebook(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode
 
 
 def main(arguments: list[str]) -> int:
-    """Run the notebooks named on the command line on a graph of their own; 2 when there is no domain for it."""
+    """Run the notebooks named on the command line on their own graph; 2 when there is no domain for it."""
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])  # for !ros2
     try:
         with environment.exclusive_domain() as domain_id:

@@ -69,7 +69,7 @@ def _run_sessions(*names: str) -> int:
 
 
 def find_uv() -> str | None:
-    """The uv of this environment, or the one on PATH; None where there is none."""
+    """The uv of this environment, or the one on PATH, or None."""
     return shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
 
 
@@ -97,7 +97,7 @@ def find_or_install_browser() -> str | None:
 
 
 def run_pytest(arguments: list[str], environ: dict[str, str]) -> int:
-    """Run pytest in a process of its own."""
+    """Run pytest in a separate process."""
     return subprocess.run([sys.executable, "-m", "pytest", *arguments], env=environ, check=False).returncode
 
 

@@ -64,7 +64,7 @@ PRIVATE_NETWORK_PROFILE = middleware.PROFILES / "private_network.xml"  # for the
 _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 # Tells the kit's own choice from the user's in the environment a child process inherits.
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
-# A name for a graph of its own beside the course's. In the environment, so that child processes join it, too.
+# A name for its own graph beside the course's. In the environment, so that child processes join it, too.
 _GRAPH = "COURSE_KIT_GRAPH"
 _WITH_OWN_GRAPH = "demos"  # the folder of notebooks that fail on purpose: a node of another one would repair them
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
@@ -204,7 +204,7 @@ def domain_of_user() -> int | None:
         return None
     if value not in map(str, range(_HIGHEST_DOMAIN + 1)):  # more is read by ROS as something: 010 as the octal 8
         raise SettingsError(
-            f"ROS_DOMAIN_ID is set to '{value}', but it has to be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
+            f"ROS_DOMAIN_ID is set to '{value}', but it must be a whole number from 0 to {_HIGHEST_DOMAIN}, without "
             "leading zeros. Correct it, or unset it and the course chooses one."
         )
     return int(value)

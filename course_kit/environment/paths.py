@@ -58,7 +58,7 @@ def usual_learner_folder() -> Path:
 
 
 def learner_folder() -> Path | None:
-    """The learner's folder one is in, or that JupyterLab was opened on, or the usual one; None if there is none."""
+    """The learner's folder one is in, or that JupyterLab was opened on, or the usual one, or None."""
     places = [Path(chosen)] if (chosen := os.environ.get(FOLDER_VARIABLE, "")) else []
     with suppress(OSError):  # the working directory was removed
         here = Path.cwd()

@@ -63,7 +63,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
 ) -> Report:
     """Grade one submission.
 
-    Safe to call from a Jupyter kernel: everything that forks does so in a process of its own.
+    Safe to call from a Jupyter kernel: everything that forks does so in a separate process.
 
     Args:
         exercise_id: which exercise.
@@ -220,7 +220,7 @@ def _check(exercise: Exercise, result: Record) -> CheckReport:
 def _hints(exercise: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
     """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check.
 
-    Whoever writes an exercise of their own does not have the catalogue before them: there it comes last.
+    Whoever writes their own exercise does not have the catalogue before them: there it comes last.
     """
     of_cause, of_check = exercise.ladder(found.code) if found else (), exercise.ladder(check)
     of_kit = (found.hint,) if found and not of_cause else ()

@@ -174,7 +174,7 @@ def server_options(root: Path) -> list[str]:
     """What every Jupyter server of the course is started with, a hub's included."""
     return [
         f"--ServerApp.root_dir={root}",
-        "--LabApp.expose_app_in_browser=True",  # panels ask it for a view of their own beside the notebook
+        "--LabApp.expose_app_in_browser=True",  # panels ask it for their own view beside the notebook
     ]
 
 

@@ -221,7 +221,7 @@ def subscribe(
 
 
 def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Script:
-    """Run an unmodified ROS 2 program as a process of its own; what `%%ros_script` does with its cell.
+    """Run an unmodified ROS 2 program as a separate process; what `%%ros_script` does with its cell.
 
     Args:
         name: what to call it; a script that runs under this name is stopped first.

@@ -126,7 +126,7 @@ class OpaqueFunction(Action):
 
 
 class GroupAction(Action):
-    """Actions with a scope of their own."""
+    """Actions with their own scope."""
 
     def __init__(self, actions: Iterable[object], *, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)

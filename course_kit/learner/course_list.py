@@ -210,7 +210,7 @@ def next_step(passed: str, root: Path | None = None) -> str:
     steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
     if following is not None:
         steps.append(f"exercise {following.order}, {following.id}")
-    way = f"Next: {'; then '.join(steps)}." if steps else "That is the last exercise."
+    way = f"Next: {'; then '.join(steps)}." if steps else "That was the last exercise."
     return f"{way}{_comparison(next((exercise for exercise in exercises if exercise.id == passed), None))}"
 
 

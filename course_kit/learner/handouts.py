@@ -1,6 +1,6 @@
 """`course-kit hint`, `reset` and `solution`: what the course hands out for an exercise beside its task.
 
-A hint is one more rung of an exercise's ladder, for what failed last. Learners work in a folder of their own, so the
+A hint is one more rung of an exercise's ladder, for what failed last. Learners work in their own folder, so the
 files in `exercises/` are the starters.
 """
 
@@ -81,7 +81,7 @@ def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command:
         lines += ["", *_wrap(f"Hint {number} of {count}{shown}: {found.rungs[number - 1]}")]
     lines.append("")
     if not count:
-        lines += _wrap("There are no hints for this one. Read what the report says about it again.")
+        lines += _wrap("There are no hints for this one. Read the report again.")
     elif last < count:
         lines.append(f"Next hint: {command} {exercise.id}")
     else:

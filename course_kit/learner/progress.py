@@ -148,7 +148,9 @@ def _read(path: Path) -> dict[str, ProgressRecord]:
             raise ProgressError(f"The progress file {path} was written by a newer course kit.")
         return {exercise: _record(entry) for exercise, entry in content["exercises"].items()}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise ProgressError(f"The progress file {path} is damaged. Rename it, and a new one is begun.") from None
+        raise ProgressError(
+            f"The progress file {path} is damaged. Rename it, and the course starts a new one."
+        ) from None
 
 
 def _record(entry: dict[str, Any]) -> ProgressRecord:

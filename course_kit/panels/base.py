@@ -124,7 +124,7 @@ def stills() -> JSON:
 
 
 class Latest(Generic[T]):
-    """Hands the latest value to `show` on a thread of its own, at most `rate` times a second."""
+    """Hands the latest value to `show` on its own thread, at most `rate` times a second."""
 
     def __init__(self, show: Callable[[T], None], rate: float = RATE) -> None:
         self._show = show

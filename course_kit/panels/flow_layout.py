@@ -241,7 +241,7 @@ def _way(
     sizes: Mapping[Box, Size],
     lines: tuple[Mapping[Box, float], Mapping[Box, tuple[float, float]]],
 ) -> list[Point]:
-    """The points an arrow passes; it ends on a box at a place of its own."""
+    """The points an arrow passes; it ends on a box at its own place."""
     middles, bands = lines
     chain = found.chains[arrow]
     begin, end = chain[0], chain[-1]

@@ -145,7 +145,7 @@ def fields_in_words(message_type: type[Message]) -> str:
 
 
 def _is_list_of_parts(kind: FieldType) -> bool:
-    """Whether each element has a place of its own in the form."""
+    """Whether each element has its own place in the form."""
     return bool(kind.container) and (kind.is_nested or kind.is_string)
 
 

@@ -42,7 +42,7 @@ class Ladder:
 
 
 class Child:
-    """A process in a session of its own, with nothing to read.
+    """A process in its own session, with nothing to read.
 
     So a Ctrl-C at the terminal does not reach it: it is passed on by whoever has started it, once.
     """

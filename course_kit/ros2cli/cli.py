@@ -89,7 +89,7 @@ def leave_process(code: int) -> NoReturn:
 
 
 def run_program() -> int:
-    """Run the course kit's own command in a process of its own, with the words it was called with; the exit code."""
+    """Run the course kit's own command in a separate process, with the words it was called with; the exit code."""
     if "_ARGCOMPLETE" not in os.environ:
         from course_kit import environment
 

@@ -174,7 +174,7 @@ def _profile(options: Namespace, otherwise: QoSProfile) -> QoSProfile:
     )
     if options.qos_depth is not None:
         if options.qos_depth < 0:
-            raise CommandError(f"--qos-depth has to be a number of messages, not {options.qos_depth}.")
+            raise CommandError(f"--qos-depth must be a number of messages, not {options.qos_depth}.")
         profile.depth = options.qos_depth
     for name in ("reliability", "durability", "history"):
         if wanted := getattr(options, f"qos_{name}"):
@@ -250,7 +250,7 @@ def _spread(values: deque[float] | list[float]) -> str:
 
 def _checked(window: int) -> int:
     if window < 1:
-        raise CommandError(f"--window has to be a number of messages, at least 1, not {window}.")
+        raise CommandError(f"--window must be a number of messages, at least 1, not {window}.")
     return window
 
 
@@ -275,7 +275,7 @@ def _filter_of(expression: str | None) -> Callable[[Message], bool]:
 def publish_values(options: Namespace, session: Session, topic: str) -> None:
     """Publish as `topic pub` does."""
     if options.rate <= 0:
-        raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
+        raise CommandError(f"--rate must be a number above 0, not {options.rate:g}.")
     times = 1 if options.once else options.times
     wanted = (1 if times else 0) if options.wait_matching_subscriptions is None else options.wait_matching_subscriptions
     if not wanted and options.max_wait is not None:

@@ -115,7 +115,7 @@ def test_what_is_wrong_with_names_numbers_and_dates_in_both_files_is_told_at_onc
         "line 2: due: 'soon' is no date with a time",
         "line 3: there is no student 'zoe' here",
         "line 2: there is no student 'bo' here",
-        "line 3: the score '90' is no number from 0 to 10",
+        "line 3: the score '90' is not a number from 0 to 10",
         "line 5: Bob B is 12, who stands in line 4 already",
     ):
         assert mistake in said

@@ -162,7 +162,10 @@ def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
             "student,exercise,score\nbo,temperature_service,3\n",
             "line 2: there is no student 'bo' here. Did you mean bob?",
         ),
-        ("student,exercise,score\n\nbob,temperature_service,11\n", "line 3: the score '11' is no number from 0 to 10"),
+        (
+            "student,exercise,score\n\nbob,temperature_service,11\n",
+            "line 3: the score '11' is not a number from 0 to 10",
+        ),
         (
             'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n',
             "line 4: bob and temperature_service stand in line 2 already",
@@ -231,7 +234,7 @@ def test_a_rule_that_changes_needs_no_grading(inbox: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (DUE, "nobody knows which time zone 2026-11-20 23:59:00 is meant in"),
+        (DUE, "it is unclear which time zone 2026-11-20 23:59:00 is meant in"),
         (f"{BERLIN}{DUE}grace_minutes = 5\n", "'grace_minutes' stands below [due]"),
         (f"{BERLIN}[due]\ntemperature_service = 2026-11-20\n", "'2026-11-20' has no time of day"),
         ("[due\n", "at line 1"),

@@ -79,7 +79,7 @@ def test_a_working_installation_is_found_in_order_with_a_verdict_on_each_line() 
     ):
         assert line_about(subject, done.stdout).startswith("ok"), done.stdout
     assert line_about("grader isolation", done.stdout)[:4] in ("ok  ", "note")
-    assert done.stdout.endswith("Everything the course needs is here.\n")
+    assert done.stdout.endswith("The course has everything it needs.\n")
     assert done.stderr == ""
     assert max(map(len, done.stdout.splitlines())) <= 80
 

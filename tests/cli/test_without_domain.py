@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 TAKEN = "All ROS domains from 1 to 101 on this machine are in use"
-IMPOSSIBLE = "ROS_DOMAIN_ID is set to '300', but it has to be a whole number from 0 to 232"
+IMPOSSIBLE = "ROS_DOMAIN_ID is set to '300', but it must be a whole number from 0 to 232"
 OWN = ("ROS_DOMAIN_ID", "COURSE_KIT_DOMAIN_ID")
 QUEUE_S = 2.0
 # Runs at the start of every Python: leases apart from those of others on this machine, and short queues.

@@ -107,7 +107,7 @@ def test_forgetting_one_exercise_keeps_the_others(file: Path) -> None:
 def test_a_damaged_file_is_left_alone_and_how_to_go_on_is_said(file: Path, text: str) -> None:
     content = text.encode(errors="surrogateescape")
     file.write_bytes(content)
-    assert "is damaged. Rename it, and a new one is begun. Nothing was recorded." in progress.record_report(
+    assert "is damaged. Rename it, and the course starts a new one. Nothing was recorded." in progress.record_report(
         a_report(8.0)
     )
     records, told = progress.read_progress()

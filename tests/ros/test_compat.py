@@ -57,7 +57,7 @@ def test_with_all_names_nothing_is_off(lab_without: Callable[[str], dict[str, An
     outcome = lab_without("")
     assert outcome["problem"] == ""
     assert outcome["said"] == ""
-    assert outcome["doctor"] == "everything that the course uses is there"
+    assert outcome["doctor"] == "everything that the course uses is present"
     assert (outcome["sums"], outcome["sequence"], outcome["words"]) == ([5, 5, 5], [0, 1, 1, 2, 3], ["hello"])
     assert "add_two_ints" in outcome["diagram"]
     assert "fibonacci" in outcome["diagram"]

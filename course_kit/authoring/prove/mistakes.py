@@ -81,7 +81,7 @@ def change_numbers(program: ParsedProgram) -> Iterator[Mutation]:
 
 
 def _number(node: ast.AST) -> int | float | None:
-    """The number that stands there, with its sign; None where there is none."""
+    """The number that stands there, with its sign, or None."""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         value = _number(node.operand)
         return None if value is None else -value

@@ -31,7 +31,7 @@ _FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", 
 def write_anonymous_pages(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
     """Write a page for each submission and a table of scores, all by pseudonym. No list tells who is who."""
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise GradingError(f"{target} is there already. Name a new folder.")
+        raise GradingError(f"{target} already exists. Choose a new folder.")
     students = list(group_by_student(book).items())
     (chance or random.SystemRandom()).shuffle(students)
     width = len(str(len(students)))

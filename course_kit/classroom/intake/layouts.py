@@ -1,7 +1,7 @@
 """How learning platforms lay out what was handed in: who an entry of the folder is from, by the entry's name alone.
 
 Platforms and instructors name these entries; what is inside of one is named by its student, and tells nothing about
-anybody else. So a layout is what most entries look like, and one that looks otherwise is a student of its own.
+anybody else. So a layout is what most entries look like, and one that looks otherwise is its own student.
 
 - **canvas** ("Download Submissions"): `doejane_LATE_12345_67890_answer.py`, as Canvas's `content_zipper.rb` writes it:
   the name, whether it is late, Canvas's numbers of the user and of the uploaded file, and the student's name for the

@@ -107,7 +107,7 @@ def read_roster(path: Path) -> Roster:
     """Read a class list: of Canvas, Moodle, nbgrader, or any CSV with names or identifiers."""
     rows = [row for row in _rows(path) if any(cell.strip() for cell in row)]
     if not rows:
-        raise GradingError(f"{path} is empty. --roster has to name a list of students, as CSV.")
+        raise GradingError(f"{path} is empty. Give --roster a list of students, as CSV.")
     header = rows[0] if _has_header(rows[0]) else [f"column {place}" for place in range(1, len(rows[0]) + 1)]
     body = rows[1:] if header is rows[0] else rows
     kinds = _guess_kinds(header, body)
@@ -131,7 +131,7 @@ def _rows(path: Path) -> list[list[str]]:
     except OSError as problem:
         raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
     if len(data) > _LARGEST:
-        raise GradingError(f"{path} is larger than {_LARGEST // 1024**2} MB. --roster has to name a list of students.")
+        raise GradingError(f"{path} is larger than {_LARGEST // 1024**2} MB. Give --roster a list of students.")
     text = _decoded(data)
     first = text.lstrip().split("\n", 1)[0]
     delimiter = max(_DELIMITERS, key=first.count)

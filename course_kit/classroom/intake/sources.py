@@ -254,7 +254,7 @@ def _not_through_a_link(path: str, flags: int) -> int:
 
 
 class JoinedListings:
-    """Several listings as one, each in a folder of its own."""
+    """Several listings as one, each in its own folder."""
 
     def __init__(self, parts: Mapping[str, Listing]) -> None:
         self._parts = parts

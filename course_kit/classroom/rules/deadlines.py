@@ -83,10 +83,10 @@ class Deadlines:
 
     def _without_time(self, known: Adjustment, exercise: Exercise, *, marked: bool) -> Adjustment:
         if not marked:
-            return replace(known, warning="nothing tells when it was handed in; it counts as in time")
+            return replace(known, warning="its submission time is unknown, so it counts as on time")
         if known.extended:
             return replace(
-                known, warning="marked as late without a time, and its date was extended; it counts as in time"
+                known, warning="marked as late without a time, and its date was extended; it counts as on time"
             )
         return replace(
             known,
@@ -161,7 +161,7 @@ def _of_course(exercises: Sequence[Exercise]) -> list[str]:
 
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
-        raise ValueError(f"'{name}' has to be a number, 0 or more")
+        raise ValueError(f"'{name}' must be a number, 0 or more")
     return float(value)
 
 
@@ -172,8 +172,8 @@ def _zone(name: Any) -> tzinfo:
         return ZoneInfo(str(name))
     except (ZoneInfoNotFoundError, ValueError, OSError):
         raise ValueError(
-            f"this machine knows no timezone '{name}'. Names are like 'Europe/Berlin'; where a machine has no list of "
-            'them, leave it out and write offsets, such as "2026-11-20T23:59:00+01:00"'
+            f"this machine does not know the time zone '{name}'. Names look like 'Europe/Berlin'; if the machine has "
+            'no list of them, leave it out and write offsets, such as "2026-11-20T23:59:00+01:00"'
         ) from None
 
 
@@ -183,14 +183,14 @@ def parse_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
         text = f"{str(value)[:-1]}+00:00" if str(value).endswith("Z") else str(value)  # as all Pythons read it
         moment = value if isinstance(value, datetime) else datetime.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"{what}: '{value}' is no date with a time, such as 2026-11-20 23:59") from None
+        raise ValueError(f"{what}: '{value}' is not a date with a time, such as 2026-11-20 23:59") from None
     if not isinstance(value, datetime) and ":" not in str(value):
         raise ValueError(f"{what}: '{value}' has no time of day; write 2026-11-20 23:59")
     if moment.tzinfo is not None:
         return moment
     if zone is None:
         raise ValueError(
-            f'{what}: nobody knows which time zone {value} is meant in. Add timezone = "Europe/Berlin", or the like, '
+            f'{what}: it is unclear which time zone {value} is meant in. Add timezone = "Europe/Berlin", or the like, '
             f"at the top of {FILE}, or an offset such as +01:00 to the time"
         )
     return moment.replace(tzinfo=zone)

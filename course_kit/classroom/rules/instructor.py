@@ -168,7 +168,7 @@ def read_overrides(path: Path, exercises: Sequence[Exercise]) -> Overrides:
             what = f"the check {check}" if check else exercise
             mistakes.add(row.line, f"{student} and {what} stand in line {line} already")
         elif text and (score is None or not 0 <= score <= points[exercise]):
-            mistakes.add(row.line, f"the score '{text}' is no number from 0 to {points[exercise]:g}")
+            mistakes.add(row.line, f"the score '{text}' is not a number from 0 to {points[exercise]:g}")
         elif check and (score is None or text.startswith("+")):
             mistakes.add(row.line, f"the check {check} needs the points that it is worth, such as 1.5")
         elif not text and not comment:

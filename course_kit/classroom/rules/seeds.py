@@ -56,7 +56,7 @@ def read_seeds(path: Path) -> Seeds:
         elif student in found:
             mistakes.add(row.line, f"{student} stands in line {found[student][1]} already")
         elif not (text.isascii() and text.isdecimal()) or int(text) >= 1 << _BITS:
-            mistakes.add(row.line, f"the seed '{text}' is no whole number from 0 to {(1 << _BITS) - 1}")
+            mistakes.add(row.line, f"the seed '{text}' is not a whole number from 0 to {(1 << _BITS) - 1}")
         else:
             found[student] = (int(text), row.line)
     mistakes.require_none()

@@ -84,7 +84,7 @@ class CheckContext:
         files: Mapping[str, str] | None = None,
         variables: Mapping[str, str] | None = None,
     ) -> None:
-        """Start the submission on an empty graph of its own; one that runs is ended first.
+        """Start the submission on its own empty graph; one that runs is ended first.
 
         With `--attach` the graph is the one that is there.
 

@@ -1,4 +1,4 @@
-"""A report as HTML: as a card for a notebook, and as a page of its own. Nothing of either is fetched."""
+"""A report as HTML: as a card for a notebook, and as its own page. Nothing of either is fetched."""
 
 from __future__ import annotations
 

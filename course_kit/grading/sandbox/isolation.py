@@ -52,7 +52,7 @@ class Isolation:
     # an allow-list of files kept by Landlock; only used where there is no file system of its own
     landlock: bool = False
     syscalls: bool = False  # system calls that lead out of the sandbox are refused
-    user: bool = False  # a user of its own, without rights; only for a grader that runs as root
+    user: bool = False  # its own user, without rights; only for a grader that runs as root
     root: bool = False  # whether the grader runs as root
     reason: str = ""  # why something of these is missing, for people; empty when all hold
 
@@ -170,7 +170,7 @@ class _Attempt:
 
 
 def enter_network(user: int = 0) -> None:
-    """Put this process and its later children into a network of their own with nothing but loopback."""
+    """Put this process and its later children into their own network with nothing but loopback."""
     namespaces.enter(namespaces.CLONE_NEWNET, user)
     namespaces.raise_loopback()
     with suppress(OSError):  # then a socket of TCP may hold more than it counts with

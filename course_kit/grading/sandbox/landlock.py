@@ -1,6 +1,6 @@
 """An allow-list of files kept by the kernel without any privilege (landlock(7), Linux 5.13 and later).
 
-The second best to a file system of its own, for machines where namespaces are refused: names outside of the list can be
+The second best to its own file system, for machines where namespaces are refused: names outside of the list can be
 seen to exist, and neither opened nor changed. Newer kernels also keep signals, abstract sockets and TCP inside.
 """
 

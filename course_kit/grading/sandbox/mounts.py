@@ -1,4 +1,4 @@
-"""Mounts by system call (mount(2), mount_setattr(2), pivot_root(2)), within a mount namespace of our own.
+"""Mounts by system call (mount(2), mount_setattr(2), pivot_root(2)), within our own mount namespace.
 
 Each function raises OSError when the machine does not allow it.
 """

@@ -92,7 +92,7 @@ def side_by_side(promised: Limits) -> int:
 
     Each may use all it is promised: a thread that cannot be started then is the fault of none of them.
     """
-    rooms = _task_rooms(guest=False)  # each worker's submissions have a user of their own, where they have one
+    rooms = _task_rooms(guest=False)  # each worker's submissions have their own user, where they have one
     return max(1, min(((room.allowed - room.used) // _tasks(promised) for room in rooms), default=_FEW))
 
 

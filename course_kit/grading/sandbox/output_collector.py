@@ -102,7 +102,7 @@ class OutputCollector:
     def take_the_rest(self) -> None:
         """Read what is left when all processes of the sandbox are dead.
 
-        The streams need not end: without a network of its own a program may have sent them to a process that lives on,
+        The streams need not end: without its own network a program may have sent them to a process that lives on,
         and that may write for ever. So no more is read than can have been there.
         """
         for name in self.open_streams().values():

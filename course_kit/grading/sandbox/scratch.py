@@ -1,4 +1,4 @@
-"""The folder of a worker, below which each of its submissions gets a scratch directory of its own.
+"""The folder of a worker, below which each of its submissions gets its own scratch directory.
 
 It bears the worker's number: what a killed worker could not remove, the next one does.
 """
@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 _PREFIX = "course-kit-worker-"
-_MODE = 0o711  # a submission that runs as a user of its own finds its directory in it, and sees no other
+_MODE = 0o711  # a submission that runs as its own user finds its directory in it, and sees no other
 _NAME = re.compile(rf"{_PREFIX}(?P<process>\d+)-\w+\Z")
 
 

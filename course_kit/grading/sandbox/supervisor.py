@@ -194,7 +194,7 @@ class Supervisor:
     def _domain(self) -> tuple[int, float]:
         """A ROS domain nobody else uses, and for how many seconds we have queued for it.
 
-        In a network of our own that is any, else one leased on this machine. More gradings side by side than the
+        In our own network that is any, else one leased on this machine. More gradings side by side than the
         machine has domains take turns.
         """
         if self._network:

@@ -1,6 +1,6 @@
 """What checks an exercise: the module or the file that its exercise.toml names.
 
-Only trusted processes load it. A file is loaded by its path, as a module of a package of its own: what lies beside it
+Only trusted processes load it. A file is loaded by its path, as a module of its own package: what lies beside it
 can be imported as `from .helpers import ...`, and no folder is put among those that Python searches.
 """
 

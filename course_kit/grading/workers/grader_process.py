@@ -81,9 +81,7 @@ def _run(supervisor: Channel, job: Job) -> Record:
             if job.first_failure and result.status == "failed" and result.max_points:
                 break
     finally:
-        if (
-            not job.isolation.network
-        ):  # a graph of our own ends with us, at once; others wait for those who do not leave
+        if not job.isolation.network:  # our own graph ends with us, at once; others wait for those who do not leave
             context.close()
     checking = time.monotonic() - began - sum(context.spent.values())
     return {**{f"{phase}_s": spent for phase, spent in context.spent.items()}, "checks_s": checking, "checks": times}

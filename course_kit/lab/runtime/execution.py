@@ -1,4 +1,4 @@
-"""Execute callbacks of action servers: each on a thread of its own, as on a MultiThreadedExecutor.
+"""Execute callbacks of action servers: each on its own thread, as on a MultiThreadedExecutor.
 
 An execute callback takes as long as its task does. On the lab's one thread it would keep feedback, cancel requests
 and every other node waiting; here they are served meanwhile. All other callbacks stay one at a time. An execute
@@ -70,7 +70,7 @@ class Execution:
         self.thread: threading.Thread | None = None
 
     def begin(self, output: Output) -> None:
-        """Call the callback on a thread of its own, whose output is shown as that of other callbacks."""
+        """Call the callback on its own thread, whose output is shown as that of other callbacks."""
 
         def run() -> None:
             output.producers.add(threading.get_ident())

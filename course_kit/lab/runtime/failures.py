@@ -301,7 +301,7 @@ def _of_set_callback(text: str) -> str:
 
 
 def node_in(error: BaseException) -> Any:
-    """The node whose method is the innermost in an error's traceback; None if there is none."""
+    """The node whose method is the innermost in an error's traceback, or None."""
     found = None
     for frame, _ in traceback.walk_tb(error.__traceback__):
         candidate = frame.f_locals.get("self")

@@ -70,7 +70,7 @@ class Neighbours:
     def __init__(
         self, lab: Engine, title: str, on_stop: Callable[[str], None], script_nodes: Callable[[], dict[str, str]]
     ) -> None:
-        """Begin; `on_stop` is called on a thread of its own, `script_nodes` says which script has which node."""
+        """Begin; `on_stop` is called on its own thread, `script_nodes` says which script has which node."""
         self._on_stop, self._script_nodes = on_stop, script_nodes
         self._mark = mark_of(title)
         self._lab, self._node, self._title = lab, lab.node, title

@@ -169,7 +169,7 @@ class Scripts:
         return script
 
     def _follow(self, script: Script) -> None:
-        """Wait for a program's end, on a thread of its own; tell of one that ended in the background."""
+        """Wait for a program's end, on its own thread; tell of one that ended in the background."""
         code = script.process.wait()
         self.pump()
         if self._running.get(script.name) is script:

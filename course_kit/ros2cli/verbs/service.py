@@ -109,7 +109,7 @@ def _call(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import values
 
     if options.rate is not None and options.rate <= 0:
-        raise CommandError(f"--rate has to be a number above 0, not {options.rate:g}.")
+        raise CommandError(f"--rate must be a number above 0, not {options.rate:g}.")
     name = checked_name(options.service_name)
     node = session.node  # before the type is imported: the graph is being discovered meanwhile
     service_type = values.find_type(options.service_type, "srv")
