@@ -138,7 +138,7 @@ class GradeRecord:
             if values.pop("format_version") != FORMAT_VERSION:
                 raise ValueError("it was written by another version of the course kit")
             if not all(type(values["report"][one]) in (int, float) for one in ("score", "max_score")):
-                raise ValueError("its points are no numbers")
+                raise ValueError("its points are not numbers")
             return cls(entry=Entry(**values.pop("entry")), **values)
         except (KeyError, TypeError, AttributeError) as problem:
             raise ValueError(f"it is not a valid record: {problem}") from problem

@@ -47,7 +47,7 @@ def add_to(verbs: Any) -> None:
         "submissions",
         type=Path,
         nargs="+",
-        help="a folder or zip, as your learning platform gives it; several, or a folder of zips, of one class",
+        help="a folder or zip from your learning platform; for one class several, or a folder of zips",
     )
     parser.add_argument(
         "--exercise",
@@ -63,7 +63,7 @@ def add_to(verbs: Any) -> None:
         action="append",
         default=[],
         metavar="ID",
-        help="with --resume: grade an exercise again, show who changes from what to what, and ask before it is written",
+        help="with --resume: grade an exercise again, show whose result changes and how, and ask before saving",
     )
     parser.add_argument("--write", action="store_true", help="with --again: save the changes without asking")
     parser.add_argument(
@@ -131,9 +131,9 @@ def _run(options: argparse.Namespace) -> int:
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. Give --out a folder for the results.")
     if options.again and not options.resume:
-        raise GradingError("--again grades results that are there already. Add --resume.")
+        raise GradingError("--again works on the results of an earlier run. Add --resume.")
     if unknown := [one for one in options.again if one not in chosen]:
-        raise GradingError(f"--again names {', '.join(unknown)}, and --exercise does not. Name it with both.")
+        raise GradingError(f"--again has {', '.join(unknown)}, and --exercise does not. Give it to both.")
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
     if not options.scheduler:
@@ -376,8 +376,8 @@ def _of_canvas(roster: Roster, exercises: Iterable[Exercise]) -> Iterator[str]:
     absent = [one.id for one in exercises if named and not canvas_assignment(one, named)]
     if absent:
         yield (
-            f"No assignment in {roster.called}, or more than one, is called like {', '.join(absent)}, so {CANVAS} has "
-            "a new column for it. To fill an existing one, put the exercise's name into its title in Canvas and export "
+            f"{roster.called} has no assignment for {', '.join(absent)}, or more than one, so {CANVAS} adds a new "
+            "column. To fill an existing one, put the exercise's name into the assignment's title in Canvas and export "
             "the gradebook again."
         )
 

@@ -276,7 +276,7 @@ def _add_prove(verbs: Verbs) -> None:
         type=class_command.positive_number,
         default=0,
         metavar="N",
-        help="gradings at a time (as fit this machine)",
+        help="gradings at a time (default: what this machine can take)",
     )
     parser.set_defaults(run=_prove)
 

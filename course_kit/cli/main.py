@@ -24,7 +24,7 @@ _ON_LIMITS = (
     "does not: course_kit/grading/LIMITS.md"
 )
 _EXERCISES = "--exercises"
-_FOUND = "when left out, it is looked for here, then in your learner's folder"
+_FOUND = "if left out, the kit looks here, then in your learner's folder"
 _UNUSUAL = re.compile(r"[^ -~\n]")
 FORMATS = ("gradescope", "classroom50")
 
@@ -73,7 +73,7 @@ def build_parser() -> argparse.ArgumentParser:
         one.add_argument(
             _EXERCISES,
             metavar="DIR",
-            help="add the exercises in DIR, or the one that DIR is; may be repeated; COURSE_EXERCISES does the same",
+            help="also use the exercises in DIR, or DIR itself if it is one; repeatable; as does COURSE_EXERCISES",
         )
     return parser
 
@@ -92,8 +92,10 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
         "lab",
         help="open the course in JupyterLab",
         usage="course-kit lab [DIR] [OPTIONS]",
-        description="DIR is your folder, made or brought up to date. Left out, it is the one you are in, else "
-        "my-course in a clone of the course, else ros2-course in your home directory.",
+        description=(
+            "DIR is your folder, made or brought up to date. If you leave it out, it is the one you are in, else "
+            "my-course in a clone of the course, else ros2-course in your home directory."
+        ),
         epilog="OPTIONS go to `jupyter lab`.",
     )
     lab.set_defaults(run=_lab, others=[])
@@ -145,7 +147,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
     solution.add_argument("exercise", help="the exercise's id")
     solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
-    solution.add_argument("--show", action="store_true", help="for instructors: without a pass")
+    solution.add_argument("--show", action="store_true", help="for instructors: show it before you have passed")
     solution.set_defaults(run=_solution)
 
 

@@ -83,7 +83,7 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
     parser.add_argument("exercise", help="the exercise's id")
     parser.add_argument(
-        "--seed", type=int, help="draw the random values from it, and the questions of an exercise that asks some"
+        "--seed", type=int, help="seed for the random values, and for the questions if the exercise has any"
     )
     parser.set_defaults(run=_run)
 

@@ -1,1 +1,1 @@
-"""Text on its way to people: strangers' text made harmless, HTML out of templates, and what commands say."""
+"""Text on its way to people: makes untrusted text safe to show, HTML out of templates, and what commands say."""

@@ -13,7 +13,7 @@ SERVICE = load_exercise("temperature_service")
 STARTER = (SERVICE.folder / SERVICE.starter).read_bytes()
 STARTER_NOTEBOOK = (SERVICE.folder / SERVICE.notebook).read_bytes()
 PY, NOTEBOOK = SERVICE.starter, SERVICE.notebook
-AS_NAMED = "named as the starter is"
+AS_NAMED = "same name as the starter"
 CALLED = "the exercise's name is in its name"
 HOLDS = "it holds TemperatureService"
 ALONE = "the only program"
@@ -78,7 +78,7 @@ def zipped(files: dict[str, bytes], separator: str = "/") -> bytes:
 
 def used(why: str) -> str:
     """What the table says of a file that was not chosen."""
-    return f"{{chosen}} was used: {why}"
+    return f"{why}; {{chosen}} was used instead"
 
 
 def with_the_kit(number: int) -> dict[str, bytes]:

@@ -100,5 +100,5 @@ def test_an_exercise_that_no_assignment_of_canvas_is_called_like_is_said(tmp_pat
         listed = f"Student,ID,SIS User ID,SIS Login ID,Section,{title} (811)\nAnn A,7,,ann,A,\n"
         (tmp_path / "gradebook.csv").write_text(listed)
         done = dry_run(tmp_path / "in", "--roster", tmp_path / "gradebook.csv")
-        said = f"No assignment in gradebook.csv, or more than one, is called like {SERVICE.id}"
+        said = f"gradebook.csv has no assignment for {SERVICE.id}, or more than one"
         assert (said in done.stderr) == is_said, done.stderr

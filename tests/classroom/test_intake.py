@@ -84,7 +84,7 @@ def test_canvas_tells_who_is_late_and_the_latest_attempt_counts(tmp_path: Path) 
     assert jane.platform == {"canvas_user": "12345", "canvas_submission": "67891"}
     assert joerg.late
     left = dict(found.left)
-    assert left["doejane_12345_67890_temperature_service.py"] == f"{jane.source} was used: an earlier upload"
+    assert left["doejane_12345_67890_temperature_service.py"] == f"an earlier upload; {jane.source} was used instead"
     assert left["notes.txt"] == "its name does not follow the layout 'canvas'"
 
 

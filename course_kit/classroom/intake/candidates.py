@@ -77,7 +77,7 @@ def choose_candidate(candidates: Sequence[Candidate], exercise: Exercise, files:
         place = _first_difference(ranks, best, others[0])
         why = f"{_WON[place].format(len(candidates))}; {why}"
         if place == len(_WON) - 1 and _differ(best, others[0]):
-            worries.append(f"nothing but its name tells it from {others[0].file.path}")
+            worries.append(f"only its name was better than that of {others[0].file.path}")
     asked_for = [one.file.path for one in others if one.glance.found and not one.is_starter]
     if asked_for and not best.glance.found and not best.file.problem:
         worries.append(f"{asked_for[0]} holds {exercise.class_name or exercise.variable}, and this one does not")
@@ -95,11 +95,11 @@ def choose_candidate(candidates: Sequence[Candidate], exercise: Exercise, files:
 Rank = tuple[bool, bool, tuple[int, ...], bool, int, str]
 _WON = (
     "the only one of {} files that differs from the starter",
-    "of {} files the one that holds what the exercise asks for",
+    "the one of {} files that has what the exercise asks for",
     "the last upload of {} files",
     "the newest of {} files",
-    "of {} files of one age the best named",
-    "the last by its name of {} files that nothing else tells apart",
+    "the best named of {} equally old files",
+    "the last by its name of {} files that differ in nothing else",
 )
 _LOST = (
     "the starter, unchanged",
@@ -147,7 +147,7 @@ def _lost(one: Candidate, best: Candidate, place: int) -> str:
 def _fit(one: Candidate, exercise: Exercise) -> str:
     """Why a file is taken to be for an exercise."""
     if one.sureness == NAMED:
-        return "named as the starter is"
+        return "same name as the starter"
     if one.sureness == CALLED_ALIKE:
         return "the exercise's name is in its name"
     if one.sureness == BY_CONTENT:

@@ -92,7 +92,7 @@ class Chooser:
                 reasons.update((one.file.path, why) for one in found if not one.file.problem)
                 continue
             choices.append((exercise, choice))
-            used = ((path, f"{best.path} was used: {why}") for path, why in choice.others.items())
+            used = ((path, f"{why}; {best.path} was used instead") for path, why in choice.others.items())
             reasons.update((path, why) for path, why in used if path not in reasons)
         chosen = {choice.best.file.path for _, choice in choices}
         entries = []

@@ -198,7 +198,7 @@ def _require_students(download: Download, lone: Item | None, called: str) -> Non
     """See that a whole class is not taken for one student, whose other files would be left."""
     if lone and _are_students(download, look_inside(download.listing, lone), _FEWEST):
         raise GradingError(
-            f"All of {called} lies in one folder, '{lone.name}', which seems to hold the students. If so, name that "
+            f"All of {called} is in one folder, '{lone.name}', which seems to hold the students. If so, name that "
             f"folder instead. If '{lone.name}' is a student, add --layout folders."
         )
 
@@ -213,7 +213,7 @@ def _require_a_top(listing: Listing, items: list[Item], called: str) -> None:
             continue
         if len(items) == 1:
             raise GradingError(
-                f"All of {called} lies in one folder, '{items[0].name}', and what is in that is named as {title} names "
+                f"All of {called} is in one folder, '{items[0].name}', and what is in that is named as {title} names "
                 f"students' work. If '{items[0].name}' is a student, add --layout folders. If it holds the students, "
                 f"add --layout {layout}."
             )

@@ -59,7 +59,7 @@ def describe_adjustment(adjustment: Adjustment, graded: float | None) -> Iterato
     if adjustment.added:
         yield f"Your instructor has added {in_points(adjustment.added)}."
     if adjustment.comment:
-        yield f"Comment of your instructor: {adjustment.comment}"
+        yield f"Comment from your instructor: {adjustment.comment}"
 
 
 def _lateness(adjustment: Adjustment) -> str:

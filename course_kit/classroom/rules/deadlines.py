@@ -73,7 +73,10 @@ class Deadlines:
         if submitted is None:
             return self._without_time(known, exercise, marked=marked)
         if comes_twice(submitted):
-            known = replace(known, warning="clocks showed the time it was handed in twice; the earlier one counts")
+            known = replace(
+                known,
+                warning="the clocks were set back, so this submission time occurred twice; the earlier one counts",
+            )
         submitted = submitted.astimezone(due.tzinfo)
         known = replace(known, submitted=submitted)
         late_s = submitted.timestamp() - due.timestamp()  # of two in one zone Python would leave out clock changes
@@ -172,8 +175,8 @@ def _zone(name: Any) -> tzinfo:
         return ZoneInfo(str(name))
     except (ZoneInfoNotFoundError, ValueError, OSError):
         raise ValueError(
-            f"this machine does not know the time zone '{name}'. Names look like 'Europe/Berlin'; if the machine has "
-            'no list of them, leave it out and write offsets, such as "2026-11-20T23:59:00+01:00"'
+            f"this machine does not know the time zone '{name}'. Names look like 'Europe/Berlin'. If this machine "
+            'has no list of time zones, delete the line and write offsets, such as "2026-11-20T23:59:00+01:00"'
         ) from None
 
 

@@ -226,7 +226,9 @@ class GradedNode:
             self._exchange().came(f"{name}: {in_one_line(message)}", "message")
             got = f"{name}: {in_one_line(message)}"
             raise Failed(
-                replace(evidence, got=got), why or f"Nothing was sent for which {name} needs this.", breaks=breaks
+                replace(evidence, got=got),
+                why or f"Nothing that we sent calls for this message on {name}.",
+                breaks=breaks,
             )
 
     # --- parameters

@@ -156,7 +156,7 @@ def of_second_spin(raised: Raised, job: Job) -> Cause | None:
     if raised.text != _SECOND_SPIN or raised.own is None or not in_callback:
         return None
     place = source_line(job, raised.own.line)
-    message = f"Your callback spins in {place}, where it would wait for ROS, and ROS waits for it. rclpy refuses that."
+    message = f"Your callback spins in {place}: there it would wait for ROS while ROS waits for it. rclpy refuses that."
     return "service.deadlock", message
 
 

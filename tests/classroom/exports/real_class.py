@@ -91,7 +91,7 @@ def _one(chance: random.Random, student: str, of: Exercise, name: str) -> GradeR
         "late": chance.random() < 0.04,
         "others": ["old.py: older"] if chance.random() < 0.05 else [],
         "why": "it is the newest of 2",
-        "worry": "nothing but its name tells it from copy.py" if chance.random() < 0.01 else "",
+        "worry": "only its name was better than that of copy.py" if chance.random() < 0.01 else "",
     }
     if chance.random() < 0.04:
         return books.unreadable(student, of=of, **entry)

@@ -29,7 +29,7 @@ def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> No
     half = record("half", [check("first"), check("second", "failed")])
     gradebook = book(
         good("fine", why="it is the newest", others=["old.py: older", "starter.py: as it was given out"]),
-        bad("zero", late=True, worry="nothing but its name tells it from b.py"),
+        bad("zero", late=True, worry="only its name was better than that of b.py"),
         half,
         unreadable("empty"),
         not_graded("ole"),
@@ -44,7 +44,7 @@ def test_everybody_who_needs_it_is_named_with_the_reason_and_nobody_else() -> No
     assert people(gradebook) == {
         "failed": [f"ole: {SERVICE.title}: the worker was gone"],
         "dropped": ["zoe: it is a link"],
-        "doubtful": ["zero: zero/temperature_service.py: nothing but its name tells it from b.py"],
+        "doubtful": ["zero: zero/temperature_service.py: only its name was better than that of b.py"],
         "unknown": ["half: nobody on it is called so"],
         "missing": ["Eve Adams: everything", f"fine: {ROBOT.title}"],
         "not-passed-temperature_service": ["empty: unreadable, 0 of 10", "zero: 0 of 10", "half: 5 of 10"],
