@@ -73,10 +73,7 @@ class Deadlines:
         if submitted is None:
             return self._without_time(known, exercise, marked=marked)
         if comes_twice(submitted):
-            known = replace(
-                known,
-                warning="the clocks were set back, so this submission time occurred twice; the earlier one counts",
-            )
+            known = replace(known, warning="clocks showed this submission time twice; the earlier one counts")
         submitted = submitted.astimezone(due.tzinfo)
         known = replace(known, submitted=submitted)
         late_s = submitted.timestamp() - due.timestamp()  # of two in one zone Python would leave out clock changes
