@@ -10,7 +10,7 @@ import sysconfig
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from course_kit import environment, launch
+from course_kit import environment
 from course_kit.launch import package_index
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Run = Callable[..., str]
 
-PAGE = Path(launch.__file__).with_name("OWN_PACKAGE.md")
+PAGE = Path(__file__).resolve().parents[2] / "notebooks/own_package.md"
 SETUP = """
 import os
 from glob import glob

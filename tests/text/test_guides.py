@@ -11,7 +11,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent.parent
 FOLDERS = (
     ".",
     "notebooks",
-    *(f"course_kit/{name}" for name in ("guides", "authoring", "classroom", "grading", "launch")),
+    *(f"course_kit/{name}" for name in ("guides", "authoring", "classroom", "grading")),
 )
 OLD = {"CHANGELOG.md", "CODE_OF_CONDUCT.md"}  # of before, and somebody else's words
 GUIDES = [path for folder in FOLDERS for path in sorted((REPOSITORY / folder).glob("*.md")) if path.name not in OLD]

@@ -43,8 +43,10 @@ _MARKDOWN = (
     "course_kit/authoring/AUTHORING.md",
     "course_kit/classroom/PRIVACY.md",
     "course_kit/grading/LIMITS.md",
-    "course_kit/launch/OWN_PACKAGE.md",
+    "notebooks/cheat_sheet.md",
+    "notebooks/coming_from_ros_1.md",
     "notebooks/jazzy_kilted_lyrical.md",
+    "notebooks/own_package.md",
 )
 _FOLDERS = ("course_kit/guides", "notebooks/pictures")
 _LEXER = "lesson"  # see `conf`
