@@ -43,10 +43,6 @@ _MARKDOWN = (
     "course_kit/authoring/AUTHORING.md",
     "course_kit/classroom/PRIVACY.md",
     "course_kit/grading/LIMITS.md",
-    "notebooks/cheat_sheet.md",
-    "notebooks/coming_from_ros_1.md",
-    "notebooks/jazzy_kilted_lyrical.md",
-    "notebooks/own_package.md",
 )
 _FOLDERS = ("course_kit/guides", "notebooks/pictures")
 _LEXER = "lesson"  # see `conf`
@@ -115,8 +111,8 @@ def gather_pages(root: Path, folder: Path) -> None:
     own = folder / "exercises"
     for name in _FOLDERS:
         shutil.copytree(root / name, folder / name)
-    for name in _MARKDOWN:
-        _write(folder / name, (root / name).read_text(encoding="utf-8"))
+    for page in [*(root / name for name in _MARKDOWN), *(root / "notebooks").glob("*.md")]:
+        _write(folder / page.relative_to(root), page.read_text(encoding="utf-8"))
     _write(folder / "index.md", (root / "README.md").read_text("utf-8") + (_PAGES / _FRONT_END).read_text("utf-8"))
     lists = {"exercises": _in_order(root / own.name), "drills": _in_order(root / own.name / "drills")}
     for page in sorted(_PAGES.rglob("*.md")):
