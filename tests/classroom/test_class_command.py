@@ -209,7 +209,7 @@ def workers_at(address: str) -> int:
     [
         (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler at"),
         (["--layout", "blackbord"], "no layout 'blackbord'"),
-        (["--out", __file__], "is a file. --out has to name a folder"),
+        (["--out", __file__], "is a file. Give --out a folder"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(

@@ -112,7 +112,7 @@ def test_what_is_wrong_with_names_numbers_and_dates_in_both_files_is_told_at_onc
         run(inbox, out, executor)
     said = str(told.value)
     for mistake in (
-        "line 2: due: 'soon' is no date with a time",
+        "line 2: due: 'soon' is not a date with a time",
         "line 3: there is no student 'zoe' here",
         "line 2: there is no student 'bo' here",
         "line 3: the score '90' is not a number from 0 to 10",

@@ -28,7 +28,7 @@ def test_doubles_and_what_is_no_seed_are_told_together_with_their_lines(tmp_path
     with pytest.raises(GradingError) as told:
         seeds.read_seeds(path)
     for said in (
-        "line 3: the seed 'x' is no whole number",
+        "line 3: the seed 'x' is not a whole number",
         "line 4: ann stands in line 2 already",
         "line 5: the student is missing",
         "line 6: the seed '-1'",

@@ -139,7 +139,7 @@ def test_without_the_notebooks_it_says_what_works_and_what_is_missing(tmp_path: 
     assert "the lessons and exercises are missing" in said
     assert "Live nodes, panels, message types and ros2 work" in said
     assert line_about("discovery", done.stdout).startswith("ok")
-    assert "Everything the course needs is here" not in said
+    assert "The course has everything it needs" not in said
 
 
 def somebodys_doctor(course: Course, home: Path) -> subprocess.CompletedProcess[str]:

@@ -67,4 +67,4 @@ def test_the_command_reads_a_runs_folder_and_never_writes_over_anything(
     assert main(command) == 0
     assert len(list((tmp_path / "out").rglob("*.html"))) == 2
     assert main(command) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
