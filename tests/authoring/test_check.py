@@ -36,7 +36,7 @@ def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     variants.mkdir(parents=True)
     for number in range(8):
         shutil.copy(solution(tmp_path), variants / f"copy_{number}.py")
-    for name in ("checkout", "course_files"):
+    for name in ("checkout_folder", "course_files"):
         monkeypatch.setattr(environment, name, lambda: tmp_path)
     return tmp_path
 
