@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
 
 _DIGITS = 6  # of points
+_LESSON = re.compile(r"notebooks/[\w-]+\.ipynb")
 _STDOUT, _STDERR = 1, 2
 NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
 _EXPLORE = (
@@ -78,7 +79,7 @@ class SideBySide:
 
 def _link_in(following: str) -> str:
     """The lesson that comes next, as a link from an exercise's notebook."""
-    lesson = re.search(r"notebooks/\S+\.ipynb", following)
+    lesson = _LESSON.search(following)
     return f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mcp.server.mcpserver import MCPServer
 
 _DEADLINE_S = 300.0
-_ANSWER = re.compile(r"<details>.*?</details>", re.DOTALL)
+_ANSWER = re.compile(r"<details>(?:(?!<details>).)*?</details>", re.DOTALL)
 _LISTINGS = (("node",), ("topic", "-t"), ("service", "-t"), ("action", "-t"))
 _reports: dict[str, str] = {}
 
