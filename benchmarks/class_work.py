@@ -24,7 +24,7 @@ from course_interfaces.srv import ConvertTemperature
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.graders.temperature_service import ABSOLUTE_ZERO, CELSIUS, FAHRENHEIT, UNITS, Sample, fits
+from course_kit.graders.temperature_service import ABSOLUTE_ZERO, CELSIUS, FAHRENHEIT, UNITS, Sample, has_right_formula
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -79,7 +79,7 @@ class Asked:
     def converts(self, *samples: Sample) -> bool:
         """Whether each is converted rightly."""
         answers = zip(samples, self.ask_all(samples), strict=True)
-        return all(answer.success and fits(sample, answer.value) for sample, answer in answers)
+        return all(answer.success and has_right_formula(sample, answer.value) for sample, answer in answers)
 
     def refuses(self, *samples: Sample) -> bool:
         """Whether each is refused with a reason."""

@@ -18,7 +18,11 @@ PYPROJECT = Path(__file__).resolve().parent.parent.parent / "pyproject.toml"
 def look(folder: Path) -> str:
     """What is found by a Python that has the packages in the folder."""
     return subprocess.run(
-        [sys.executable, "-c", "from course_kit.environment.packages import damaged; print(damaged())"],
+        [
+            sys.executable,
+            "-c",
+            "from course_kit.environment.packages import find_damaged_package; print(find_damaged_package())",
+        ],
         env={**os.environ, "PYTHONPATH": str(folder)},
         capture_output=True,
         text=True,

@@ -173,7 +173,7 @@ def test_beside_fast_dds_3_its_variable_and_its_profiles_are_used(
     (tmp_path / "lib/libfastdds.so").touch()
     code = f"import sys; sys.prefix = {str(tmp_path)!r}" if by == "prefix" else "import sys"
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
-    code += "; from course_kit import environment as e; print(*e.defaults().items(), sep='\\n')"
+    code += "; from course_kit import environment as e; print(*e.default_settings().items(), sep='\\n')"
     environ = {**os.environ, **({"AMENT_PREFIX_PATH": f"/nowhere:{tmp_path}"} if by != "prefix" else {})}
     said = subprocess.run([sys.executable, "-c", code], env=environ, capture_output=True, text=True, check=True).stdout
     profile = Path(environment.__file__).with_name("fast_dds_3") / "loopback.xml"

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
-    from course_kit.lab.runtime.core import Lab
 
 WRONG = """
 import rclpy
@@ -105,9 +104,12 @@ def test_it_lists_grades_hints_explains_and_asks_nodes_and_gives_no_solution(fol
     assert {path: path.read_bytes() for path in folder.rglob("*.py")} == before
 
 
-def test_it_shows_the_graph_and_calls_a_service(folder: Path, own_lab: Lab) -> None:
+@pytest.mark.usefixtures("own_lab")
+def test_it_shows_the_graph_and_calls_a_service(folder: Path) -> None:
     from rclpy.node import Node
     from std_srvs.srv import Trigger
+
+    from course_kit import lab
 
     class Asked(Node):
         def __init__(self) -> None:
@@ -118,7 +120,7 @@ def test_it_shows_the_graph_and_calls_a_service(folder: Path, own_lab: Lab) -> N
             response.message = "here I am"
             return response
 
-    own_lab.start(Asked)
+    lab.start(Asked)
 
     async def talk(client: Client) -> None:
         graph = said(await client.call_tool("show_graph", {}))
