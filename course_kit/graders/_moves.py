@@ -153,6 +153,14 @@ def metres_left(goal: GradedGoal, target: ArenaPoint) -> float:
     return math.dist(place_of(heard[-1].feedback.position), target) if heard else math.inf
 
 
+def do_again(step: Callable[[], object], start_afresh: Callable[[], object]) -> None:
+    """Do a step that may be over before it shows anything; a goal that nobody waits for may then be running."""
+    try:
+        step()
+    except OverError:
+        start_afresh()
+
+
 # --- a goal and its answer
 
 

@@ -350,8 +350,7 @@ class RobotModel(Model):
             clock = context.clock()
             try:
                 for step in steps[:-1]:
-                    with suppress(OverError):
-                        step()
+                    _moves.do_again(step, lambda: self.start_afresh(node))
                 steps[-1]()
             except OverError:
                 over += 1
