@@ -113,7 +113,7 @@ def grade_class(options: argparse.Namespace) -> int:
             f"  {command_to_continue(options)}"
         )
     except GradingError as problem:
-        print_safely(f"course-kit: {problem}")
+        note(problem)
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
         print_safely(
@@ -192,9 +192,9 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
             )
         for one in plan.exercises:
             if practised := _practised(book, one, plan.seeds):
-                print_safely(
-                    f"course-kit: {one.id}: {count_of(practised, 'submission')} graded with the practice questions "
-                    f"(seed {one.seed}), which come with their answers. "
+                note(
+                    f"{one.id}: {count_of(practised, 'submission')} graded with the practice questions "
+                    f"(seed {one.seed}), whose answers every student has. "
                     "For a grade that counts, give each student a seed: --seeds."
                 )
         return _finish(book, options)
@@ -221,7 +221,7 @@ def _dry_run(plan: Plan) -> int:
     print(plan.out / table.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
-        print_safely(f"course-kit: {_left_out(found.dropped, (*found.entries, *found.others))}")
+        note(_left_out(found.dropped, (*found.entries, *found.others)))
     return FAILED if found.dropped else 0
 
 
@@ -240,9 +240,9 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
         print_safely(notice)
     worries = list(_worries(book))
     for worry in worries:
-        print_safely(f"course-kit: {worry}")
+        note(worry)
     if not book.complete:
-        print_safely(f"course-kit: stopped. To continue, run:\n  {command_to_continue(options)}")
+        note(f"stopped. To continue, run:\n  {command_to_continue(options)}")
         return INTERRUPTED
     return FAILED if worries else 0
 
@@ -395,13 +395,13 @@ def grade_again(
     regrade = Regrade(class_run, options.out, options.again, progress)
     changes = regrade.grade(start, stops)
     if not regrade.complete:
-        print_safely("course-kit: stopped. No result was changed. The same command goes on.")
+        note("stopped. No result was changed. The same command goes on.")
         return None
     book = regrade.write() if _is_wanted(changes, options) else None
     if regrade.failed:
         whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
-        print_safely(
-            f"course-kit: the grader failed for {count_of(whose, 'submission')}: "
+        note(
+            f"the grader failed for {count_of(whose, 'submission')}: "
             f"{first_of(whose, '; ')}. Their results stay as they are. Run the same command again."
         )
     return book

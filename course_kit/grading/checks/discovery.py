@@ -216,7 +216,8 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     doing = hangs.doing(context)
     where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
     if context.has_computed_enough():
-        return "limit.time", f"It has computed for {context.job.start_cpu_s:g} s and no node has appeared.{where}"
+        computed = f"Your program has computed for {context.job.start_cpu_s:g} s"
+        return "limit.time", f"{computed} and no node has appeared.{where}"
     start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
     if hangs.computes(context):
         return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"

@@ -67,20 +67,20 @@ def _beside_pages(process_id: int) -> int:
 
 def count_oom_kills() -> int:
     """How many processes this machine has killed because its memory was used up, since it was started; 0 if unknown."""
+    return _read_number("/proc/vmstat", "oom_kill ")
+
+
+def _read_number(path: str, words: str = "", unknown: int = 0) -> int:
+    """The number behind these words in a file of the kernel's."""
     with suppress(OSError, ValueError, IndexError):
-        text = Path("/proc/vmstat").read_text(encoding="ascii")
-        return int(text.partition("oom_kill ")[2].split()[0])
-    return 0
-
-
-def _default(name: str) -> int:
-    with suppress(OSError, ValueError):
-        return int(Path(f"/proc/sys/net/core/{name}").read_text(encoding="ascii"))
-    return _USUAL
+        text = Path(path).read_text(encoding="ascii")
+        return int(text[text.index(words) + len(words) :].split()[0])
+    return unknown
 
 
 # Read at first: not every kernel shows it in a network namespace.
-_RECEIVED, _SENT = _default("rmem_default"), _default("wmem_default")
+_RECEIVED = _read_number("/proc/sys/net/core/rmem_default", unknown=_USUAL)
+_SENT = _read_number("/proc/sys/net/core/wmem_default", unknown=_USUAL)
 _OF_UDP = _RECEIVED + _SENT
 _OF_OTHERS = 2 * min(max(_SENT, _USUAL), _MOST)
 
@@ -93,10 +93,7 @@ def bound_tcp_buffers() -> None:
 
 def count_sockets() -> int:
     """How many sockets this network namespace has: closed ones of which nobody has received all are among them."""
-    with suppress(OSError, ValueError, IndexError):
-        text = Path("/proc/net/sockstat").read_text(encoding="ascii")
-        return int(text.partition("sockets: used ")[2].split()[0])
-    return 0
+    return _read_number("/proc/net/sockstat", "sockets: used ")
 
 
 def most_of_sockets(sockets: int) -> int:
