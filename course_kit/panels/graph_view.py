@@ -234,8 +234,8 @@ class GraphView(Panel):
         self.at_close(self._end)
 
     def describe(self) -> str:
-        """The graph in lines: each node, what it does, and what may be amiss."""
-        return in_lines(self._seen())
+        """The graph's nodes in lines; without the notebook, whose part in it depends on the moment one looks."""
+        return in_lines(graph.read_graph(self._node))
 
     def displayed(self) -> Widget:
         """The picture, and below it what other notebooks run."""
@@ -243,12 +243,9 @@ class GraphView(Panel):
 
     def still(self) -> str:
         """The drawing of this moment."""
-        return still(self.describe(), graph_svg(self._seen(), lab.others()), "graph_flow.css")
-
-    def _seen(self) -> Overview:
-        """The graph of this moment, with the notebook itself where it takes part."""
-        seen = graph.read_graph(self._node)
-        return with_lab(seen, self._uses_of_lab(seen))
+        nodes = graph.read_graph(self._node)
+        seen = with_lab(nodes, self._uses_of_lab(nodes))
+        return still(in_lines(seen), graph_svg(seen, lab.others()), "graph_flow.css")
 
     def _watch(self) -> None:
         with suppress(lab.LabError):  # the lab has been closed meanwhile
