@@ -50,6 +50,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
     grade.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
+    grade.add_argument("--only", default="", metavar="NAME", help="only the checks of one part, such as door")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
@@ -269,6 +270,7 @@ def _grade(options: argparse.Namespace) -> int:
         options.exercise,
         options.path,
         seed=options.seed,
+        only=options.only,
         attach=options.attach,
         exec_command=options.exec_command,
         require_isolation=options.require_isolation,
@@ -278,7 +280,7 @@ def _grade(options: argparse.Namespace) -> int:
     else:
         print(grading.render_text(report))
     note(progress.record_report(report))
-    if report.passed and options.format != "json":
+    if report.passed and not report.part and options.format != "json":
         print("\n".join(["", *wrap_text(next_step(options.exercise))]))
     return grading.exit_code(report)
 

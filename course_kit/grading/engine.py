@@ -7,7 +7,7 @@ import time
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
 from course_kit.grading import exercise_job
@@ -47,6 +47,7 @@ class GradingRequest:
     hidden: tuple[str, ...] = ()
     # stop at the first failed check that costs points; the report has those that were run by then
     first_failure: bool = False
+    only: str = ""  # the part whose checks are run; empty for all
     require_isolation: bool = False  # refuse to run it where it would not be fully isolated, wherever the worker is
 
 
@@ -55,6 +56,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     path: str | Path | None = None,
     *,
     seed: int | None = None,
+    only: str = "",
     attach: bool = False,
     exec_command: str | None = None,
     worker: Worker | None = None,
@@ -69,6 +71,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         exercise_id: which exercise.
         path: the submission, a .py or .ipynb file; None with `attach` or `exec_command`.
         seed: what the checks draw their random values from; when None the exercise's own, if it has one, else drawn.
+        only: run the checks of one part alone, such as "door": those whose ids begin with it, and what they need.
         attach: grade the node that runs on the ROS graph of this environment.
         exec_command: start this command and grade its node.
         worker: a running worker to use; one is started and ended when None.
@@ -76,8 +79,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
         require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise, no ROS domain to look for a running node in, a broken installation,
-            or a machine that lacks something, such as isolation; the text is for the user.
+        GradingError: usage, an unknown exercise or part, no ROS domain to look for a running node in, a broken
+            installation, or a machine that lacks something, such as isolation; the text is for the user.
     """
     exercise = load_exercise(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -90,7 +93,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if path is not None:
         shown = submission.decode_name(str(path))
         try:
-            return _grade_file(exercise, Path(path), seed, worker, require_isolation)
+            return _grade_file(exercise, Path(path), seed, worker, only=only, require_isolation=require_isolation)
         except submission.UnreadableError as problem:
             return unreadable(exercise, shown, submission.decode_name(str(problem)))
     if attach and require_isolation:
@@ -99,10 +102,11 @@ def grade(  # noqa: PLR0913 - the options of one verb
         )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        return _grade(exercise, exercise_job.of_running(exercise, seed, exec_command), shown, used, require_isolation)
+        job = replace(exercise_job.of_running(exercise, seed, exec_command), only=only)
+        return _grade(exercise, job, shown, used, require_isolation)
 
 
-def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, require_isolation: bool) -> Report:
+def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, **wishes: Any) -> Report:
     """Have a file read and grade it."""
     with ExitStack() as opened:
         copy = opened.enter_context(Copy(path))
@@ -110,13 +114,14 @@ def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, exercise)
         shown = submission.decode_name(str(path))
-        return grade_submission(GradingRequest(exercise, text, shown, seed, require_isolation=require_isolation), used)
+        return grade_submission(GradingRequest(exercise, text, shown, seed, **wishes), used)
 
 
 def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:
     """Grade a submission that has been read."""
     job = exercise_job.of_submission(request.exercise, request.text, request.seed)
-    job = replace(job, hidden=(*job.hidden, *request.hidden), first_failure=request.first_failure)
+    hidden = (*job.hidden, *request.hidden)
+    job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
     shown = f"{request.shown} ({request.text.note})" if request.text.note else request.shown
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(request.exercise, job, shown, used, request.require_isolation)
@@ -147,7 +152,10 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
     waited_s = time.monotonic() - began
     outcome = worker.grade(job)
     outcome["timings"]["worker_s"] = waited_s
-    return _report(exercise, shown, outcome, isolation, began)
+    if job.only and not outcome["results"]:  # a slip of whoever asks
+        raise GradingError(outcome["problem"] or "No check was run.")
+    report = _report(exercise, shown, outcome, isolation, began)
+    return report.of_part(job.only) if job.only else report
 
 
 def _domain() -> int:

@@ -6,6 +6,7 @@ says that its last line shows. So `points` prints the feedback to stdout, where 
 
 from __future__ import annotations
 
+import argparse
 import html
 import os
 import re
@@ -14,7 +15,7 @@ import sys
 import tempfile
 from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import nbformat
 from IPython.core.getipython import get_ipython
@@ -39,7 +40,7 @@ _EXPLORE = (
     "Not done yet. Look at the symptom again, ask the graph what is there, and say the cause in one sentence. "
     "The next %grade says what the grader saw, and why."
 )
-USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE [--seed N]."
+USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE; behind it, --only PART and --seed N."
 
 
 class Card:
@@ -136,9 +137,9 @@ class GradeMagics(Magics):
 
     @line_magic
     def grade(self, line: str) -> None:
-        """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--seed N]`."""
+        """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--only PART] [--seed N]`."""
         try:
-            exercise, file, seed = parse_line(line)
+            exercise, file, options = parse_line(line)
         except ValueError:
             print_complaint(f"{USAGE} {the_exercises()}")
             return
@@ -149,7 +150,7 @@ class GradeMagics(Magics):
         if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
             print_complaint(f"{advice[:1].upper()}{advice[1:]}")
         try:
-            report = grading.grade(exercise, file, seed=seed) if file else self.grade_cells(exercise, seed)
+            report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
         except GradingError as problem:
             print_complaint(str(problem))
             return
@@ -161,14 +162,14 @@ class GradeMagics(Magics):
             return
         if not file:
             self._say_what_was_graded(exercise)
-        following = next_step(exercise) if report.passed else ""
+        following = next_step(exercise) if report.passed and not report.part else ""
         if report.passed or not _explores_first(exercise):
             display(Card(report, _notebook_folder(), _link_in(following)))
         else:
             print(_EXPLORE)
         if trouble := progress.record_report(report):
             print_complaint(trouble)
-        if report.passed:
+        if following:
             print(following)
 
     @line_magic
@@ -184,7 +185,7 @@ class GradeMagics(Magics):
         yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
         display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
 
-    def grade_cells(self, exercise: str, seed: int | None = None) -> Report | None:
+    def grade_cells(self, exercise: str, seed: int | None = None, only: str = "") -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
         from course_kit import grading
         from course_kit.grading.model.exercise import load_exercise
@@ -196,7 +197,7 @@ class GradeMagics(Magics):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "notebook.ipynb"
             nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
-            return grading.grade(exercise, path, seed=seed)
+            return grading.grade(exercise, path, seed=seed, only=only)
 
     def report(self, exercise: str, seed: int | None = None) -> Report | None:
         """As `grade_cells`, but who asks again gets the same report until a `%%submission` cell is run again."""
@@ -275,17 +276,24 @@ def _in_an_autograder() -> bool:
     return NBGRADER in os.environ or bool(getattr(otter, "_grading_mode", False))
 
 
-def parse_line(line: str) -> tuple[str, str | None, int | None]:
-    """Exercise, file and seed of a `%grade` line."""
-    words = shlex.split(line)
-    seed = None
-    if "--seed" in words:
-        place = words.index("--seed")
-        seed = int(words[place + 1]) if place + 1 < len(words) else int("")
-        del words[place : place + 2]
-    if not 1 <= len(words) <= 2 or any(word.startswith("-") for word in words):  # noqa: PLR2004 - exercise and file
-        raise ValueError(line)
-    return words[0], words[1] if len(words) > 1 else None, seed
+class _Line(argparse.ArgumentParser):
+    """The words of a `%grade` line."""
+
+    def __init__(self) -> None:
+        super().__init__(add_help=False, allow_abbrev=False)
+        self.add_argument("exercise")
+        self.add_argument("file", nargs="?")
+        self.add_argument("--only", default="")
+        self.add_argument("--seed", type=int)
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(message)
+
+
+def parse_line(line: str) -> tuple[str, str | None, dict[str, Any]]:
+    """Exercise, file and options of a `%grade` line."""
+    options = vars(_Line().parse_args(shlex.split(line)))
+    return options.pop("exercise"), options.pop("file"), options
 
 
 def the_exercises() -> str:

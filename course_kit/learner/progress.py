@@ -77,7 +77,7 @@ def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
         old,
         best=max(old.best, report.score),
         tries=old.tries + 1,
-        first_passed=old.first_passed or (now if report.passed else ""),
+        first_passed=old.first_passed or (now if report.passed and not report.part else ""),
         last_try=now,
         failed=next(failed, None),
     )

@@ -98,6 +98,21 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
     return ordered
 
 
+def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
+    """The checks of one part, whose ids begin with its name (`door`: `door_locked`), and those they depend on.
+
+    Raises:
+        GradingError: there are none.
+    """
+    chosen = {one.id for one in checks if f"{one.id}_".startswith(f"{part}_")}
+    if not chosen:
+        raise GradingError(f"No check begins with '{part}_'. There are: {', '.join(one.id for one in checks)}.")
+    for one in reversed(in_order(checks)):
+        if one.id in chosen:
+            chosen.update(one.depends_on)
+    return [one for one in checks if one.id in chosen]
+
+
 @dataclass(frozen=True)
 class Result:
     """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.

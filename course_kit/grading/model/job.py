@@ -44,6 +44,7 @@ class Job:
     scratch: str = ""  # the folder for the scratch directory; filled in by the worker
     # stop at the first failed check that costs points, for whoever only asks whether there is one
     first_failure: bool = False
+    only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
     endpoints: tuple[Record, ...] = ()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Result
@@ -51,6 +51,7 @@ class Report:
     stderr: str = ""  # the same of its errors; ROS 2 logs go there
     problem: str = ""  # why there is no grade, when the status is unreadable or error
     isolation: str = ""  # what kept the submission apart from the machine, in one line
+    part: str = ""  # the part that was graded alone, whose points are its full marks; empty for all
     practice: bool = False  # whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points
     # where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and the
     # grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but the
@@ -62,7 +63,12 @@ class Report:
         """What was reached, in words: `8 of 10 points, passed`; of a drill `solved`."""
         if self.practice:
             return "solved" if self.passed else "not solved yet"
-        return f"{self.score:g} of {in_points(self.max_score)}, {'passed' if self.passed else 'not passed yet'}"
+        return f"{self.score:g} of {in_points(self.max_score)}, {self.standing}"
+
+    @property
+    def standing(self) -> str:
+        """Whether it is enough, in words; of a part alone, which one it is."""
+        return f"{self.part} alone" if self.part else "passed" if self.passed else "not passed yet"
 
     @property
     def run(self) -> list[CheckReport]:
@@ -78,6 +84,11 @@ class Report:
             if check.status == "skipped":
                 found.setdefault(check.message.removeprefix("Not run: ").rstrip("."), []).append(check)
         return found
+
+    def of_part(self, part: str) -> Report:
+        """The report where only the checks of a part were run: they are full marks, and all of them pass it."""
+        most = sum(check.max_points for check in self.checks)
+        return replace(self, part=part, max_score=most, passed=self.status == "graded" and self.score >= most)
 
     def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""

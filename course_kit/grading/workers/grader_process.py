@@ -6,7 +6,7 @@ import os
 import time
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.check import run_all
+from course_kit.grading.checks.check import choose_part, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import bounds, limits
@@ -72,6 +72,8 @@ def _run(supervisor: Channel, job: Job) -> Record:
     context = CheckContext(supervisor, job, dict(getattr(grader, "VARIABLES", {})))
     times = {}
     checks = grader_module.checks_of(grader, job)
+    if job.only:
+        checks = choose_part(checks, job.only)
     if not job.fault and not job.variable:
         context.launch()
     try:
