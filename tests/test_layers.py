@@ -62,7 +62,7 @@ STILL_ABOVE = {
     "course_kit/environment": 914,  # the ROS of 2026: the profiles of Fast DDS 3
     "course_kit/cli": 1440,  # doctor about rclpy 7.1.9 and later releases; the tutor
     "course_kit/lab": 6962,
-    "course_kit/grading": 11001,
+    "course_kit/grading": 11036,  # with the capstone
     "course_kit/graders": 2402,
     "course_kit/learner": 1505,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 2962,  # with the second day

@@ -27,6 +27,7 @@ _EXERCISES = "--exercises"
 _FOUND = "if left out, the kit looks here, then in your learner's folder"
 _UNUSUAL = re.compile(r"[^ -~\n]")
 FORMATS = ("gradescope", "classroom50")
+_WISHES = ("seed", "only", "attach", "exec_command", "require_isolation")  # of `grade`, by the names of its arguments
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -50,7 +51,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
     grade.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
-    grade.add_argument("--only", default="", metavar="NAME", help="only the checks of one part, such as door")
+    grade.add_argument("--only", default="", metavar="PART", help="run the checks of one part, such as door")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
@@ -266,15 +267,8 @@ def _grade(options: argparse.Namespace) -> int:
     if not options.attach and options.exec_command is None:
         options.path, remark = workspace.choose_to_grade(options.exercise, options.path)
         note(remark)
-    report = grading.grade(
-        options.exercise,
-        options.path,
-        seed=options.seed,
-        only=options.only,
-        attach=options.attach,
-        exec_command=options.exec_command,
-        require_isolation=options.require_isolation,
-    )
+    wishes = {name: getattr(options, name) for name in _WISHES}
+    report = grading.grade(options.exercise, options.path, **wishes)
     if options.format == "json":
         print_json(report.to_json())
     else:

@@ -58,6 +58,18 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     assert 'href="../../notebooks/02_actions.ipynb"' in done.result["text/html"]
 
 
+def test_one_part_alone_is_graded_and_counts_as_that(kernel: Kernel) -> None:
+    kernel.run("%%submission temperature_service\n" + SOLUTION.read_text())
+    done = kernel.run("%grade temperature_service --only celsius")
+    assert "1.5 of 1.5 points, celsius alone" in done.result["text/plain"]  # with "offered", which it needs
+    assert "1.5 of 1.5 points</strong>,\n  celsius alone" in done.result["text/html"]
+    assert "Next" not in done.stdout
+    assert (
+        "No check begins with 'dor_'. There are: offered, "
+        in kernel.run("%grade temperature_service --only dor").stderr
+    )
+
+
 def test_a_drill_names_its_fault_at_the_second_try_and_shows_the_solution_once_it_is_solved(
     kernel: Kernel, tmp_path: Path
 ) -> None:
