@@ -30,12 +30,6 @@ def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
         yield running
 
 
-def test_grading_before_the_cell_was_run_says_what_to_do(kernel: Kernel) -> None:
-    done = kernel.run("%grade temperature_service")
-    assert "run the cell that begins with %%submission temperature_service" in done.stderr
-    assert done.ok
-
-
 def test_the_cell_runs_as_usual_and_its_main_does_not(kernel: Kernel) -> None:
     done = kernel.run("%%submission temperature_service\n" + SOLUTION.read_text() + "\nprint(__name__)")
     assert done.ok

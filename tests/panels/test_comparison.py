@@ -10,20 +10,16 @@ pytestmark = pytest.mark.usefixtures("own_lab")
 
 
 def test_numbers_are_shown_and_only_their_order_is_stored() -> None:
-    panel = panels.compare("Time <to> know", {"topic": 250.0, "service": 1.25, "action": 5.0}, "ms")
+    panel = panels.compare("Time <to> know", {"topic": 250.0, "service": 1.25, "action": 5.0, "nothing": 0.0}, "ms")
     bundle = panel._repr_mimebundle_()
-    assert bundle["text/plain"] == "Time <to> know, smallest first: service, action, topic."
+    assert bundle["text/plain"] == "Time <to> know, smallest first: nothing, service, action, topic."
     shown = panel.widget.value
     assert "Time &lt;to&gt; know" in shown
     assert all(number in shown for number in ("250 ms", "1.25 ms", "5 ms"))
-    assert all(width in shown for width in ("width:100.0%", "width:0.5%", "width:2.0%"))
+    assert all(width in shown for width in ("width:100.0%", "width:0.5%", "width:2.0%", "width:0.0%"))
 
 
 @pytest.mark.parametrize("values", [{}, {"a": -1.0}, {"a": float("nan")}, {"a": 1.0, "b": float("inf")}])
 def test_what_is_no_length_is_refused(values: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="at least one number"):
         panels.compare("Times", values, "ms")
-
-
-def test_zeros_can_be_drawn() -> None:
-    assert "width:0.0%" in panels.compare("Lost messages", {"service": 0.0}, "messages").widget.value
