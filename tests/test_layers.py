@@ -62,13 +62,14 @@ STILL_ABOVE = {
     "course_kit/environment": 914,  # the ROS of 2026: the profiles of Fast DDS 3
     "course_kit/cli": 1440,  # doctor about rclpy 7.1.9 and later releases; the tutor
     "course_kit/lab": 6962,
-    "course_kit/grading": 11036,  # with the capstone
+    "course_kit/reader": 850,  # the files of the capstone, out of a zip or a notebook
+    "course_kit/grading": 11290,  # with the capstone
     "course_kit/graders": 2402,
     "course_kit/learner": 1505,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 2962,  # with the second day
     "course_kit/integrations": 1390,  # with %check, %solution and the second day; 150 for the tutor
     "course_kit/dev": 787,  # with the steps of the lessons
-    "tests": 40345,  # with those of the tutor
+    "tests": 40600,  # with those of the tutor and the capstone
 }
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
 # Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.

@@ -109,7 +109,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
 def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, **wishes: Any) -> Report:
     """Have a file read and grade it."""
     with ExitStack() as opened:
-        copy = opened.enter_context(Copy(path))
+        copy = opened.enter_context(Copy(path, several=bool(exercise.files)))
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, exercise)
@@ -122,7 +122,9 @@ def grade_submission(request: GradingRequest, worker: Worker | None = None) -> R
     job = exercise_job.of_submission(request.exercise, request.text, request.seed)
     hidden = (*job.hidden, *request.hidden)
     job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
-    shown = f"{request.shown} ({request.text.note})" if request.text.note else request.shown
+    missing = [name for name in request.exercise.files if name not in request.text.files]
+    note = f"missing: {', '.join(missing)}" if missing else request.text.note
+    shown = f"{request.shown} ({note})" if note else request.shown
     with Worker() if worker is None else nullcontext(worker) as used:
         return _grade(request.exercise, job, shown, used, request.require_isolation)
 

@@ -25,10 +25,11 @@ def of_submission(exercise: Exercise, text: Submission, seed: int) -> Job:
         mode="run",
         name=text.program,
         source=text.source,
-        fault=_fault(text),
+        fault=text.problem,
         places=text.places,
         facts=text.facts,
         literal=text.literal,
+        files=text.files,
     )
 
 
@@ -40,13 +41,15 @@ def of_running(exercise: Exercise, seed: int, command: str | None = None) -> Job
         "",
         seed,
         class_name=exercise.class_name,
-        own_start=exercise.practice,  # a drill's program runs: without its start it would be another one
+        # a drill's program runs: without its start it would be another one; one of several starts itself, too
+        own_start=exercise.practice or bool(exercise.files),
         variable=exercise.variable,
         limits=exercise.limits,
         hidden=hidden_files.of(exercise),
         interfaces=exercise.interfaces,
         points=exercise.points,
         endpoints=exercise.endpoints,
+        launch_file=exercise.launch_file,
     )
     if command is None:
         return job
@@ -63,11 +66,3 @@ def checks_of(exercise: Exercise, seed: int) -> list[Check]:
     """The checks of an exercise, loaded into this process."""
     job = of_running(exercise, seed)
     return grader_module.checks_of(grader_module.load_for(job), job)
-
-
-def _fault(text: Submission) -> str:
-    fault = text.fault
-    if fault is None:
-        return ""
-    where = f" in {text.where(fault.line)}: {fault.text}" if fault.line else ""
-    return f"{fault.problem[:1].upper()}{fault.problem[1:]}{where}."

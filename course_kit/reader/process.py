@@ -16,7 +16,7 @@ import socket
 import sys
 import traceback
 
-from course_kit.reader import contract, fingerprints, python, text
+from course_kit.reader import contract, files, fingerprints, python, text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -117,33 +117,55 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
     """Whether a file holds what is asked for; why it cannot be read; or its program, and what that is compared by."""
     problem, source = "", ""
     places: list[tuple[int, int]] = []
+    several: dict[str, files.Read] = {}
     try:
-        source, places = text.read_program(name, file, wish["exercise"])
+        if wish.get("files"):
+            several = files.read_files(name, file, wish["exercise"], wish["files"])
+            source = files.join_sources(several)
+        else:
+            source, places = text.read_program(name, file, wish["exercise"])
     except text.UnreadableTextError as error:
         problem = str(error)
     seen = {
-        "found": _asked_for(name, file, source, wish),
+        "found": not several.keys().isdisjoint(wish["files"]) if several else _asked_for(name, file, source, wish),
         "identity": fingerprints.program_identity(source) if source and wish["compared"] else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }
     if problem or not (seen["found"] or wish["whatever"]):
         return seen
+    program = (
+        {"source": source, "files": {one: _describe_file(one, read) for one, read in several.items()}}
+        if several
+        else _describe_program(source, places, wish["variable"])
+    )
+    prints = sorted(fingerprints.take_fingerprints(source)) if wish["compared"] else []
+    return {**seen, "prints": prints, "program": program}
+
+
+def _describe_program(source: str, places: list[tuple[int, int]], variable: str = "") -> dict[str, object]:
     fault, tree = python.parse_program(source)
-    program = {
+    return {
         "source": source,
         "places": places,
         "fault": fault,
         "facts": python.read_facts(tree) if tree else {},
         "twice": python.defined_twice(tree, [lines for _, lines in places]) if tree else "",
-        "literal": python.read_literal(tree, wish["variable"]) if tree and wish["variable"] else None,
+        "literal": python.read_literal(tree, variable) if tree and variable else None,
     }
-    prints = sorted(fingerprints.take_fingerprints(source)) if wish["compared"] else []
-    return {**seen, "prints": prints, "program": program}
+
+
+def _describe_file(name: str, read: files.Read) -> dict[str, object]:
+    named = {"name": name, "program": name}
+    if isinstance(read, str):
+        return {**named, "source": "", "fault": (0, "", f"the file {read}")}
+    if text.kind_of_file(name) == text.PROGRAM:
+        return {**named, **_describe_program(*read)}
+    return {**named, "source": read[0], "places": read[1]}
 
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:
-    if text.kind_of_file(name) == text.NOTEBOOK:
+    if text.kind_of_file(name) == text.NOTEBOOK or wish.get("files"):
         if program:
             return True
         mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"

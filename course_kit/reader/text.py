@@ -19,7 +19,7 @@ LARGEST = 1 << 20  # bytes of a program
 PROGRAM, NOTEBOOK = ".py", ".ipynb"
 _ADDED = (".txt", ".json")  # to a name, by a browser, a mail program or an editor that does not know the ending
 _AS_A_PROGRAM = re.compile(r"%%ros_script\b")  # may follow: the cell is also run in the notebook, as a program
-_MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)[^\S\n]*\Z")
+_MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)(?:[^\S\n]+(?P<file>\S+))?[^\S\n]*\Z")
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 _NUMBER = re.compile(r"# In\s*\[(\d{1,6})\]:")
 # The line that names a program's encoding (PEP 263) is one of its first two, above all statements.
@@ -46,24 +46,29 @@ class UnreadableTextError(ValueError):
 
 def read_program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
     """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave."""
-    text = _decoded(name, file)
+    text = decode_text(name, file.read())
     places: list[tuple[int, int]] = []
     if kind_of_file(name) == NOTEBOOK:
-        source, places = _joined(name, _code_cells(name, text), exercise)
+        source, places = join_cells(name, code_cells(name, text), exercise)
     else:
-        source = as_utf8(_plain_lines(text))
-        if not source.strip():
-            raise UnreadableTextError(f"{name} is empty.")
+        source = read_text(name, text)
         if cells := _exported_cells(source):
-            source, places = _joined(name, cells, exercise)
+            source, places = join_cells(name, cells, exercise)
     if "\0" in source:
         raise UnreadableTextError(f"{name} is not Python: it contains null bytes.")
     return source, places
 
 
-def _decoded(name: str, file: BinaryIO) -> str:
+def read_text(name: str, text: str) -> str:
+    """A program's text as it will be written."""
+    source = as_utf8(_plain_lines(text))
+    if not source.strip():
+        raise UnreadableTextError(f"{name} is empty.")
+    return source
+
+
+def decode_text(name: str, data: bytes) -> str:
     """A file's text; a program's as Python reads it."""
-    data = file.read()
     text = data.removeprefix(codecs.BOM_UTF8)
     lines = _plain_lines(text[:_BEGIN].decode("latin-1")).split("\n")
     place = _place_of_coding(lines) if kind_of_file(name) == PROGRAM else None
@@ -101,7 +106,10 @@ def _place_of_coding(lines: list[str]) -> int | None:
     return None
 
 
-def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple[str, list[tuple[int, int]]]:
+def join_cells(
+    name: str, cells: Iterable[tuple[int, str]], exercise: str, file: str = ""
+) -> tuple[str, list[tuple[int, int]]]:
+    """The program of the cells for an exercise, or for one file of it."""
     parts: list[list[str]] = []
     places: list[tuple[int, int]] = []
     others: set[str] = set()
@@ -114,6 +122,8 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
         if match["exercise"] != exercise:
             others.add(match["exercise"])
             continue
+        if (match["file"] or "") != file:
+            continue
         if first < len(rest) and _AS_A_PROGRAM.match(rest[first]):
             rest[first] = ""  # empty, so that the lines below keep their numbers
         parts.append(rest)
@@ -124,7 +134,7 @@ def _joined(name: str, cells: Iterable[tuple[int, str]], exercise: str) -> tuple
         named = ", ".join(one[:_LONGEST_NAME] for one in sorted(others)[:_FEW])
         found = f" It has cells for: {named}." if named else ""
         raise UnreadableTextError(
-            f"{name} has no code cell that begins with the line '%%submission {exercise}'.{found}"
+            f"{name} has no code cell that begins with the line '%%submission {exercise}{file and f' {file}'}'.{found}"
         )
     try:
         size = len(source.encode())
@@ -163,7 +173,7 @@ def _started_once(parts: list[list[str]]) -> list[list[str]]:
     return [*parts, last]
 
 
-def _code_cells(name: str, text: str) -> list[tuple[int, str]]:
+def code_cells(name: str, text: str) -> list[tuple[int, str]]:
     """Number, from 1, and text of each code cell."""
     try:
         # Its numbers do not matter; `len` is the cheapest function of their digits, which may be a million.

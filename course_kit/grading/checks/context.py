@@ -37,7 +37,6 @@ class CheckContext:
     """What a check works with.
 
     Attributes:
-        job: what is graded.
         program: the submission.
         record: what the present check and the submission have sent each other.
         random: what values are drawn from, by the job's seed.
@@ -53,7 +52,6 @@ class CheckContext:
             job: what is graded.
             variables: environment variables the submission is started with, unless `launch` says otherwise.
         """
-        self.job = job
         self.program = GradedProgram(supervisor, job, variables or {})
         self.record = ExchangeLog()
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
@@ -66,6 +64,11 @@ class CheckContext:
         self._clock: FairClock | None = None
         self._state = Recent(self._look)
         self._late_s = 0.0  # by which it may have been noticed late that what was waited for had come
+
+    @property
+    def job(self) -> Job:
+        """What is graded."""
+        return self.program.job
 
     @property
     def grader_node(self) -> GraderNode:
@@ -83,6 +86,7 @@ class CheckContext:
         arguments: Sequence[str] = (),
         files: Mapping[str, str] | None = None,
         variables: Mapping[str, str] | None = None,
+        program: str = "",
     ) -> None:
         """Start the submission on its own empty graph; one that runs is ended first.
 
@@ -92,9 +96,11 @@ class CheckContext:
             arguments: what follows the program's name on its command line.
             files: texts to lay beside it, by file name; an argument that is such a name becomes the file's path.
             variables: environment variables that differ from the exercise's own; without effect with `--attach`.
+            program: the file to run, of a submission of several; the one that was started last when left out.
 
         Raises:
             NotRun: arguments for a program that somebody else has started.
+            Failed: that file is missing, or no Python.
         """
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
@@ -102,8 +108,12 @@ class CheckContext:
         self.close()
         self._spoiled = False
         self.memory.clear()
-        if arguments:
-            self.record.sent(f"start with {' '.join(arguments)}", "message")
+        if program:
+            self.program.job = self.job.for_program(program)
+            self._require_python()
+        if arguments or program:
+            start = f"start {program}".rstrip() + (f" with {' '.join(arguments)}" if arguments else "")
+            self.record.sent(start, "message")
         self._grader_node = GraderNode(self.program.start(arguments, files or {}, variables or {}))
         self.spent["start"] += time.monotonic() - began
 
@@ -121,10 +131,15 @@ class CheckContext:
             Failed: there is nothing to check, because the program is not Python.
         """
         self.record.clear()
-        if self.job.fault:
-            raise Failed(Evidence("", "a Python program", "a syntax error"), self.job.fault, "start.syntax")
+        if not self.job.files:
+            self._require_python()
         self.deadline_s, self.program.queued_s = deadline_s, 0.0
         self._clock = self.clock()
+
+    def _require_python(self) -> None:
+        got, code = ("a syntax error", "start.syntax") if self.job.source else ("none", None)
+        if self.job.fault:
+            raise Failed(Evidence("", "a Python program", got), self.job.fault, code)
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""

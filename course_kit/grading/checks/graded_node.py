@@ -298,6 +298,7 @@ class GradedNode:
         file: Mapping[str, Any] | None = None,
         of: str = "",
         meets: bool = True,
+        program: str = "",
     ) -> None:
         """Start the program afresh, as a learner would on the command line.
 
@@ -307,6 +308,7 @@ class GradedNode:
             file: values given in a parameter file.
             of: the node's name in that file; any node's when left out.
             meets: wait until it is up; else that is done when it is first asked something.
+            program: the file to start alone, of a submission of several; the one that was started last when left out.
 
         Raises:
             Failed: it does not come up.
@@ -314,13 +316,14 @@ class GradedNode:
         Example:
             >>> node.start(parameters={"max_speed": 0.5})
             >>> node.start(file={"max_speed": 0.5})
+            >>> node.start(program="door.py", parameters={"locked": True})
         """
         words = [*arguments, *(start_arguments(parameters) if parameters else [])]
         files = {}
         if file:
             files[_FILE] = parameter_file(file, of)
             words += [*([] if "--ros-args" in words else ["--ros-args"]), "--params-file", _FILE]
-        self.context.launch(words, files)
+        self.context.launch(words, files, program=program)
         self._heard = self.context.memory.setdefault("heard", {})
         if meets:
             self.meet()
@@ -362,8 +365,15 @@ class GradedNode:
 
     @property
     def endpoints(self) -> list[WantedEndpoint]:
-        """All that exercise.toml names."""
-        return [WantedEndpoint.from_record(one) for one in self.context.job.endpoints]
+        """All that exercise.toml names, of the program that runs; where several run, of all of them."""
+        job = self.context.job
+        running = ("", job.name)
+        named = (
+            job.endpoints
+            if job.name == job.launch_file
+            else [one for one in job.endpoints if one.get("program", "") in running]
+        )
+        return [WantedEndpoint.from_record(one) for one in named]
 
     # --- inside
 

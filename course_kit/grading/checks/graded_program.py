@@ -34,11 +34,12 @@ class GradedProgram:
     """A submission.
 
     Attributes:
+        job: what is graded; of several programs the one that was started last.
         queued_s: seconds for which it has waited for a ROS domain, which is not its fault.
     """
 
     def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str]) -> None:
-        self._supervisor, self._job, self._variables = supervisor, job, dict(variables)
+        self._supervisor, self.job, self._variables = supervisor, job, dict(variables)
         self._runs = False
         self._used = self._used_before = Used()  # in all, and until it was started last
         self.queued_s = 0.0
@@ -46,10 +47,11 @@ class GradedProgram:
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
         self._runs, self._used_before = False, self._used
-        if self._job.mode == "attach":
+        if self.job.mode == "attach":
             return None
-        program = {"arguments": list(arguments), "files": dict(files), "variables": {**self._variables, **more}}
-        answer = self._ask("launch", patience_s=limits.QUEUE_S, **program)
+        words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
+        variables = {**self._variables, **more}
+        answer = self._ask("launch", patience_s=limits.QUEUE_S, variables=variables, **words)
         self._runs = True
         self.queued_s += float(answer["queued_s"])
         return int(answer["domain"])
@@ -71,14 +73,14 @@ class GradedProgram:
 
     def status(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
-        if self._job.mode == "attach":
+        if self.job.mode == "attach":
             return ProcessStatus(running=True)
         return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
 
     def require_running(self) -> None:
         """Raise SubmissionEndedError if it has ended."""
-        if self._job.mode != "attach" and not self._ask("running")["running"]:
-            raise SubmissionEndedError(self.status(), self._job)
+        if self.job.mode != "attach" and not self._ask("running")["running"]:
+            raise SubmissionEndedError(self.status(), self.job)
 
     def lost_in(self) -> int:
         """The line by which its node has lost its executor; 0 where it has not."""
@@ -87,7 +89,7 @@ class GradedProgram:
 
     def stacks(self) -> str:
         """What each of its threads is executing, by faulthandler; empty for other than Python source."""
-        return str(self._ask("stacks")["stacks"]) if self._job.mode == "run" else ""
+        return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
 
     def used(self) -> Used:
         """What it has used of the processors, in all its starts."""

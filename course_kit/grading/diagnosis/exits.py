@@ -41,7 +41,7 @@ def source_line(job: Job, line: int) -> str:
     """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
     lines = job.source.split("\n")
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
-    place = where(job.places, line)
+    place = f"{job.name}, {where(job.places, line)}" if job.files else where(job.places, line)
     return f"{place}: {text}" if text else place
 
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 FORMAT_VERSION = 1
 _Text: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]
 _Identifier: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"\A[a-z][a-z0-9_]*\Z")]  # small letters, digits and _
+_FileName: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"\A\w[\w.-]*\.(?:py|yaml)\Z")]
 _OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
 
 
@@ -68,6 +69,7 @@ class _Endpoint(msgspec.Struct, forbid_unknown_fields=True):
     kind: Literal["service", "action", "publisher", "subscription"]
     name: str
     type: str
+    program: str = ""  # the one of the exercise's files whose node has it; empty where there is one program
 
 
 @dataclass(frozen=True)
@@ -82,10 +84,12 @@ class Exercise:
     pass_mark: float  # the points from which it is passed
     starter: str  # the file name of the starter program
     notebook: str  # the file name of its notebook
-    solution: Path  # the file with its solution, which may be missing, as in a student edition
+    solution: Path  # the file, or folder of files, with its solution, which may be missing, as in a student edition
     grader: str  # the module or file with checks in Python, see `workers.grader_module`
     class_name: str  # the Node class a submission defines
     variable: str  # what a submission sets instead, in exercises without ROS
+    files: tuple[str, ...]  # the names of all files of a submission, where it has several
+    launch_file: str  # the one of them that starts the others together
     seed: int | None  # what the checks draw from when nobody gives a seed; drawn itself when None
     limits: Limits  # what a submission may use
     hints: tuple[Hint, ...]  # the ladder, from a nudge to a push
@@ -181,11 +185,13 @@ class _Table(msgspec.Struct):
     order: int
     points: float
     pass_mark: float
-    starter: _Text
     notebook: _Text
     grader: _Text
+    starter: str = ""
     class_name: str = ""
     variable: str = ""
+    files: tuple[_FileName, ...] = ()
+    launch_file: str = ""
     seed: int | None = None
     practice: bool = False
     symptom: str = ""
@@ -208,14 +214,21 @@ def _make_exercise(fields: Record, folder: Path) -> Exercise:
         raise ValueError(f"its id '{table.id}' is not the name of its folder")
     if not 0 < table.pass_mark <= table.points:
         raise ValueError(f"the pass mark {table.pass_mark:g} is not between 0 and {table.points:g} points")
-    if bool(table.class_name) == bool(table.variable):
-        raise ValueError("it needs either a 'class_name' or a 'variable'")
+    if sum(map(bool, (table.class_name, table.variable, table.files))) != 1:
+        raise ValueError("it needs either a 'class_name' or a 'variable', or 'files'")
+    if not (table.starter or table.files):
+        raise ValueError("'starter' is missing")
+    if table.launch_file not in ("", *table.files):
+        raise ValueError(f"the launch file {table.launch_file} is none of its files")
     names = [sentence.id for sentence in table.sentences]
     if doubles := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"two sentences have the id '{doubles[0]}'")
-    in_course = folder.parent.parent / "solutions" / folder.name / table.starter  # which a release leaves out
+    in_course = folder.parent.parent / "solutions" / folder.name  # which a release leaves out
+    if not table.files:
+        in_course /= table.starter
     read: Record = {
         "folder": folder,
+        "starter": table.starter or table.files[0],
         "solution": in_course if table.solution is None else folder / table.solution,
         "grader": _find_grader(table.grader, folder),
         "limits": convert_record(table.limits, Limits),

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
+from dataclasses import dataclass, field, replace
 
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
-from course_kit.grading.model.submission import Facts
+from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
+from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
 from course_kit.grading.sandbox.isolation import Isolation
 
 
@@ -47,6 +48,16 @@ class Job:
     only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
     endpoints: tuple[Record, ...] = ()
+    # by name, of a submission of several files: `name` is the one that was started last, and what is said above of one
+    # program is said of that
+    files: Mapping[str, Submission] = field(default_factory=dict)
+    launch_file: str = ""  # the one of them that starts the others together
+
+    def for_program(self, name: str) -> Job:
+        """The same with another one of its files as the program; one that is missing is no Python."""
+        lacks = f"the file {name} is missing in what you have handed in"
+        text = self.files.get(name) or Submission(name, name, "", fault=SyntaxFault(0, "", lacks))
+        return replace(self, name=name, source=text.source, fault=text.problem, places=text.places, facts=text.facts)
 
     @property
     def start_cpu_s(self) -> float:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
+from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
 
 
 class UnreadableError(ValueError):
@@ -53,6 +54,17 @@ class Submission:
     facts: Facts = Facts()
     literal: Record | None = None  # what it sets the exercise's variable to, where its text tells, see `reader.python`
     twice: str = ""  # a class that several cells define
+    # by name, where the exercise asks for several files; `source` is all of them then, one below the other
+    files: Mapping[str, Submission] = field(default_factory=dict)
+
+    @property
+    def problem(self) -> str:
+        """Why it is no Python, in one sentence; empty when it is."""
+        if self.fault is None:
+            return ""
+        line, text, problem = self.fault
+        place = f" in {self.where(line)}: {text}" if line else ""
+        return f"{problem[:1].upper()}{problem[1:].rstrip('.')}{place}."
 
     @property
     def note(self) -> str:

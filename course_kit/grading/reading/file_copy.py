@@ -6,21 +6,21 @@ import errno
 import hashlib
 import os
 import stat
-from typing import TYPE_CHECKING, BinaryIO
+from pathlib import Path
+from typing import BinaryIO
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.process import Closable
 from course_kit.process.libc import make_memory_file
+from course_kit.reader.files import ARCHIVE, YAML
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _MB = 1 << 20
 LARGEST = _MB  # bytes of a program
 LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
-_LARGEST = {PROGRAM: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK}
+_LARGEST = {PROGRAM: LARGEST, YAML: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK, ARCHIVE: LARGEST_NOTEBOOK}
+_MOST_FILES = 1000  # in a folder with everything that lies below it
 # Rights belong to whoever grades: a file that was closed to them, perhaps by another submission, is nobody's zero.
 _OF_THE_MACHINE = (
     *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
@@ -31,13 +31,14 @@ _OF_THE_MACHINE = (
 class Copy(Closable):
     """A copy of a submission's file in memory: its name, its size in bytes, and SHA-256 of its kind and bytes."""
 
-    def __init__(self, path: Path, *, whole: bool = True) -> None:
-        """Copy a file."""
-        self.name, self.size = path.name, 0
+    def __init__(self, path: Path, *, whole: bool = True, several: bool = False) -> None:
+        """Copy a file; or, where an exercise asks for several, those of a folder as a zip archive."""
+        self.name, self.size = path.name or path.absolute().name, 0
+        self._several = several
         try:
             self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
             try:
-                self.digest = self._fill(path, whole=whole)
+                self.digest = self._pack(path) if several and path.is_dir() else self._fill(path, whole=whole)
             except BaseException:
                 self.close()
                 raise
@@ -53,10 +54,10 @@ class Copy(Closable):
         self._file.close()
 
     def _fill(self, path: Path, *, whole: bool) -> str:
-        ending = kind_of_file(path.name)
+        ending = kind_of_file(path.name) or (path.suffix.lower() if self._several else "")
         digest = hashlib.sha256(ending.encode() + b"\0")
         with open(_open(path), "rb", buffering=0) as source:
-            if not ending:
+            if ending not in (_LARGEST if self._several else (PROGRAM, NOTEBOOK)):
                 raise UnreadableError(f"{path.name} is neither a .py nor an .ipynb file. Hand in one of these.")
             most = _LARGEST[ending]
             while block := self._read(source, min(_MB, most + 1 - self.size), path):
@@ -70,12 +71,44 @@ class Copy(Closable):
             self._file.flush()
         return digest.hexdigest()
 
+    def _pack(self, folder: Path) -> str:
+        """The programs, parameter files and notebooks below a folder, of which `reader.files` takes those it wants."""
+        import zipfile
+
+        self.name += ARCHIVE
+        digest = hashlib.sha256()
+        with zipfile.ZipFile(self._file, "w") as archive:
+            for path in _listed(folder):
+                with open(_open(path), "rb", buffering=0) as source:
+                    data = source.read(LARGEST_NOTEBOOK + 1 - self.size)
+                self.size += len(data)
+                if self.size > LARGEST_NOTEBOOK:
+                    raise UnreadableError(
+                        f"The files in {folder.name} have more than {LARGEST_NOTEBOOK // _MB} MB. Leave others out."
+                    )
+                name = path.relative_to(folder).as_posix().encode(errors="replace").decode()
+                archive.writestr(zipfile.ZipInfo(name), data)
+                digest.update(f"{name}\0{len(data)}\0".encode() + data)
+        self._file.flush()
+        return digest.hexdigest()
+
     @staticmethod
     def _read(source: BinaryIO, most: int, path: Path) -> bytes:
         try:
             return source.read(most)
         except OSError as problem:
             raise _not_read(path, problem) from None
+
+
+def _listed(folder: Path) -> list[Path]:
+    """The files below a folder that may be of a submission, hidden folders and what links lead to left out."""
+    found: list[Path] = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = sorted(one for one in folders if not one.startswith("."))
+        found += (Path(place, one) for one in sorted(names) if Path(one).suffix in (PROGRAM, YAML, NOTEBOOK))
+        if len(found) > _MOST_FILES:
+            raise UnreadableError(f"{folder.name} holds more than {_MOST_FILES} files. Name the folder of your answer.")
+    return found
 
 
 def _open(path: Path) -> int:

@@ -27,6 +27,7 @@ from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.libc import make_memory_file
 from course_kit.process.output import LastWords
 from course_kit.reader import contract, fingerprints, text
+from course_kit.reader.files import is_name
 from course_kit.reader.process import TOO_MUCH_MEMORY
 from course_kit.reader.text import NOTEBOOK, kind_of_file
 
@@ -127,7 +128,7 @@ class Reader(Closable):
 
     def _ask(self, copy: Copy, exercise: Exercise, **wishes: bool) -> FileSummary:
         names = {"exercise": exercise.id, "class_name": exercise.class_name, "variable": exercise.variable}
-        request = {"name": copy.name, **names, **wishes}
+        request = {"name": copy.name, "files": exercise.files, **names, **wishes}
         if self._stopped():
             raise ReadingStoppedError
         words = ""
@@ -198,6 +199,8 @@ def _summary(copy: Copy, answer: bytes) -> FileSummary:
         fields = json.loads(answer)  # not by msgspec, which takes no text with half a character
         if fields.get("program"):
             fields["program"].update(name=copy.name, program=_program_name(copy.name))
+            if not all(map(is_name, fields["program"].get("files", ()))):
+                raise ValueError("a file's name")  # noqa: TRY301 - as for all that makes no sense
         return convert_record(fields, FileSummary)
     except (ValueError, AttributeError, RecursionError):
         raise GradingError("The process that reads submissions sent an answer that makes no sense.") from None

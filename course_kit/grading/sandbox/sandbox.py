@@ -143,7 +143,7 @@ def program_of(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -
         class_name=job.class_name,
         own_start=job.own_start,
         arguments=arguments,
-        files=files,
+        files={**{name: one.source for name, one in job.files.items() if name != job.name}, **files},
         command=job.command,
         folder=job.folder,
         variable=job.variable,

@@ -176,7 +176,7 @@ class Supervisor:
         self._arguments = arguments = tuple(message["arguments"])
         self._launches += 1
         domain, queued_s = self._domain()
-        job = self._job
+        job = self._job.for_program(message["program"]) if self._job.files else self._job
         program = program_of(job, arguments, message["files"])
         cell = conditions_of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)

@@ -74,7 +74,7 @@ def _run(supervisor: Channel, job: Job) -> Record:
     checks = grader_module.checks_of(grader, job)
     if job.only:
         checks = choose_part(checks, job.only)
-    if not job.fault and not job.variable:
+    if not (job.fault or job.variable or job.files):
         context.launch()
     try:
         for result in run_all(checks, context):

@@ -1,0 +1,118 @@
+"""A submission of several files, out of the bytes of a zip archive, a notebook, or one of the files alone."""
+
+from __future__ import annotations
+
+import re
+
+from course_kit.reader import text
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from typing import BinaryIO
+
+ARCHIVE, YAML = ".zip", ".yaml"
+MOST_FILES = 40  # of a submission; more *.py and *.yaml beside those that the exercise names are its own modules
+_NAME = re.compile(r"\w[\w.-]{0,99}\.(?:py|yaml)")
+_CELL = re.compile(r"^[ \t]*%%submission[^\S\n]+(\S+)[^\S\n]+(\S+)", re.MULTILINE)
+_LEFT_OUT = ("__pycache__", "__MACOSX", "build", "install", "log")
+
+if TYPE_CHECKING:
+    Read = str | tuple[str, list[tuple[int, int]]]
+"""What is read of one file: why it cannot be, or its text and the cells it was joined from."""
+
+
+def is_name(name: str) -> bool:
+    """Whether a submission can have a file of this name."""
+    return _NAME.fullmatch(name) is not None
+
+
+def read_files(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str]) -> dict[str, Read]:
+    """What is in each file of a submission."""
+    if name.lower().endswith(ARCHIVE):
+        return _of_archive(name, file, exercise, wanted)
+    if text.kind_of_file(name) == text.NOTEBOOK:
+        return _of_notebook(name, file.read(), exercise)
+    return {name: _read(name, file.read())}
+
+
+def _read(name: str, data: bytes) -> Read:
+    try:
+        source = text.read_text(name, text.decode_text(name, data))
+    except text.UnreadableTextError as problem:
+        return str(problem)
+    return f"{name} contains null bytes." if "\0" in source else (source, [])
+
+
+def _of_notebook(name: str, data: bytes, exercise: str) -> dict[str, Read]:
+    cells = text.code_cells(name, text.decode_text(name, data))
+    named = [match[2] for _, cell in cells if (match := _CELL.search(cell)) and match[1] == exercise]
+    if not named:
+        text.join_cells(name, cells, exercise, "FILE")  # says what is missing
+    return {
+        file: _read_cells(name, cells, exercise, file)
+        for file in list(dict.fromkeys(filter(is_name, named)))[:MOST_FILES]
+    }
+
+
+def _read_cells(name: str, cells: list[tuple[int, str]], exercise: str, file: str) -> Read:
+    try:
+        return text.join_cells(name, cells, exercise, file)
+    except text.UnreadableTextError as problem:
+        return str(problem)
+
+
+def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str]) -> dict[str, Read]:
+    """The files of that folder of an archive in which most of the wanted ones lie; else of its only notebook."""
+    import zipfile
+    import zlib
+
+    try:
+        archive = zipfile.ZipFile(file)
+        entries = {one.filename: one for one in archive.infolist() if not one.is_dir()}
+        folder = _folder_of(entries, wanted)
+        notebooks = [one for one in entries if text.kind_of_file(one) == text.NOTEBOOK and not _is_left_out(one)]
+        if folder is None and len(notebooks) == 1:
+            return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
+        members = [] if folder is None else [one for one in entries if one.rpartition("/")[0] == folder]
+        members = sorted(
+            filter(lambda one: is_name(_last(one)), members), key=lambda one: (_last(one) not in wanted, one)
+        )
+        if sum(entries[one].file_size for one in members[:MOST_FILES]) > text.LARGEST:
+            raise text.UnreadableTextError(
+                f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
+            )
+        return {_last(one): _read(_last(one), archive.read(one)) for one in members[:MOST_FILES]}
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
+        if isinstance(problem, text.UnreadableTextError):
+            raise
+        raise text.UnreadableTextError(
+            f"{name} cannot be unpacked ({problem}). Pack it again as a plain zip."
+        ) from None
+
+
+def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
+    """The folder with most of the wanted files, the topmost of several; None where there is none of them."""
+    counts: dict[str, int] = {}
+    for path in paths:
+        folder, _, last = path.rpartition("/")
+        if last in wanted and not _is_left_out(path):
+            counts[folder] = counts.get(folder, 0) + 1
+    return min(counts, key=lambda one: (-counts[one], one.count("/"), one), default=None)
+
+
+def _is_left_out(path: str) -> bool:
+    return any(part.startswith(".") or part in _LEFT_OUT for part in path.split("/"))
+
+
+def _is_file(path: str) -> bool:
+    return is_name(_last(path))
+
+
+def _last(path: str) -> str:
+    return path.rpartition("/")[2]
+
+
+def join_sources(read: Mapping[str, Read]) -> str:
+    """All that could be read, one file below the other."""
+    return "\n".join(f"# {name}\n{one[0]}" for name, one in read.items() if not isinstance(one, str))
