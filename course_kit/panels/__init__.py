@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from course_kit.panels.arena_map import RobotMap
+    from course_kit.panels.corridor import CorridorPicture
     from course_kit.panels.form_view import ServiceForm
     from course_kit.panels.goal_panel import ActionPanel
     from course_kit.panels.graph_view import GraphView
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 # A panel's module is never called like its function: importing it would put the module in the function's place.
 __all__ = [
     "action_panel",
+    "arena",
     "check_yourself",
     "compare",
     "graph",
@@ -85,6 +87,19 @@ def robot_map(action: str = "/move_robot") -> RobotMap:
     from course_kit.panels.arena_map import RobotMap
 
     return RobotMap(action)
+
+
+def arena(action: str = "/deliver") -> CorridorPicture:
+    """The robot of `delivery_robot` on its way, drawn by what its nodes publish; a button for each room sends it there.
+
+    Rooms are those of the node /carrier's parameters; positions, in metres, follow /odometry_distance and /docked.
+
+    Args:
+        action: the action's name, of type `course_interfaces/action/Deliver`.
+    """
+    from course_kit.panels.corridor import CorridorPicture
+
+    return CorridorPicture(action)
 
 
 def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import anywidget
 import traitlets
 
-from course_kit import lab
 from course_kit.panels import goal_panel
 from course_kit.panels.base import drawn, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
@@ -92,14 +91,7 @@ class RobotMap(GoalFollower):
         """Send the robot to (x, y), in metres; returns at once. What a click does."""
         from geometry_msgs.msg import Point
 
-        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
-        if servers > 1:
-            self._sender.say(
-                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
-                "Stop all but one: panels.graph() shows them."
-            )
-            return
-        self._sender.send(self._type.Goal(target=Point(x=float(x), y=float(y))))
+        self.send_to_one(self._type.Goal(target=Point(x=float(x), y=float(y))))
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
         if wish.get("do") == "cancel":

@@ -270,6 +270,17 @@ class GoalFollower(Panel):
         """Ask the server to cancel the goal that is shown; returns at once."""
         self._sender.cancel()
 
+    def send_to_one(self, asked: Message) -> None:
+        """Send a goal, unless several nodes would take it; returns at once."""
+        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
+        if servers > 1:
+            self._sender.say(
+                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
+                "Stop all but one: panels.graph() shows them."
+            )
+        else:
+            self._sender.send(asked)
+
     def _follow(self, action_type: ActionType, on_feedback: Callable[[Message], None] = lambda _: None) -> None:
         """Begin; the widget is there."""
         self._updates: Latest[Standing] = Latest(self._show)
