@@ -66,10 +66,10 @@ STILL_ABOVE = {
     "course_kit/grading": 11290,  # with the capstone
     "course_kit/graders": 2402,
     "course_kit/learner": 1505,  # with the steps of the lessons and the page of progress
-    "course_kit/panels": 2962,  # with the second day
+    "course_kit/panels": 3190,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1390,  # with %check, %solution and the second day; 150 for the tutor
     "course_kit/dev": 787,  # with the steps of the lessons
-    "tests": 40600,  # with those of the tutor and the capstone
+    "tests": 40640,  # with those of the tutor and the capstone
 }
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
 # Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.

@@ -15,6 +15,7 @@ MADE_OF = (
     "robot.py",
     "panels/__init__.py",
     "panels/arena_map.py",
+    "panels/corridor.py",
     "panels/demo_robot.py",
     "panels/quiz_panel.py",
 )
