@@ -80,11 +80,10 @@ def contest(kind: type[Contestant], submissions: Sequence[Submission], workers: 
         wall_s, cpu_s = cost_of([side.command(share) for side, share in zip(sides, shares, strict=True)])
         scores = [score for side, share in zip(sides, shares, strict=True) for score in side.scores(share)]
     number, due = len(submissions), sum(one.kind == "right" for one in submissions)
-    each_s = wall_s / number
-    verdict = "" if aim_s is None else f"  aim {aim_s:g} s each: {'met' if each_s <= aim_s else 'MISSED'}"
+    verdict = "" if aim_s is None else f"  aim {aim_s:g} s each: {'met' if wall_s / number <= aim_s else 'MISSED'}"
     title = kind.title + (f", {workers or 'its own'} workers" if kind is Ours else "")
     print(
-        f"  {title:<36}{number:>7} {wall_s:>9.2f} {each_s:>8.3f} {cpu_s:>8.2f} {cpu_s / number:>9.3f} "
+        f"  {title:<36}{number:>7} {wall_s:>9.2f} {wall_s / number:>8.3f} {cpu_s:>8.2f} {cpu_s / number:>9.3f} "
         f"{scores.count(FULL[submissions[0].exercise]):>4} of {due:<4}{verdict}",
         flush=True,
     )

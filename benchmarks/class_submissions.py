@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import cycle
 from pathlib import Path
+
+from course_kit.authoring.corpus import load_corpus
 
 ROOT = Path(__file__).resolve().parent.parent
 EXERCISE = "temperature_service"
 LOOP = "limit.time"
 LOOP_EVERY = 50
 _CRASHING = ("start.crash", "start.exit", "start.import", "start.syntax")
-# What the contestants without isolation can be asked to run, too: nothing that takes the machine's memory or processes.
+# What contestants without isolation can run, too.
 _HARMLESS = (
     "math.formula",
     "math.integer_division",
@@ -22,7 +25,6 @@ _HARMLESS = (
     "field.type",
     "service.no_return",  # never answers
 )
-_MIXED_RIGHT = 8
 
 
 @dataclass(frozen=True)
@@ -47,15 +49,13 @@ def right(number: int, exercise: str = EXERCISE) -> list[Submission]:
 
 def mixed() -> list[Submission]:
     """Twenty for all contestants: 8 right, 8 wrong (one of them silent), 3 crashing, 1 looping; as they come."""
-    kinds = ["right"] * _MIXED_RIGHT + [*_HARMLESS, *_CRASHING[:1], *_CRASHING[2:], LOOP]
-    step = 7  # has no factor in common with 20: a fixed shuffle
-    return _named([kinds[number * step % len(kinds)] for number in range(len(kinds))])
+    kinds = ["right"] * 8 + [*_HARMLESS, *_CRASHING[:1], *_CRASHING[2:], LOOP]
+    return _named([kinds[number * 7 % len(kinds)] for number in range(len(kinds))])  # 7 and 20 share no factor
 
 
 def large(number: int) -> list[Submission]:
     """A class for ours alone: 2 of 5 right, 1 of 10 crashing, the others any mistake there is; one in 50 loops."""
-    mistakes = sorted(path.stem for path in (ROOT / "tests/broken" / EXERCISE).glob("*.py"))
-    wrong = cycle(name for name in mistakes if name != LOOP and name not in _CRASHING)
+    wrong = cycle(name for name in sorted(_programs(EXERCISE)) if name not in (LOOP, "right", *_CRASHING))
     crashing = cycle(_CRASHING)
     kinds = []
     for place in range(number):
@@ -67,12 +67,13 @@ def large(number: int) -> list[Submission]:
 def _named(kinds: list[str], exercise: str = EXERCISE) -> list[Submission]:
     students = [f"s{place:04}" for place in range(len(kinds))]
     return [
-        Submission(student, kind, f"{_text(kind, exercise)}\n# handed in by {student}\n", exercise)
+        Submission(student, kind, f"{_programs(exercise)[kind]}\n# handed in by {student}\n", exercise)
         for student, kind in zip(students, kinds, strict=True)
     ]
 
 
-def _text(kind: str, exercise: str) -> str:
-    folder = "solutions" if kind == "right" else "tests/broken"
-    name = exercise if kind == "right" else kind
-    return (ROOT / folder / exercise / f"{name}.py").read_text(encoding="utf-8")
+@lru_cache(maxsize=4)
+def _programs(exercise: str) -> dict[str, str]:
+    found = load_corpus(exercise, ROOT)
+    wrong = (*found.of_kind("broken"), *found.of_kind("slip"))
+    return {"right": found.of_kind("solution")[0].text(), **{one.name: one.text() for one in wrong}}
