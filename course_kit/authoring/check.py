@@ -9,7 +9,6 @@ import argparse
 import secrets
 import sys
 import time
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -43,7 +42,7 @@ class ProofOutcome:
 
 
 def check_proofs(
-    root: Path, exercises: Sequence[str] = (), *, workers: int = 0, seed: int | None = None
+    root: Path, exercises: Sequence[str] = (), *, workers: int | None = None, seed: int | None = None
 ) -> ProofOutcome:
     """Grade all submissions of some exercises and judge the outcome."""
     began = time.monotonic()
@@ -59,14 +58,13 @@ def check_proofs(
 
 def grade_corpora(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubmission, Report]:
     """Grade all submissions of these sets, and tell on stderr how far it is."""
-    begun = {pool.begin(one, _seed_for(one, each, seed)): one for each in chosen for one in _longest_first(each)}
-    reports = {}
-    for number, future in enumerate(as_completed(begun), start=1):
-        submission = begun[future]
-        reports[submission] = report = future.result()
-        if number % _EACH == 0 or number == len(begun):
+    wanted = [(one, _seed_for(one, each, seed)) for each in chosen for one in _longest_first(each)]
+    reports: dict[ProofSubmission, Report] = {}
+    for submission, report in pool.grade_all((one, pool.request_for(one, drawn)) for one, drawn in wanted):
+        reports[submission] = report
+        if len(reports) % _EACH == 0 or len(reports) == len(wanted):
             what = f"{submission.exercise} {submission.kind} {submission.name}: {in_points(report.score)}"
-            sys.stderr.write(f"[{number}/{len(begun)}] {what}, {report.duration_s:.1f} s\n")
+            sys.stderr.write(f"[{len(reports)}/{len(wanted)}] {what}, {report.duration_s:.1f} s\n")
             sys.stderr.flush()
     return reports
 
@@ -123,16 +121,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "exercises", nargs="*", metavar="EXERCISE", help="only these; the course's own when none is named"
     )
-    parser.add_argument("--workers", type=_positive, default=0, metavar="N", help="number of gradings at the same time")
+    parser.add_argument("--workers", type=int, metavar="N", help="number of gradings at the same time")
     parser.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
     parser.add_argument(  # `course-kit` has taken it out before, wherever it stands
         "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the one that DIR is"
     )
     return parser
-
-
-def _positive(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("it must be a number from 1 up")
-    return number

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from course_kit.classroom.executors import LocalExecutor
+from course_kit.grading import pool
 from course_kit.grading.engine import GradingRequest, unreadable
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
@@ -16,24 +15,25 @@ from course_kit.grading.sandbox import needs
 from course_kit.process import Closable
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from course_kit.authoring.corpus import ProofSubmission
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
 
+Thing = TypeVar("Thing")
+
 
 class Gradings(Closable):
     """The pool, and what reads programs for it. Use it in a `with` statement."""
 
-    def __init__(self, exercises: Sequence[Exercise], workers: int = 0) -> None:
+    def __init__(self, exercises: Sequence[Exercise], workers: int | None = None) -> None:
         for one in exercises:
             needs.require_machine(one.limits)
         self._exercises = {one.id: one for one in exercises}
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-gradings-")
         self._reader = Reader()
-        graders = [one.grader for one in exercises if one.grader]
-        self._pool = LocalExecutor(workers or None, graders, [one.limits for one in exercises])
+        self._pool = pool.start_pool(exercises, workers)
 
     def close(self) -> None:
         """End it; what is under way is given up."""
@@ -41,26 +41,28 @@ class Gradings(Closable):
         self._reader.close()
         self._folder.cleanup()
 
-    def begin(self, submission: ProofSubmission, seed: int) -> Future[Report]:
-        """Have a submission of a proof set graded some time."""
-        if submission.changes:
-            return self.begin_text(submission.exercise, submission.text(), seed)
-        return self.begin_file(submission.exercise, submission.path, seed)
+    def grade_all(self, requests: Iterable[tuple[Thing, GradingRequest | Report]]) -> Iterator[tuple[Thing, Report]]:
+        """Grade; each report comes out with its thing as soon as it is there."""
+        return pool.grade_all(self._pool, requests)
 
-    def begin_text(self, exercise_id: str, program: str, seed: int, *, first_failure: bool = False) -> Future[Report]:
-        """Have a program graded that is in no file."""
-        path = Path(self._folder.name) / f"{exercise_id}.py"
-        path.write_text(program, encoding="utf-8")
-        return self.begin_file(exercise_id, path, seed, first_failure=first_failure)
+    def request_for(self, submission: ProofSubmission, seed: int) -> GradingRequest | Report:
+        """How to grade a submission of a proof set; the report of one that cannot be read."""
+        program = submission.text() if submission.changes else submission.path
+        return self.request_for_program(submission.exercise, program, seed)
 
-    def begin_file(self, exercise_id: str, path: Path, seed: int, *, first_failure: bool = False) -> Future[Report]:
-        """Have a file graded, with `first_failure` until the first check that fails."""
+    def request_for_program(
+        self, exercise_id: str, program: str | Path, seed: int, *, first_failure: bool = False
+    ) -> GradingRequest | Report:
+        """How to grade a file or a text, with `first_failure` until the first check that fails."""
         exercise = self._exercises[exercise_id]
+        if isinstance(program, Path):
+            path = program
+        else:
+            path = Path(self._folder.name) / f"{exercise_id}.py"
+            path.write_text(program, encoding="utf-8")
         try:
             with Copy(path) as copy:
                 text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
-            future: Future[Report] = Future()
-            future.set_result(unreadable(exercise, path.name, str(problem)))
-            return future
-        return self._pool.submit(GradingRequest(exercise, text, path.name, seed, first_failure=first_failure))
+            return unreadable(exercise, path.name, str(problem))
+        return GradingRequest(exercise, text, path.name, seed, first_failure=first_failure)

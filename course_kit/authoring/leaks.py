@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 
 _SEED = 1
-_FEW = 6  # programs: no more workers are started for them
 _ALIKE = 0.5  # of a solution's fingerprints that its starter has not; of other programs the most alike has 0.13
 _FEWEST = 30  # such fingerprints: a smaller repair has no shape that others have not
 
@@ -89,9 +88,9 @@ def _grade(exercises: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[P
         clue = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
         named = (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE))
         ready += [(path, exercise.id) for path in named if path.suffix != ".md"]
-    with Gradings(exercises, len(ready) if len(ready) < _FEW else 0) as pool:
-        waiting = {(path, name): pool.begin_file(name, path, _SEED) for path, name in ready}
-        reports = {key: future.result() for key, future in waiting.items()}
+    with Gradings(exercises) as pool:
+        requests = (((path, name), pool.request_for_program(name, path, _SEED)) for path, name in ready)
+        reports = dict(pool.grade_all(requests))
     for (path, name), report in reports.items():
         if report.status == "error":
             raise GradingError(f"{path.name} could not be graded as {name}: {report.problem} Run this again.")

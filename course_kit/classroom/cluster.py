@@ -1,90 +1,31 @@
-"""Where the gradings of a class are done: on this machine, or on a Dask cluster; for `run` both are the same.
-
-An executor has `slots`, takes a `GradingRequest` by `submit` and returns a future of its `Report`, as those of
-`concurrent.futures` do.
-"""
+"""Gradings on the machines of a Dask cluster, each of which needs the course kit of this version."""
 
 from __future__ import annotations
 
 import logging
-import os
-import sys
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from course_kit.classroom.concurrency import GradingQueue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.sandbox import machine, needs
-from course_kit.grading.workers.pool import Pool
+from course_kit.grading.pool import Pool
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from concurrent.futures import Future
 
     from course_kit.grading.engine import GradingRequest
-    from course_kit.grading.model.limits import Limits
     from course_kit.grading.model.report import Report
 
-_WORKERS_PER_CORE = 2  # a grading waits for answers about as long as it computes
-_MORE_WHEN_IDLE = 3  # times as many, while submissions that are silent hold workers and leave processors idle
-_MORE_THAT_WAIT = 6  # times as many, while processors idle because most gradings wait, as far as there is memory
-_EACH = 50 << 20  # bytes of memory that a grading of an ordinary submission takes
-_ROOM = 4  # times as much has to be free as they take together: a submission may need more
 _PLUGIN = "course-kit"
 _CONNECT_S = 10
 _CLOSE_S = 5
 _RETRIES = 3  # a grading whose machine died is done again elsewhere, so often
 
 
-class Executor(Protocol):
-    """Where gradings are done."""
-
-    @property
-    def slots(self) -> int:
-        """How many gradings are done side by side."""
-
-    def submit(self, request: GradingRequest) -> Future[Report]:
-        """Have a submission graded some time."""
-
-    def require_reachable(self) -> None:
-        """See that reports can still come back."""
-
-    def close(self) -> None:
-        """Stop; what is under way is given up."""
-
-
 class SchedulerLostError(GradingError):
     """The scheduler of a cluster has ended, or cannot be reached any more, while submissions were graded."""
 
 
-class LocalExecutor:
-    """Workers on this machine, started ahead of time."""
-
-    def __init__(
-        self, workers: int | None = None, graders: Sequence[str] = (), promised: Sequence[Limits] = ()
-    ) -> None:
-        most = min(map(needs.side_by_side, promised), default=sys.maxsize)
-        usual = min(workers or _WORKERS_PER_CORE * len(os.sched_getaffinity(0)), most)
-        idle = min(_MORE_WHEN_IDLE * usual, most)
-        # Not where somebody has said how many: who does, wants to keep the machine from it.
-        waiting = 0 if workers else min(_MORE_THAT_WAIT * usual, most, machine.free_memory() // (_ROOM * _EACH))
-        self.slots = max(idle, waiting)
-        self._pool = Pool(self.slots, graders, awake=usual)
-        self._turns = GradingQueue(self._pool.grade, usual, idle, most_that_wait=waiting)
-
-    def submit(self, request: GradingRequest) -> Future[Report]:
-        return self._turns.submit(request)
-
-    def require_reachable(self) -> None:
-        """See `Executor`; workers of this machine that end are replaced."""
-
-    def close(self) -> None:
-        self._turns.end()
-        self._pool.close()
-        self._turns.join()
-
-
-class ClusterExecutor:
-    """Workers on the machines of a Dask cluster; each of them needs the course kit of this version."""
+class Cluster:
+    """Graders, see `Graders`: the workers of a Dask scheduler."""
 
     def __init__(self, address: str) -> None:
         try:
@@ -113,7 +54,7 @@ class ClusterExecutor:
         return future
 
     def require_reachable(self) -> None:
-        """See `Executor`; a scheduler that comes back knows nothing of what was under way."""
+        """See `Graders`; a scheduler that comes back knows nothing of what was under way."""
         if self._client.status != "running":
             raise SchedulerLostError(f"The Dask scheduler at {self._address} has ended or cannot be reached any more.")
 
@@ -140,7 +81,7 @@ def _plugin() -> Any:
         idempotent = True
 
         def setup(self, worker: Any) -> None:
-            self.pool = Pool(warm=worker.state.nthreads)
+            self.pool = Pool(worker.state.nthreads)
 
         def teardown(self, worker: Any) -> None:
             del worker

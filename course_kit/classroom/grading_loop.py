@@ -1,11 +1,10 @@
-"""Has submissions graded by an executor, keeps each result the moment it is there, and says how far it is."""
+"""Has submissions of a class graded, keeps each result the moment it is there, and says how far it is."""
 
 from __future__ import annotations
 
 import hashlib
 import time
 from collections import Counter
-from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import replace
 from functools import lru_cache
 from importlib import metadata
@@ -13,24 +12,21 @@ from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.classroom.records import outcome_of
-from course_kit.grading import engine
 from course_kit.grading.model import exercise_folders
+from course_kit.grading.pool import grade_all
 from course_kit.grading.render.html import render_page
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-    from concurrent.futures import Future
+    from collections.abc import Callable, Iterable, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.executors import Executor
     from course_kit.classroom.records import GradeRecord, RecordFolder
     from course_kit.classroom.submissions import ClassSubmission
+    from course_kit.grading.engine import GradingRequest
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
+    from course_kit.grading.pool import Graders
 
-_AHEAD = 2  # requests given to an executor for each of its slots: none idles, and few are lost
-_LISTEN_S = 0.5  # how often a wait for results looks at the clock and at who wants to stop
-_AT_ONCE = 2  # requests to stop
 _ORDER = ("passed", "not passed", "crashed", "unreadable", "error")
 _EVERY_S = 10.0  # between two lines where lines cannot be written over
 _TOO_EARLY = 3  # results before an estimate is worth anything
@@ -102,8 +98,8 @@ class RunProgress:
         self._stream.flush()
 
 
-class GradingLoop:
-    """Gives an executor enough to do, until all is done or somebody has asked to stop."""
+class ClassGrading:
+    """Has submissions graded until all is done or somebody has asked to stop; what has its result stands in `done`."""
 
     def __init__(
         self,
@@ -120,48 +116,24 @@ class GradingLoop:
         self._hidden = hidden
         self._require_isolation = require_isolation
         self._versions: dict[str, dict[str, str]] = {}
+        self._is_stopping = False
         self.done: list[GradeRecord] = []
 
-    def run(self, groups: Sequence[list[ClassSubmission]], executor: Executor) -> None:
-        """Grade each group once; those in one are identical. What has its result stands in `done`."""
-        waiting = iter(groups)
-        under_way: dict[Future[Report], list[ClassSubmission]] = {}
-        stopping = False
-        while self._stops() < _AT_ONCE:
-            if self._stops() and not stopping:
-                stopping = True
-                for future in [future for future in under_way if future.cancel()]:
-                    del under_way[future]
-                self._progress.stopping(len(under_way))
-            if not stopping:
-                self._fill(executor, waiting, under_way)
-            if not under_way:
-                return
-            finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-            for future in [one for one in under_way if one in finished]:  # in the order they were given out
-                result = _result(under_way[future][0], future)
-                if result.status == "error":
-                    executor.require_reachable()  # an error that comes of that is of no submission
-                self._keep(under_way.pop(future), result)
-            executor.require_reachable()
-            self._progress.tick()
+    def run(self, groups: Sequence[list[ClassSubmission]], graders: Graders) -> None:
+        """Grade each group once; those in one are identical."""
+        requests = ((group, self._request(group[0])) for group in groups)
+        for group, report in grade_all(graders, requests, self._stops, self._listen):
+            self._keep(group, report)
+        self._progress.tick()
 
-    def _fill(
-        self,
-        executor: Executor,
-        waiting: Iterator[list[ClassSubmission]],
-        under_way: dict[Future[Report], list[ClassSubmission]],
-    ) -> None:
-        """Give the executor enough to do."""
-        while len(under_way) < _AHEAD * executor.slots:
-            group = next(waiting, None)
-            if group is None:
-                return
-            request = group[0].request(self._hidden, require_isolation=self._require_isolation)
-            if request is None:
-                self._keep(group, group[0].unreadable())
-            else:
-                under_way[executor.submit(request)] = group
+    def _request(self, first: ClassSubmission) -> GradingRequest | Report:
+        return first.request(self._hidden, require_isolation=self._require_isolation) or first.unreadable()
+
+    def _listen(self, under_way: int) -> None:
+        if self._stops() and not self._is_stopping:
+            self._is_stopping = True
+            self._progress.stopping(under_way)
+        self._progress.tick()
 
     def _keep(self, group: list[ClassSubmission], report: Report) -> None:
         """Write the result of a submission and of those identical to it."""
@@ -176,15 +148,6 @@ class GradingLoop:
             self._records.keep(record, render_page(own, one.entry.name or one.entry.student, one.text))
             self.done.append(record)
             self._progress.done(record)
-
-
-def _result(submission: ClassSubmission, future: Future[Report]) -> Report:
-    """The report; where grading itself has failed one that says so, as nothing may end the grading of the others."""
-    try:
-        return future.result()
-    except Exception as problem:  # noqa: BLE001 - of a cluster, of a worker; whatever it is, it is not the student's
-        why = f"The grading failed: {problem or type(problem).__name__}"
-        return engine.unreadable(submission.exercise, submission.entry.source, why, status="error")
 
 
 def versions_of(exercise: Exercise) -> dict[str, str]:

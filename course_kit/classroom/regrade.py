@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom import submissions
 from course_kit.classroom.exports.texts import csv_text, format_number, lines_of_table, score_of
-from course_kit.classroom.grading_loop import GradingLoop, versions_of
+from course_kit.classroom.grading_loop import ClassGrading, versions_of
 from course_kit.classroom.records import RecordFolder, outcome_of
 from course_kit.environment import write_atomically
 from course_kit.grading.reading.reader import Reader
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.records import Gradebook, GradeRecord
     from course_kit.classroom.run import ClassRun
     from course_kit.classroom.submissions import ClassSubmission
+    from course_kit.grading.pool import Graders
 
 STAGING = "regrade"
 TABLE = "regrade.csv"
@@ -88,16 +88,16 @@ class Regrade:
         self._new: list[GradeRecord] = []
         self.complete = False
 
-    def grade(self, start: Callable[[], Executor], stops: Callable[[], int]) -> list[GradeChange]:
+    def grade(self, start: Callable[[], Graders], stops: Callable[[], int]) -> list[GradeChange]:
         """Grade; what differs is returned and written into the table, and nothing else is written yet."""
-        loop = GradingLoop(self._staging, self._progress, stops, self._run.hidden_folders)
+        loop = ClassGrading(self._staging, self._progress, stops, self._run.hidden_folders)
         groups = self._take_stock(stops)
         if groups:
-            executor = start()
+            graders = start()
             try:
-                loop.run(groups, executor)
+                loop.run(groups, graders)
             finally:
-                executor.close()
+                graders.close()
         self._new += loop.done
         self.complete = len(self._new) == len(self._chosen)
         changes = self._changes()

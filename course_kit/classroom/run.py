@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import run_folder, submissions
-from course_kit.classroom.grading_loop import GradingLoop
+from course_kit.classroom.grading_loop import ClassGrading
 from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
@@ -27,7 +27,6 @@ from course_kit.text.sanitize import one_line
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.submissions import ClassSubmission
     from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.pool import Graders
 
 WORKSPACE = "handed_in"  # where an archive is unpacked, in the output folder
 _NAMED = 3  # things that are there where there is no submission
@@ -80,24 +80,24 @@ class ClassRun:
         run_folder.write_note(plan, self.seed)
         # No submission may see these: one student's program must not read another's, nor the results.
         self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
-        self._loop = GradingLoop(
+        self._loop = ClassGrading(
             self._records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
         )
         self._kept: list[GradeRecord] = []
         self.gone: list[str] = []
 
-    def grade(self, start: Callable[[], Executor]) -> Gradebook:
+    def grade(self, start: Callable[[], Graders]) -> Gradebook:
         """Grade what has no result yet, or has changed."""
         self._take_away_what_is_gone()
         # It gets ready while the submissions are read.
-        executor = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
+        graders = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
         try:
             if groups := self._take_stock():
-                executor = executor or start()
-                self._loop.run(groups, executor)
+                graders = graders or start()
+                self._loop.run(groups, graders)
         finally:
-            if executor is not None:
-                executor.close()
+            if graders is not None:
+                graders.close()
         done = [*self._kept, *self._loop.done]
         self._records.require_kept(done)
         return self._gradebook(done)

@@ -7,12 +7,11 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.classroom.concurrency import Urgency, put_urgent_early
 from course_kit.classroom.records import GradeRecord
 from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.submission import Facts, UnreadableError
+from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import ReadingStoppedError
 
@@ -47,10 +46,9 @@ class ClassSubmission:
         return (self.exercise.id, self.digest or self.entry.source, self.seed)
 
     @property
-    def urgency(self) -> Urgency:
-        """How early its program should begin, by a guess from its text that is good enough for that."""
-        facts = Facts() if self.text is None else self.text.facts
-        return Urgency.LOOPS if facts.loops else Urgency.WAITS if facts.waits else Urgency.NONE
+    def may_last(self) -> bool:
+        """Whether its program may loop or wait for long, by a guess from its text."""
+        return self.text is not None and (self.text.facts.loops or self.text.facts.waits)
 
     def request(self, hidden: tuple[str, ...], *, require_isolation: bool) -> GradingRequest | None:
         """What an executor is asked to do; None when there is nothing to run."""
@@ -113,7 +111,7 @@ class ClassSubmission:
 def sort_out(
     read: Iterable[tuple[ClassSubmission, GradeRecord | None]],
 ) -> tuple[list[tuple[ClassSubmission, GradeRecord]], list[list[ClassSubmission]]]:
-    """Those that have a result, with it; and the others: identical ones together, what may last early."""
+    """Those that have a result, with it; and the others: identical ones together, first what may last."""
     ready: list[tuple[ClassSubmission, GradeRecord]] = []
     groups: dict[tuple[str, str, int], list[ClassSubmission]] = {}
     try:
@@ -124,7 +122,7 @@ def sort_out(
                 groups.setdefault(one.key, []).append(one)
     except ReadingStoppedError:
         groups = {}
-    return ready, put_urgent_early(groups.values(), lambda group: group[0].urgency)
+    return ready, sorted(groups.values(), key=lambda group: not group[0].may_last)
 
 
 def read_submission(  # noqa: PLR0913 - what a submission is read for

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 import signal
 import sys
@@ -15,9 +14,9 @@ from course_kit import environment
 from course_kit.text.console import note
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from course_kit.classroom.executors import Executor
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.run import ClassRun, Plan
     from course_kit.grading.model.exercise import Exercise
+    from course_kit.grading.pool import Graders
 
 FAILED, INTERRUPTED = 2, 130
 _MOST_NAMED = 20  # students in a sentence; the class page has them all
@@ -87,19 +87,14 @@ def add_to(verbs: Any) -> None:
     )
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        type=positive_number,
-        metavar="N",
-        help="number of gradings at the same time on this machine, more while they only wait",
-    )
+    where.add_argument("--workers", type=int, metavar="N", help="number of gradings at the same time on this machine")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://10.0.0.1:8786")
     parser.set_defaults(run=grade_class)
 
 
 def grade_class(options: argparse.Namespace) -> int:
     """Grade the class, and say in a sentence what stopped it."""
-    from course_kit.classroom.executors import SchedulerLostError
+    from course_kit.classroom.cluster import SchedulerLostError
     from course_kit.grading import GradingError
 
     try:
@@ -145,7 +140,7 @@ def _run(options: argparse.Namespace) -> int:
     with ExitStack() as ends:
         early = None  # the workers of this machine get ready while all else is loaded; a resumed run may need none
         if not (options.scheduler or options.resume):
-            early = start_executor(options, list(chosen.values()))
+            early = start_graders(options, list(chosen.values()))
             ends.callback(early.close)
         return _grade(options, _plan(options, chosen.values()), early)
 
@@ -168,7 +163,7 @@ def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
     )
 
 
-def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> int:
+def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> int:
     from course_kit.classroom import run_folder
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.records import SUPERSEDED
@@ -179,7 +174,7 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Executor | None) -> i
     with run_folder.hold_folder(plan.out):
         with count_interrupts() as stops:
             grading = ClassRun(plan, tally, stops)
-            start = partial(start_executor, options, plan.exercises)
+            start = partial(start_graders, options, plan.exercises)
             book = grading.grade(lambda: early or start())
             if options.again and book.complete:
                 book = grade_again(options, grading, tally, start, stops) or book
@@ -284,26 +279,19 @@ def _left_out(dropped: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> s
     return f"{count_of(reasons, 'student')} handed in something that was not graded: {first_of(reasons)}."
 
 
-def start_executor(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Executor:
+def start_graders(options: argparse.Namespace, exercises: Sequence[Exercise]) -> Graders:
     """Where submissions are graded, as the options say."""
-    from course_kit.classroom import executors
-
     if options.scheduler:
-        return executors.ClusterExecutor(options.scheduler)
-    graders, limits = [one.grader for one in exercises], [one.limits for one in exercises]
-    started = executors.LocalExecutor(options.workers, graders, limits)
+        from course_kit.classroom.cluster import Cluster
+
+        return Cluster(options.scheduler)
+    from course_kit.grading.pool import start_pool
+
+    started = start_pool(exercises, options.workers)
     from course_kit.classroom import exports
 
     exports.get_ready()  # needed at the end: now it costs no time, as the workers take as long
     return started
-
-
-def positive_number(text: str) -> int:
-    """A number of workers."""
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("at least 1")
-    return number
 
 
 def command_to_continue(options: argparse.Namespace) -> str:
@@ -386,7 +374,7 @@ def grade_again(
     options: argparse.Namespace,
     class_run: ClassRun,
     progress: RunProgress,
-    start: Callable[[], Executor],
+    start: Callable[[], Graders],
     stops: Callable[[], int],
 ) -> Gradebook | None:
     """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""

@@ -272,11 +272,7 @@ def _add_prove(verbs: Verbs) -> None:
     parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
     parser.add_argument(
-        "--workers",
-        type=class_command.positive_number,
-        default=0,
-        metavar="N",
-        help="gradings at a time (default: what this machine can take)",
+        "--workers", type=int, metavar="N", help="gradings at a time (default: what this machine can take)"
     )
     parser.set_defaults(run=_prove)
 

@@ -12,7 +12,6 @@ from course_kit.grading.model.exercise import load_exercise
 from tests.graders.strange_programs import ANYTHING, PROGRAMS
 
 if TYPE_CHECKING:
-    from concurrent.futures import Future
     from pathlib import Path
 
     from course_kit.grading import Report
@@ -21,23 +20,22 @@ pytestmark = [pytest.mark.answers, pytest.mark.timeout(1200), pytest.mark.attack
 
 
 @pytest.fixture(scope="module")
-def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Future[Report]]:
+def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Report]:
     """All of them, side by side."""
     folder: Path = tmp_path_factory.mktemp("strange")
     with Gradings([load_exercise(name) for name in {one.exercise for one in PROGRAMS.values()}]) as pool:
-        begun = {}
+        requests = []
         for number, (name, program) in enumerate(PROGRAMS.items()):
             path = folder / f"answer_{number}.py"
             path.write_text(program.text())
-            begun[name] = pool.begin(ProofSubmission(program.exercise, "strange", name, path), 3)
-        for one in begun.values():
-            one.exception()
-    return begun
+            submission = ProofSubmission(program.exercise, "strange", name, path)
+            requests.append((name, pool.request_for(submission, 3)))
+        return dict(pool.grade_all(requests))
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_it_gets_a_verdict(name: str, graded: dict[str, Future[Report]]) -> None:
-    report, first = graded[name].result(), PROGRAMS[name].first
+def test_it_gets_a_verdict(name: str, graded: dict[str, Report]) -> None:
+    report, first = graded[name], PROGRAMS[name].first
     assert report.status in ("graded", "crashed"), report.problem
     if first != ANYTHING:
         assert next((one.id, one.diagnosis) for one in report.checks if one.status == "failed") == first

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.executors import LocalExecutor
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.limits import Limits
+from course_kit.grading.pool import start_pool
 from course_kit.grading.sandbox import isolation, machine, needs
 from course_kit.process import libc, tree
 from tests.grading.conftest import EXERCISE, ROOT
@@ -175,8 +176,8 @@ def test_no_more_are_graded_at_once_than_a_container_has_processes_for(
     (tmp_path / "pids.current").write_text("50\n")
     monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
     monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
-    with closing(LocalExecutor(4, promised=[Limits()])) as executor:
-        assert executor.slots == slots
+    with closing(start_pool([load_exercise(EXERCISE)], 12)) as pool:
+        assert pool.slots == slots
 
 
 def test_gradings_side_by_side_leave_each_other_their_threads() -> None:

@@ -12,9 +12,9 @@ from course_kit.grading import engine
 from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model.exercise import load_exercise, read_exercise
+from course_kit.grading.pool import Pool
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
-from course_kit.grading.workers.pool import Pool
 from tests import outside_exercises
 from tests.outside_exercises import ID
 

@@ -90,5 +90,6 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
 def grade_all(chosen: Sequence[ProofSubmission], seeds: Sequence[int]) -> list[Verdicts]:
     """Grade each program once for each seed, as a class is graded."""
     with Gradings([load_exercise(name) for name in {one.exercise for one in chosen}]) as pool:
-        begun = [(one, {seed: pool.begin(one, seed) for seed in seeds}) for one in chosen]
-        return [Verdicts(one, {seed: future.result() for seed, future in each.items()}) for one, each in begun]
+        wanted = ((one, seed) for one in chosen for seed in seeds)
+        reports = dict(pool.grade_all(((one, seed), pool.request_for(one, seed)) for one, seed in wanted))
+    return [Verdicts(one, {seed: reports[one, seed] for seed in seeds}) for one in chosen]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 import sys
 import time
-from concurrent.futures import as_completed
 from dataclasses import dataclass, field
 from textwrap import shorten
 from typing import TYPE_CHECKING
@@ -52,7 +51,7 @@ class GraderProof:
         return not self.survivors and not self.problems
 
 
-def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int = 0) -> GraderProof:
+def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int | None = None) -> GraderProof:
     """Find out what a grader lets through."""
     began = time.monotonic()
     source = _read_solution(exercise.solution)
@@ -63,7 +62,7 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
     left, problems = list(chosen), _name_unused(entries, made)
     with Gradings([exercise], workers) as pool:
-        report = pool.begin_text(exercise.id, source, seed).result()
+        [(_, report)] = pool.grade_all([("", pool.request_for_program(exercise.id, source, seed))])
         if not _has_full_marks(report):
             raise GradingError(
                 f"Nothing can be proven, because the solution itself does not get full marks: {describe_report(report)}"
@@ -88,12 +87,14 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
 
 def _grade(pool: Gradings, exercise_id: str, programs: Sequence[Mutant], seed: int) -> dict[Mutant, Report]:
     """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
-    waiting = {pool.begin_text(exercise_id, one.source, seed, first_failure=True): one for one in programs}
-    for number, _ in enumerate(as_completed(waiting), start=1):
-        if number % _EACH == 0 or number == len(waiting):
-            sys.stderr.write(f"[{number}/{len(waiting)}] mistakes graded with seed {seed}\n")
+    requests = ((one, pool.request_for_program(exercise_id, one.source, seed, first_failure=True)) for one in programs)
+    reports: dict[Mutant, Report] = {}
+    for one, report in pool.grade_all(requests):
+        reports[one] = report
+        if len(reports) % _EACH == 0 or len(reports) == len(programs):
+            sys.stderr.write(f"[{len(reports)}/{len(programs)}] mistakes graded with seed {seed}\n")
             sys.stderr.flush()
-    return {one: future.result() for future, one in waiting.items()}
+    return reports
 
 
 def describe_proof(proof: GraderProof, *, quick: bool) -> Iterator[str]:

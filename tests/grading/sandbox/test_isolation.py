@@ -31,7 +31,7 @@ from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
-from course_kit.grading.workers.pool import Pool
+from course_kit.grading.pool import Pool
 asked = load_exercise("temperature_service")
 with Copy(Path(sys.argv[1])) as copy, Reader() as reader, closing(Pool()) as pool:
     report = pool.grade(
