@@ -13,7 +13,7 @@ from course_kit import environment
 from course_kit.cli.main import main
 from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import find_exercises, list_exercise_ids, load_exercise, read_exercise
+from course_kit.grading.model.exercise import list_exercise_ids, load_exercise, read_exercise
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
@@ -32,14 +32,6 @@ def course_kit(*words: str, **variables: str) -> subprocess.CompletedProcess[str
     )
 
 
-def install(site: Path, package: str, value: str = "") -> None:
-    """A package as pip lays it out, whose entry point names `value`, or itself."""
-    listed = site / f"{package}-1.0.dist-info"
-    listed.mkdir(parents=True)
-    (listed / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
-    (listed / "entry_points.txt").write_text(f"[{exercise_folders.GROUP}]\nmine = {value or package}\n")
-
-
 def test_a_folder_of_exercises_and_one_exercise_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     several, one = tmp_path / "several", tmp_path / "one"
     outside_exercises.write(several, "first")
@@ -50,24 +42,6 @@ def test_a_folder_of_exercises_and_one_exercise_itself(tmp_path: Path, monkeypat
     assert {"first", "second", ID} == set(list_exercise_ids()) - set(list_exercise_ids(OWN))
     assert load_exercise("first").folder == several / "first"
     assert load_exercise(ID).grader == str(alone / "checks.py")
-
-
-def test_a_package_adds_its_folder_and_is_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    package = tmp_path / "my_exercises"
-    outside_exercises.write(package)
-    (package / "__init__.py").write_text("raise RuntimeError('it was run')\n")
-    install(tmp_path, "my_exercises")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert load_exercise(ID).folder == package / ID
-
-
-def test_a_package_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    install(tmp_path, "broken_package", "no_such_package")
-    monkeypatch.syspath_prepend(tmp_path)
-    (problem,) = find_exercises().problems
-    assert "no_such_package" in problem
-    assert "broken_package-1.0.dist-info" in problem
-    assert load_exercise("temperature_service").id == "temperature_service"
 
 
 def test_two_exercises_of_one_id_are_named_with_both_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

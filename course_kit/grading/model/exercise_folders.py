@@ -1,19 +1,14 @@
 """Where exercises lie: in the course's own folder, and in any that somebody has added.
 
-`--exercises DIR`, the variable COURSE_EXERCISES and the entry points of installed packages (group
-`course_kit.exercises`) each add a folder: an exercise, or a folder of exercises. Here is found where they are; nothing
-is read.
+`--exercises DIR` and the variable COURSE_EXERCISES each add a folder: an exercise, or a folder of exercises. Here is
+found where they are; nothing is read.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.util import find_spec
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
 VARIABLE = "COURSE_EXERCISES"
-GROUP = "course_kit.exercises"
 TOML = "exercise.toml"
 DRILLS = "drills"  # a folder of exercises for practice, in the course's own folder of exercises
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
@@ -88,10 +82,10 @@ def find() -> FoundExercises:
     own = course_folder()
     found = {} if own is None else within(own)
     problems = []
-    for folder, named_by in _added():
+    for folder in (Path(entry) for entry in _entries() if os.path.isabs(entry)):  # noqa: PTH117
         exercises = list(_exercises(folder))
         if not exercises:
-            problems.append(_nothing(folder, named_by))
+            problems.append(_nothing(folder, VARIABLE))
         for exercise in exercises:
             known = found.get(exercise.name, ())
             if not any(_is_same(exercise, other) for other in known):
@@ -125,17 +119,9 @@ def interface_path() -> str:
     return path_with(*filter(os.path.isdir, folders))
 
 
-def added() -> tuple[list[Path], list[Path]]:
-    """The folders of all exercises that were added, and those of the packages that bring some of them."""
-    packages = {folder: list(_exercises(folder)) for folder, _ in _of_packages() if folder.is_absolute()}
-    named = [one for entry in _entries() if os.path.isabs(entry) for one in _exercises(Path(entry))]  # noqa: PTH117
-    return [*named, *chain(*packages.values())], [folder for folder, brought in packages.items() if brought]
-
-
-def _added() -> Iterator[tuple[Path, str]]:
-    """Each folder that was added, and who names it."""
-    yield from ((Path(entry), VARIABLE) for entry in _entries() if os.path.isabs(entry))  # noqa: PTH117
-    yield from _of_packages()
+def added() -> list[Path]:
+    """The folders of all exercises that were added."""
+    return [one for entry in _entries() if os.path.isabs(entry) for one in _exercises(Path(entry))]  # noqa: PTH117
 
 
 def _entries() -> list[str]:
@@ -158,52 +144,6 @@ def _exercises(folder: Path) -> Iterator[Path]:
         for exercise in sorted(folder.iterdir()):
             if (exercise / TOML).is_file():
                 yield exercise
-
-
-def _of_packages() -> Iterator[tuple[Path, str]]:
-    """The folders of the packages that an entry point names.
-
-    Loading importlib.metadata and asking it for one group takes longer than all other work of `course-kit list`. So it
-    is asked only about a distribution whose entry points have the group's name in them.
-    """
-    for listed in _listings():
-        from importlib.metadata import Distribution
-
-        for point in Distribution.at(listed.parent).entry_points:
-            if point.group == GROUP:
-                named_by = f"the entry point {point.name} in {listed}"
-                yield _folder_of(point.value) or Path(point.value), named_by
-
-
-def _listings() -> Iterator[Path]:
-    """The lists of entry points that name our group."""
-    for place in dict.fromkeys(entry for entry in sys.path if os.path.isabs(entry)):  # noqa: PTH117 - none in "" itself
-        with suppress(OSError):
-            yield from _listings_in(place, os.stat(place).st_mtime_ns)  # noqa: PTH116 - hot
-
-
-@lru_cache(maxsize=64)
-def _listings_in(place: str, changed: int) -> tuple[Path, ...]:
-    """Those in a folder for libraries; looked for again when something was installed there, as each grading asks."""
-    del changed
-    found = []
-    with os.scandir(place) as entries:
-        for entry in entries:
-            if entry.name.endswith(".dist-info"):
-                listed = Path(entry.path, "entry_points.txt")
-                with suppress(OSError):
-                    if GROUP.encode() in listed.read_bytes():
-                        found.append(listed)
-    return tuple(found)
-
-
-def _folder_of(package: str) -> Path | None:
-    """Where a package lies; found without running anything of it."""
-    with suppress(ImportError, ValueError):
-        spec = find_spec(package)
-        if spec is not None and spec.submodule_search_locations:
-            return Path(next(iter(spec.submodule_search_locations)))
-    return None
 
 
 def _is_same(one: Path, other: Path) -> bool:

@@ -1,7 +1,6 @@
 """What of exercises no submission may see, wherever it lies: it may be among Python's libraries.
 
-That is the folder of each exercise that was added and the package that brings it; and where they lie elsewhere, its
-solution and its grader.
+That is the folder of each exercise that was added; and where they lie elsewhere, its solution and its grader.
 """
 
 from __future__ import annotations
@@ -28,8 +27,8 @@ _OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
 
 def of(exercise: Exercise) -> tuple[str, ...]:
     """The real paths of files and folders that the submissions of an exercise may not see."""
-    exercises, packages = exercise_folders.added()
-    found = [folder.resolve() for folder in (exercise.folder, *exercises, *packages)]
+    exercises = exercise_folders.added()
+    found = [folder.resolve() for folder in (exercise.folder, *exercises)]
     found += beside(exercise.solution, exercise.grader)
     for folder in exercises:
         with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for

@@ -1,4 +1,4 @@
-"""Of exercises that an installed package brings a submission sees no solution and no grader, wherever these lie."""
+"""Of exercises that lie among libraries a submission sees no solution and no grader, wherever these lie."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.refused import WITHOUT_NAMESPACES
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = pytest.mark.attack("The solution and the grader of an exercise that a package brings")
+pytestmark = pytest.mark.attack("The solution and the grader of an exercise that lies among libraries")
 OTHER = "other_exercise"
 SPY = """
 import os, subprocess, sys
@@ -31,7 +31,7 @@ for folder, _, names in os.walk({site}):
                 print("WON: read", os.path.join(folder, name))
         except OSError:
             pass
-for name in ("my_graders.three", "my_exercises.helpers", "single_grader"):
+for name in ("my_graders.three", "my_graders.helpers", "single_grader"):
     try:
         module = __import__(name)
         print("WON: imported", name) if hasattr(module, "CHECKS") or "." in name else None
@@ -56,12 +56,9 @@ SECRET = "NOT_FOR_SUBMISSIONS"  # noqa: S105 - a text to look for
 
 @pytest.fixture
 def site(tmp_path: Path) -> Path:
-    """What an installation leaves: two exercises of a package, their graders and solutions in four other places."""
+    """Two exercises among libraries, their graders and solutions in four other places."""
     made = tmp_path / "site"
     text = f"# {SECRET}\n"
-    listed = made / "my_exercises-1.0.dist-info"
-    listed.mkdir(parents=True)
-    (listed / "entry_points.txt").write_text(f"[{exercise_folders.GROUP}]\nmine = my_exercises\n")
     package = made / "my_exercises"
     for name, solution, grader in (
         (ID, "../../answers/x.py", "my_graders.three"),
@@ -73,10 +70,9 @@ def site(tmp_path: Path) -> Path:
         toml.write_text(named)
         (folder / "solution" / "add_three.py").unlink()
         (folder / "checks.py").unlink()
-    checks = outside_exercises.CHECKS.replace(".samples", "my_exercises.helpers")
+    checks = outside_exercises.CHECKS.replace(".samples", "my_graders.helpers")
     texts = {
-        "my_exercises/__init__.py": text,
-        "my_exercises/helpers.py": text + outside_exercises.SAMPLES,
+        "my_graders/helpers.py": text + outside_exercises.SAMPLES,
         "my_graders/__init__.py": text,
         "my_graders/three.py": text + checks,
         "my_graders/beside.py": text,
@@ -103,7 +99,7 @@ def test_solution_and_grader_are_hidden_and_both_work(name: str, before: str, si
     spy.write_text(SPY.replace("{site}", repr(str(site))).replace("{secret}", repr(SECRET)))
     right.write_text(outside_exercises.SOLUTION)
     command = [sys.executable, "-c", before + GRADE, name, str(spy), str(right)]
-    environ = {**os.environ, "PYTHONPATH": str(site), exercise_folders.VARIABLE: ""}
+    environ = {**os.environ, "PYTHONPATH": str(site), exercise_folders.VARIABLE: str(site / "my_exercises")}
     done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=200, check=False)
     assert done.returncode == 0, done.stderr
     found: list[Any] = json.loads(done.stdout)
@@ -121,9 +117,9 @@ def test_what_an_exercise_names_is_found_without_running_its_package(site: Path)
         f"print(*hidden_files.of(load_exercise('{ID}')), sep='\\n')"
     )
     command = [sys.executable, "-c", program, str(site)]
-    environ = {**os.environ, exercise_folders.VARIABLE: ""}
+    environ = {**os.environ, exercise_folders.VARIABLE: str(site / "my_exercises")}
     done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=200, check=True)
-    names = ("answers", "my_exercises", f"my_exercises/{ID}", f"my_exercises/{OTHER}", "my_graders", "one_file.py")
+    names = ("answers", f"my_exercises/{ID}", f"my_exercises/{OTHER}", "my_graders", "one_file.py")
     hidden = {line for line in done.stdout.splitlines() if "__pycache__" not in line}
     assert hidden == {str(site / name) for name in (*names, "single_grader.py")}
 
