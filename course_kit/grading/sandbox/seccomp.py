@@ -69,99 +69,50 @@ _EVERYWHERE = {
     "memfd_secret": 447,
     "file_setattr": 469,
 }
-_REFUSED = {
-    "x86_64": {
-        **_EVERYWHERE,
-        "ptrace": 101,
-        "process_vm_readv": 310,
-        "process_vm_writev": 311,
-        "kcmp": 312,
-        "unshare": 272,
-        "setns": 308,
-        "mount": 165,
-        "umount2": 166,
-        "pivot_root": 155,
-        "chroot": 161,
-        "add_key": 248,
-        "request_key": 249,
-        "keyctl": 250,
-        "memfd_create": 319,
-        "vmsplice": 278,
-        "shmget": 29,
-        "semget": 64,
-        "msgget": 68,
-        "mq_open": 240,
-        "bpf": 321,
-        "perf_event_open": 298,
-        "userfaultfd": 323,
-        "open_by_handle_at": 304,
-        "name_to_handle_at": 303,
-        "fanotify_init": 300,
-        "inotify_add_watch": 254,
-        "quotactl": 179,
-        "acct": 163,
-        "swapon": 167,
-        "reboot": 169,
-        "init_module": 175,
-        "finit_module": 313,
-        "kexec_load": 246,
-        "syslog": 103,
-    },
-    "aarch64": {
-        **_EVERYWHERE,
-        "ptrace": 117,
-        "process_vm_readv": 270,
-        "process_vm_writev": 271,
-        "kcmp": 272,
-        "unshare": 97,
-        "setns": 268,
-        "mount": 40,
-        "umount2": 39,
-        "pivot_root": 41,
-        "chroot": 51,
-        "add_key": 217,
-        "request_key": 218,
-        "keyctl": 219,
-        "memfd_create": 279,
-        "vmsplice": 75,
-        "shmget": 194,
-        "semget": 190,
-        "msgget": 186,
-        "mq_open": 180,
-        "bpf": 280,
-        "perf_event_open": 241,
-        "userfaultfd": 282,
-        "open_by_handle_at": 265,
-        "name_to_handle_at": 264,
-        "fanotify_init": 262,
-        "inotify_add_watch": 27,
-        "quotactl": 60,
-        "acct": 89,
-        "swapon": 224,
-        "reboot": 142,
-        "init_module": 105,
-        "finit_module": 273,
-        "kexec_load": 104,
-        "syslog": 116,
-    },
+_REFUSED = {  # the number on x86-64, and that on AArch64
+    "ptrace": (101, 117),
+    "process_vm_readv": (310, 270),
+    "process_vm_writev": (311, 271),
+    "kcmp": (312, 272),
+    "unshare": (272, 97),
+    "setns": (308, 268),
+    "mount": (165, 40),
+    "umount2": (166, 39),
+    "pivot_root": (155, 41),
+    "chroot": (161, 51),
+    "add_key": (248, 217),
+    "request_key": (249, 218),
+    "keyctl": (250, 219),
+    "memfd_create": (319, 279),
+    "vmsplice": (278, 75),
+    "shmget": (29, 194),
+    "semget": (64, 190),
+    "msgget": (68, 186),
+    "mq_open": (240, 180),
+    "bpf": (321, 280),
+    "perf_event_open": (298, 241),
+    "userfaultfd": (323, 282),
+    "open_by_handle_at": (304, 265),
+    "name_to_handle_at": (303, 264),
+    "fanotify_init": (300, 262),
+    "inotify_add_watch": (254, 27),
+    "quotactl": (179, 60),
+    "acct": (163, 89),
+    "swapon": (167, 224),
+    "reboot": (169, 142),
+    "init_module": (175, 105),
+    "finit_module": (313, 273),
+    "kexec_load": (246, 104),
+    "syslog": (103, 116),
 }
 
 # Where there is no PID namespace the kernel asks only whose the other process is. No filter sees whether a thread is
 # the program's own, which Fast DDS wants to set: so these are answered as done. By the argument that names it:
 _OF_PROCESSES = {
-    "x86_64": {
-        _FIRST_ARGUMENT: (203, 144, 142, 314, 256),
-        _SECOND_ARGUMENT: (141, 251),
-    },
-    "aarch64": {
-        _FIRST_ARGUMENT: (122, 119, 118, 274, 238),
-        _SECOND_ARGUMENT: (140, 30),
-    },
+    "x86_64": {_FIRST_ARGUMENT: (203, 144, 142, 314, 256), _SECOND_ARGUMENT: (141, 251)},
+    "aarch64": {_FIRST_ARGUMENT: (122, 119, 118, 274, 238), _SECOND_ARGUMENT: (140, 30)},
 }  # sched_set{affinity, scheduler, param, attr}, migrate_pages; setpriority, ioprio_set
-_LIMITS = {
-    "x86_64": 302,
-    "aarch64": 261,
-}  # prlimit64: with it even the init process of a PID namespace could be stopped
+_LIMITS = {"x86_64": 302, "aarch64": 261}  # prlimit64: it could stop even the init process of a PID namespace
 # Where there is no file system of its own: Landlock does not ask about these. They are answered as done and change
 # nothing: no filter sees which file is meant, and programs copy files of their own with their mode and times.
 _OF_FILES = {
@@ -218,13 +169,18 @@ def _filter(machine: str) -> Iterator[bytes]:
     refuse, unknown = _ERRNO | errno.EPERM, _ERRNO | errno.ENOSYS
     yield from _if(_AT_LEAST, _X32, unknown)
     yield from _if(_EQUAL, _CLONE3, unknown)
-    for number in sorted(_REFUSED[machine].values()):
+    for number in sorted(_refused(machine).values()):
         yield from _if(_EQUAL, number, refuse)
     for number, tests in _by_arguments(machine):
         yield _instruction(_EQUAL, number, 0, len(tests) + 1)
         yield from tests
         yield _load(_NUMBER)
     yield _return(_ALLOW)
+
+
+def _refused(machine: str) -> dict[str, int]:
+    """The numbers of the system calls that are refused whatever is asked of them."""
+    return {**_EVERYWHERE, **{name: numbers[tuple(_AUDIT).index(machine)] for name, numbers in _REFUSED.items()}}
 
 
 def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:

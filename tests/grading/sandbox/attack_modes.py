@@ -162,8 +162,8 @@ def become_nobody() -> None:
 
 def refuse_namespaces(more: dict[str, int]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
-    machine = os.uname().machine
-    known = seccomp._REFUSED[machine]
-    seccomp._REFUSED[machine] = {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    numbers_of = seccomp._refused
+    known = numbers_of(os.uname().machine)
+    seccomp._refused = lambda _: {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
     seccomp.install()
-    seccomp._REFUSED[machine] = known
+    seccomp._refused = numbers_of
