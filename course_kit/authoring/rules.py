@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.authoring import sentences
 from course_kit.grading import exit_code
-from course_kit.grading.diagnosis import catalogue
-from course_kit.grading.model import exercise_folders
+from course_kit.grading.model import catalogue, exercise_folders
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise_job
+from course_kit.grading.workers import exercise_job
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

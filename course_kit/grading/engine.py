@@ -10,22 +10,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
-from course_kit.grading import exercise_job
-from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import bounds, exercise_folders, submission
+from course_kit.grading.model import bounds, catalogue, exercise_folders, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
+from course_kit.grading.workers import exercise_job
 from course_kit.grading.workers.worker import Worker
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.grading_outcome import GradingOutcome
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record

@@ -64,9 +64,9 @@ def feedback(report: Report, name: str) -> str:
 
 def case_file(exercise_id: str, seed: int | None = None) -> str:
     """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
-    from course_kit.grading import exercise_job
     from course_kit.grading.checks.check import in_order
     from course_kit.grading.model.exercise import load_exercise
+    from course_kit.grading.workers import exercise_job
 
     exercise = load_exercise(exercise_id)
     drawn = seed if seed is not None else exercise.seed or 0

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import nbformat
 
 from course_kit import environment
-from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model.catalogue import catalogue
 from course_kit.learner.workspace import GUIDANCE
 from course_kit.text.console import refuse
 

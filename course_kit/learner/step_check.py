@@ -14,9 +14,9 @@ from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
+from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
-from course_kit.grading.model.exchange_log import GRADER
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
 from course_kit.learner import progress

@@ -6,8 +6,8 @@ import math
 from functools import partial
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.vocabulary import Evidence, Failed
-from course_kit.grading.model.exchange_log import in_one_line
 from course_kit.learner.step_check import LessonStep
 
 if TYPE_CHECKING:

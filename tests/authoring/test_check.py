@@ -13,7 +13,7 @@ from course_kit import environment
 from course_kit.authoring import corpus, rules
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.diagnosis.catalogue import catalogue, complete
+from course_kit.grading.model.catalogue import catalogue, complete
 
 EXERCISE = "pattern_choice"  # nothing has to be run for it: answers that are written out are read
 ROOT = environment.checkout_folder() or Path()

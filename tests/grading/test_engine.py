@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.grading import engine, exercise_job
+from course_kit.grading import engine
 from course_kit.grading.checks.check import Result
 from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.workers import exercise_job
 from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
 

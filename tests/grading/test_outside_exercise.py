@@ -9,8 +9,8 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading import engine
-from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.engine import GradingRequest
+from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise, read_exercise
 from course_kit.grading.pool import Pool
 from course_kit.grading.reading.file_copy import Copy

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model.catalogue import catalogue
 from course_kit.grading.model.submission import Submission
 from course_kit.grading.render import html
 from course_kit.grading.render.html import render_html, render_page

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading import GradingError
-from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import handouts, progress
 

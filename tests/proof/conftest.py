@@ -15,8 +15,8 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import check, corpus, rules
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading.diagnosis.catalogue import catalogue
 from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.catalogue import catalogue
 
 if TYPE_CHECKING:
     from course_kit.grading import Report

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring import corpus, rules
-from course_kit.grading.diagnosis.catalogue import catalogue
+from course_kit.grading.model.catalogue import catalogue
 from course_kit.grading.model.exercise import load_exercise
 from tests.proof.conftest import DRILLS, EXERCISES, ROOT, SAMPLE
 

@@ -15,7 +15,7 @@ from urllib.parse import quote
 
 from course_kit.classroom.exports import attention, lookalikes, texts
 from course_kit.classroom.records import STUDENTS, outcome_of, safe_name
-from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import catalogue
 from course_kit.text.templates import load_templates
 from course_kit.text.templates import render_template as fill_in
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.parameters import describe_values, require_proper_answer
-from course_kit.grading.model.exchange_log import in_one_line
 from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exchange_log import GRADER
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
 from course_kit.grading.checks.graded_program import GradedProgram, SubmissionEndedError
 from course_kit.grading.checks.grader_node import GraderNode
-from course_kit.grading.model.exchange_log import ExchangeLog
 from course_kit.grading.sandbox import machine, scheduling
 
 if TYPE_CHECKING:

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
+from course_kit.grading.checks import hangs
 from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
+from course_kit.grading.checks.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.grading.checks.graded_program import SubmissionEndedError
-from course_kit.grading.diagnosis import exits, goals, hangs
+from course_kit.grading.diagnosis import exits, goals
 from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.model.bounds import bounded
-from course_kit.grading.model.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 

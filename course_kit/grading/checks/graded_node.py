@@ -8,11 +8,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks import discovery
+from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import WantedEndpoint
+from course_kit.grading.checks.exchange_log import Exchange, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
     RemoteParameters,
@@ -21,9 +22,8 @@ from course_kit.grading.checks.parameters import (
     parameter_file,
     start_arguments,
 )
-from course_kit.grading.diagnosis import exceptions, exits, hangs
+from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.grading.model.bounds import bounded
-from course_kit.grading.model.exchange_log import Exchange, in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
+from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import (
     ENDED,
@@ -19,7 +20,7 @@ from course_kit.grading.checks.discovery import (
     list_names,
     why_empty,
 )
-from course_kit.grading.diagnosis import exceptions, hangs
+from course_kit.grading.diagnosis import exceptions
 from course_kit.grading.model.bounds import bounded
 from course_kit.ros import parameters
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from course_kit.grading.checks import discovery
+from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Approximation, differences, only_field
 from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.steps import draw_values
-from course_kit.grading.diagnosis import hangs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.answers import TOO_SOON, describe_wanted, differences
 from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.graded_goal import END_S, PROMPT_S, GradedGoal
 from course_kit.grading.checks.ready_made import make_check
 from course_kit.grading.checks.steps import draw_values
-from course_kit.grading.model.exchange_log import in_one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

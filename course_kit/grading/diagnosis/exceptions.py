@@ -10,9 +10,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Failed
 from course_kit.grading.checks.graded_program import SubmissionEndedError
-from course_kit.grading.diagnosis import exits, hangs
+from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:

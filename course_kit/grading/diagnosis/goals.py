@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from course_kit.grading.diagnosis import exits, hangs
+from course_kit.grading.checks import hangs
+from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:

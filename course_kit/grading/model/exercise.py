@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import msgspec
 from msgspec import structs
 
-from course_kit.grading.diagnosis import catalogue
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import exercise_folders
+from course_kit.grading.model import catalogue, exercise_folders
 from course_kit.grading.model.exercise_folders import FoundExercises
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.model.catalogue import Diagnosis
 
 FORMAT_VERSION = 1
 _Text: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]

@@ -11,7 +11,7 @@ from course_kit.text.console import in_points
 from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
-    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.plain_data import Record
 
 FORMAT_VERSION = 1

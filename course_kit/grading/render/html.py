@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
-from course_kit.grading.model.exchange_log import GRADER, NODE
+from course_kit.grading.checks.exchange_log import GRADER, NODE
 from course_kit.ros import sequence
 from course_kit.text.console import in_points
 from course_kit.text.templates import load_templates, render_template
@@ -19,7 +19,7 @@ from course_kit.text.templates import load_templates, render_template
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.diagnosis.catalogue import Diagnosis
+    from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.report import Report
     from course_kit.grading.model.submission import Submission
     from course_kit.ros.sequence import Arrow

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.checks.check import Check, Evidence, Failed, choose_part, in_order, run_all
+from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.vocabulary import check
-from course_kit.grading.model.exchange_log import ExchangeLog
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.vocabulary import GradedNode

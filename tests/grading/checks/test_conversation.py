@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
-from course_kit.grading.model.exchange_log import ExchangeLog
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.vocabulary import Check, GradedNode

@@ -20,8 +20,8 @@ from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_node, expect_server, expect_topics
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
+from course_kit.grading.checks.hangs import ANSWER_S
 from course_kit.grading.checks.parameters import RemoteParameters
-from course_kit.grading.diagnosis.hangs import ANSWER_S
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError

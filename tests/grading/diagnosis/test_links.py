@@ -11,7 +11,7 @@ import nbformat
 import pytest
 
 from course_kit.grading import GradingError, engine, render_html, render_text
-from course_kit.grading.diagnosis import catalogue
+from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.grading.model.report import Report
 

@@ -19,11 +19,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading import exercise_job
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
-from course_kit.grading.workers import grader_process
+from course_kit.grading.workers import exercise_job, grader_process
 from course_kit.process import libc, tree
 from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT

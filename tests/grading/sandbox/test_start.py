@@ -7,9 +7,9 @@ import stat
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading import exercise_job
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.sandbox import scratch
+from course_kit.grading.workers import exercise_job
 from tests.grading.conftest import EXERCISE
 
 if TYPE_CHECKING:

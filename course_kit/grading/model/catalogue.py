@@ -19,7 +19,7 @@ from course_kit.interfaces.hints import nearest_name
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-_FILE = Path(__file__).with_name("diagnoses.toml")
+_FILE = Path(__file__).parents[1] / "diagnosis" / "diagnoses.toml"
 
 
 @dataclass(frozen=True)
