@@ -71,6 +71,8 @@ STILL_ABOVE = {
     "course_kit/dev": 787,  # with the steps of the lessons
     "tests": 40640,  # with those of the tutor and the capstone
 }
+# Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.
+GRADING = ("errors", "model", "reading", "diagnosis", "sandbox", "checks", "workers", "render", "engine", "pool", "")
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
 # Where Python, IPython and instructors' files come in; whatever they call lies below them, and nothing imports them.
 ENTRANCES = {"course_kit", "course_kit.__main__", "course_kit.autoload", "course_kit.nbgrader", "course_kit.otter"}
@@ -85,20 +87,20 @@ def is_for_types(node: ast.AST) -> bool:
     return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
 
 
-def nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """All that runs."""
+def nodes(tree: ast.AST, *, types: bool) -> Iterator[ast.AST]:
+    """All that runs, and with `types` what only a type checker sees, too."""
     for child in ast.iter_child_nodes(tree):
-        if is_for_types(child):
+        if is_for_types(child) and not types:
             continue
         if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
             continue  # a docstring
         yield child
-        yield from nodes(child)
+        yield from nodes(child, types=types)
 
 
-def named(text: str) -> Iterator[str]:
+def named(text: str, *, types: bool) -> Iterator[str]:
     """What a file names of the kit, modules and what is in them."""
-    for node in nodes(ast.parse(text)):
+    for node in nodes(ast.parse(text), types=types):
         if isinstance(node, ast.ImportFrom) and node.level == 0 and (node.module or "").split(".")[0] == "course_kit":
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Import):
@@ -107,16 +109,17 @@ def named(text: str) -> Iterator[str]:
             yield node.value.rstrip(".")
 
 
-def imported(files: Mapping[str, str]) -> dict[str, set[str]]:
+def imported(files: Mapping[str, str], *, types: bool = False) -> dict[str, set[str]]:
     """Of each module the modules it imports, and the packages they are in as far as these have code of their own.
 
     Args:
         files: texts by module.
+        types: whether imports for a type checker alone count, too.
     """
     found: dict[str, set[str]] = {}
     for module, text in files.items():
         found[module] = set()
-        for name in named(text):
+        for name in named(text, types=types):
             target = name
             while target not in files and "." in target:
                 target = target.rpartition(".")[0]
@@ -178,9 +181,12 @@ def circles(graph: Mapping[str, set[str]]) -> list[list[str]]:
     return found
 
 
+KIT_FILES = {module_of(path): path.read_text() for path in sorted(KIT.rglob("*.py"))}
+
+
 @pytest.fixture(scope="module")
 def graph() -> dict[str, set[str]]:
-    return imported({module_of(path): path.read_text() for path in sorted(KIT.rglob("*.py"))})
+    return imported(KIT_FILES)
 
 
 def test_no_package_imports_one_beside_or_above_it(graph: dict[str, set[str]]) -> None:
@@ -189,6 +195,16 @@ def test_no_package_imports_one_beside_or_above_it(graph: dict[str, set[str]]) -
 
 def test_no_file_is_in_a_circle(graph: dict[str, set[str]]) -> None:
     assert circles(graph) == []
+
+
+def place_in_grading(module: str) -> int:
+    return GRADING.index([*module.split("."), ""][2])
+
+
+def test_the_parts_of_grading_stand_in_order() -> None:
+    files = {module: text for module, text in KIT_FILES.items() if module.startswith("course_kit.grading")}
+    pairs = [(one, other) for one, others in imported(files, types=True).items() for other in others if other in files]
+    assert [(one, other) for one, other in pairs if place_in_grading(other) > place_in_grading(one)] == []
 
 
 def test_every_package_is_in_one_layer(graph: dict[str, set[str]]) -> None:

@@ -6,10 +6,11 @@ what to tell the user; `Worker` to grade many; `isolation_status` for the doctor
 
 from course_kit.grading.engine import grade
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.job import Isolation
 from course_kit.grading.model.report import CheckReport, Report, exit_code
 from course_kit.grading.render.html import render_html
 from course_kit.grading.render.text import render_text
-from course_kit.grading.sandbox.isolation import Isolation, advice_for_root
+from course_kit.grading.sandbox.isolation import advice_for_root
 from course_kit.grading.sandbox.isolation import status as isolation_status
 from course_kit.grading.sandbox.needs import require_machine
 from course_kit.grading.workers.worker import Worker

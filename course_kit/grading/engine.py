@@ -25,11 +25,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.model.catalogue import Diagnosis
-    from course_kit.grading.model.grading_outcome import GradingOutcome
-    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.job import GradingOutcome, Isolation, Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.model.submission import Submission
-    from course_kit.grading.sandbox.isolation import Isolation
 
 _NOT_STARTED = ("start.", "limit.")
 
@@ -101,7 +99,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         )
     shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
-        job = replace(exercise_job.of_running(exercise, seed, exec_command), only=only)
+        job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
         return _grade(exercise, job, shown, used, require_isolation)
 
 
@@ -118,7 +116,7 @@ def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None
 
 def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:
     """Grade a submission that has been read."""
-    job = exercise_job.of_submission(request.exercise, request.text, request.seed)
+    job = exercise_job.make_job(request.exercise, request.text, request.seed)
     hidden = (*job.hidden, *request.hidden)
     job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
     missing = [name for name in request.exercise.files if name not in request.text.files]

@@ -16,8 +16,8 @@ import pytest
 
 from course_kit import environment, grading
 from course_kit.grading import engine
-from course_kit.grading.checks.check import Result
 from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.report import CheckResult
 from course_kit.grading.workers import exercise_job
 from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
@@ -126,7 +126,7 @@ def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.Monke
 
 def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcomes = {"a": "passed", "b": "error", "c": "skipped"}
-    results = [asdict(Result(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
+    results = [asdict(CheckResult(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
     report = engine._report(load_exercise(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)

@@ -6,12 +6,11 @@ import json
 
 import msgspec
 
-from course_kit.grading.model.job import Job
+from course_kit.grading.model.job import Isolation, Job
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.sandbox.runner import Program
 from course_kit.grading.sandbox.sandbox import Conditions
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
-from course_kit.grading.checks.hangs import unanswered
+from course_kit.grading.checks.hangs import explained, unanswered
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.model.bounds import bounded
 
 if TYPE_CHECKING:

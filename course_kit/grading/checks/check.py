@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.report import CheckResult
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
@@ -113,27 +114,7 @@ def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
     return [one for one in checks if one.id in chosen]
 
 
-@dataclass(frozen=True)
-class Result:
-    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.
-
-    One that was run says in `proves` which sentences of the exercise it is about.
-    """
-
-    id: str
-    title: str
-    status: str
-    max_points: float
-    sent: str = ""
-    expected: str = ""
-    got: str = ""
-    diagnosis: str | None = None
-    message: str = ""
-    steps: tuple[Arrow, ...] = ()
-    proves: tuple[str, ...] = ()
-
-
-def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
+def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckResult]:
     """Run the checks in order of dependence, yielding each result as soon as it is known.
 
     A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
@@ -147,12 +128,14 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
     broken = ""
     for one in in_order(checks):
         if broken:
-            yield Result(one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".')
+            yield CheckResult(
+                one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".'
+            )
             continue
         missing = [name for name in one.depends_on if name not in passed]
         if missing:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
-            yield Result(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
+            yield CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
             continue
         result = replace(_run(one, context), proves=one.proves)
         if result.status == "passed":
@@ -162,7 +145,7 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[Result]:
         yield result
 
 
-def _run(one: Check, context: CheckContext) -> Result:
+def _run(one: Check, context: CheckContext) -> CheckResult:
     try:
         context.begin(one.deadline_s)
         seen = one.run(context)
@@ -174,14 +157,14 @@ def _run(one: Check, context: CheckContext) -> Result:
     except GradingError:
         raise
     except NotRun as reason:
-        return Result(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
+        return CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
-        return Result(one.id, one.title, "error", one.points, message=text)
+        return CheckResult(one.id, one.title, "error", one.points, message=text)
     else:
         status, diagnosis, message, steps = "passed", None, "", ()
     seen_on_the_wire = (seen.sent, seen.expected, seen.got)
-    return Result(one.id, one.title, status, one.points, *seen_on_the_wire, diagnosis, message, steps)
+    return CheckResult(one.id, one.title, status, one.points, *seen_on_the_wire, diagnosis, message, steps)
 
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:

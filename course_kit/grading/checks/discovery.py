@@ -22,8 +22,8 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.checks.grader_node import DEPTH
+from course_kit.grading.checks.hangs import explained
 from course_kit.grading.diagnosis import exceptions, exits
-from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.interfaces import get_type
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import nearest_name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import uuid
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
@@ -17,8 +18,8 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
 from course_kit.grading.checks.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
 from course_kit.grading.checks.graded_program import SubmissionEndedError
+from course_kit.grading.checks.hangs import explained
 from course_kit.grading.diagnosis import exits, goals
-from course_kit.grading.diagnosis.exceptions import explained
 from course_kit.grading.model.bounds import bounded
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
@@ -281,7 +282,8 @@ class GradedGoal:
         self._context.spoil()
         seconds = min(seconds, clock.fair())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
-        diagnosis, message = goals.of_silence(self._context, over, seconds, self.process())
+        look = partial(hangs.doing, self._context)
+        diagnosis, message = goals.of_silence(look, over, seconds, self.process(), self._context.job)
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
         raise Failed(evidence, message, diagnosis)

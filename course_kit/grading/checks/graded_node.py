@@ -85,7 +85,7 @@ class GradedNode:
         turn = context.record.sent(f"request {service}: {sent_text}", about=sent_text)
         clock, client = context.latency_clock(), context.grader_node.client(end.interface, service)
         try:
-            with exceptions.explained(context, evidence, exits.of_call, "no answer: the program ended"):
+            with hangs.explained(context, evidence, exits.of_call, "no answer: the program ended"):
                 sent = client.send(message)
                 self._wait(sent.answered, within_s)
         except Failed as failed:
@@ -215,7 +215,7 @@ class GradedNode:
             return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
         evidence = Evidence(self._last_sent, f"no message more on {' and '.join(listened)}")
-        with exceptions.explained(self.context, evidence):
+        with hangs.explained(self.context, evidence):
             if seconds:
                 self.context.wait_until(lambda: bool(extra()), seconds)
             else:
@@ -341,7 +341,7 @@ class GradedNode:
         clock = context.clock()
         names = ", ".join(one["name"] for one in context.job.endpoints)
         evidence = Evidence("", f"a node with {names}")
-        with exceptions.explained(context, evidence, exceptions.of_start, discovery.ENDED):
+        with hangs.explained(context, evidence, exceptions.of_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
             if not self._is_connected():
                 context.spoil()
@@ -409,7 +409,7 @@ class GradedNode:
         evidence = Evidence(self._last_sent, f"a message on {topic}")
         clock = self.context.clock()
         try:
-            with exceptions.explained(self.context, evidence):
+            with hangs.explained(self.context, evidence):
                 came = self.context.wait_until(lambda: inbox.count > place, within_s)
         except Failed as failed:
             failed.breaks = breaks

@@ -1,20 +1,41 @@
-"""Why a program that is still running does not answer: from what its threads are doing, and whether it computes."""
+"""Why a program does not answer: it has ended, or from what its threads are doing, and whether it computes."""
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.diagnosis import exits
+from course_kit.grading.checks.graded_program import SubmissionEndedError
+from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.grading.diagnosis.tracebacks import Activity, activity
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
+    from course_kit.grading.model.process_status import ProcessStatus
 
 ANSWER_S = 5.0  # how long one answer is waited for
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
 _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing
+
+
+@contextmanager
+def explained(
+    context: CheckContext,
+    evidence: Evidence,
+    why: Callable[[ProcessStatus, Job], exits.Cause] = exceptions.of_end,
+    got: str = "the program ended",
+) -> Iterator[None]:
+    """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
+    try:
+        yield
+    except SubmissionEndedError as ended:
+        diagnosis, message = why(ended.process, context.job)
+        raise Failed(replace(evidence, got=got), message, diagnosis) from None
 
 
 def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
@@ -29,6 +50,15 @@ def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float
     if waited_s < ANSWER_S and context.time_is_up():
         message += f" That used up the {context.deadline_s:g} s that this check may take."
     return Failed(evidence, message, diagnosis)
+
+
+def unanswered_parameters(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
+    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
+    logged = exceptions.of_logged(context.program.status(fresh=True).stderr, context.job)
+    if logged is None:
+        return unanswered(context, evidence.sent, evidence.expected, waited_s)
+    context.spoil()
+    return Failed(replace(evidence, got=f"no answer within {told(waited_s)} s"), logged[1], logged[0])
 
 
 def told(waited_s: float, most: float = ANSWER_S) -> str:
@@ -48,19 +78,11 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
         return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
     if seen.spinning and job.facts.awaits:
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
-        return (None if busy else of_future(job)) or ("service.deadlock", text)
+        return (None if busy else exits.of_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
         where = f" It is in {exits.source_line(job, seen.own.line)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
-
-
-def of_future(job: Job) -> exits.Cause | None:
-    """Why a callback that awaits a Future of the program's own is never resumed, while nothing computes or blocks."""
-    if not (job.facts.awaits and job.facts.future):
-        return None
-    where = exits.source_line(job, job.facts.future)
-    return "service.future", f"No callback is at work: one awaits a Future, probably the one made in {where}."
 
 
 def computes(context: CheckContext) -> bool:

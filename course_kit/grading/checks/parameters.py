@@ -88,13 +88,13 @@ class RemoteParameters:
         context, expected = self._context, f"a node called {self.node}"
         clock = context.clock()
 
-        with exceptions.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
+        with hangs.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
             context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
             if not self.is_ready():
                 raise self._explain_absence(expected)
             clock = context.clock()
             if not is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
-                raise exceptions.unanswered(context, Evidence(_VERBS[0], expected), clock.fair())
+                raise hangs.unanswered_parameters(context, Evidence(_VERBS[0], expected), clock.fair())
         return Evidence("", expected, expected)
 
     def _explain_absence(self, expected: str) -> Failed:
@@ -120,13 +120,13 @@ class RemoteParameters:
         context.require_time(evidence)
         turn = context.record.sent(evidence.sent, minor=question.service in _VERBS[:2])
         clock = context.clock()
-        with exceptions.explained(context, evidence):
+        with hangs.explained(context, evidence):
             sent = self._clients[question.service].send(request)
             if context.wait_until(sent.answered, hangs.ANSWER_S):
                 response = bounded(sent.response())
                 turn.came(_describe_response(request, response))
                 return response
-            raise exceptions.unanswered(context, evidence, clock.fair())
+            raise hangs.unanswered_parameters(context, evidence, clock.fair())
 
 
 def describe_result(result: SetParametersResult) -> str:

@@ -6,21 +6,12 @@ others on the graph is different, and so is what the learner is told.
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks import hangs
-from course_kit.grading.checks.check import Failed
-from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from course_kit.grading.checks.check import Evidence
-    from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.process_status import ProcessStatus
 
@@ -37,21 +28,6 @@ def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
     if process.notes.get("exit_in_callback"):
         return None, "One of your callbacks ended the whole program (SystemExit)."
     return of_logged(process.stderr, job) or exits.exited(process)
-
-
-@contextmanager
-def explained(
-    context: CheckContext,
-    evidence: Evidence,
-    why: Callable[[ProcessStatus, Job], exits.Cause] = of_end,
-    got: str = "the program ended",
-) -> Iterator[None]:
-    """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
-    try:
-        yield
-    except SubmissionEndedError as ended:
-        diagnosis, message = why(ended.process, context.job)
-        raise Failed(replace(evidence, got=got), message, diagnosis) from None
 
 
 def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
@@ -77,15 +53,6 @@ def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
     where = exits.in_line(job, raised.own)
     return cause or (None, f"Your program raised {raised.describe()}{where}, and nothing caught it.")
-
-
-def unanswered(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
-    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
-    logged = of_logged(context.program.status(fresh=True).stderr, context.job)
-    if logged is None:
-        return hangs.unanswered(context, evidence.sent, evidence.expected, waited_s)
-    context.spoil()
-    return Failed(replace(evidence, got=f"no answer within {hangs.told(waited_s)} s"), logged[1], logged[0])
 
 
 def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:

@@ -170,6 +170,14 @@ def of_field(raised: Raised, job: Job) -> Cause | None:
     return "field.type", text
 
 
+def of_future(job: Job) -> Cause | None:
+    """Why a callback that awaits a Future of the program's own is never resumed, while nothing computes or blocks."""
+    if not (job.facts.awaits and job.facts.future):
+        return None
+    where = source_line(job, job.facts.future)
+    return "service.future", f"No callback is at work: one awaits a Future, probably the one made in {where}."
+
+
 def _no_class(process: ProcessStatus, job: Job) -> str:
     nodes, classes, functions = (process.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
     if nodes and job.own_start:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks import hangs
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.context import CheckContext
+    from collections.abc import Callable
+
     from course_kit.grading.diagnosis.exits import Cause
+    from course_kit.grading.diagnosis.tracebacks import Activity
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.process_status import ProcessStatus
 
@@ -59,18 +60,18 @@ def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 
-def of_silence(context: CheckContext, over: str, seconds: float, process: ProcessStatus) -> Cause:
-    """Why no result came from a program that lives on."""
+def of_silence(look: Callable[[], Activity], over: str, seconds: float, process: ProcessStatus, job: Job) -> Cause:
+    """Why no result came from a program that lives on, whose threads can be looked at."""
     if over:
-        cause = of_exception(process, context.job)
+        cause = of_exception(process, job)
         return cause or (None, f"The goal ended as {over}, but its result was never sent.")
-    looks = [hangs.doing(context) for _ in range(_LOOKS)]
+    looks = [look() for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
-        if cause := hangs.of_future(context.job):
+        if cause := exits.of_future(job):
             return cause
         return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
-    where = exits.source_line(context.job, at_work[0].line)
+    where = exits.source_line(job, at_work[0].line)
     if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
         return (
             "service.deadlock",

@@ -1,15 +1,69 @@
-"""What a worker is asked to do, as plain data."""
+"""What a worker is asked to do, what isolates a submission meanwhile, and what has come of it: as plain data."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
 from dataclasses import dataclass, field, replace
+from typing import TypedDict
 
+from course_kit.grading.errors import GradingError
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
 from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
-from course_kit.grading.sandbox.isolation import Isolation
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """What holds beside resource limits, an own session and an own scratch directory, which always do."""
+
+    network: bool = False  # own network namespace: only the grader and the submission are on its loopback
+    # own PID namespace: the submission can neither see, signal nor trace anything outside, and the kernel ends all it
+    # has started together with it
+    processes: bool = False
+    files: bool = False  # own file system: an allow-list, read-only but for the scratch directory, which lies in memory
+    # an allow-list of files kept by Landlock; only used where there is no file system of its own
+    landlock: bool = False
+    syscalls: bool = False  # system calls that lead out of the sandbox are refused
+    user: bool = False  # its own user, without rights; only for a grader that runs as root
+    root: bool = False  # whether the grader runs as root
+    reason: str = ""  # why something of these is missing, for people; empty when all hold
+
+    @property
+    def full(self) -> bool:
+        """Whether all holds that LIMITS.md promises of a machine which allows namespaces."""
+        return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
+
+    def require(self) -> None:
+        """Insist on all of it."""
+        if not self.full:
+            raise GradingError(
+                "Nothing was graded: --require-isolation asks for full isolation, and this machine "
+                "does not offer it. It "
+                f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
+                "course_kit/grading/LIMITS.md."
+            )
+
+    def describe(self) -> str:
+        """One line for people."""
+        kinds = [
+            ("own network (loopback only)", "own network", self.network),
+            ("own processes", "own processes", self.processes),
+            ("own file system", "own file system", self.files),
+            ("system calls filtered", "filter of system calls", self.syscalls),
+        ]
+        if self.landlock and not self.files:
+            kinds.append(("files by allow-list (Landlock)", "", True))
+        if self.root:
+            kinds.append(("own user", "own user (this is root)", self.user))
+        holds = [text for text, _, there in kinds if there]
+        missing = [name for _, name, there in kinds if not there]
+        text = ", ".join([*holds, "resource limits, own session, own ROS domain, scratch directory"])
+        return (
+            f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
+            if missing
+            else text
+        )
 
 
 @dataclass(frozen=True)
@@ -63,3 +117,14 @@ class Job:
     def start_cpu_s(self) -> float:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf
+
+
+class GradingOutcome(TypedDict):
+    """The outcome."""
+
+    results: list[Record]  # of each check, as a record of `report.CheckResult`
+    stdout: str  # first and last 4 kB of what the submission printed
+    stderr: str  # the same of its errors
+    problem: str  # why the grading came to no end; empty when it did
+    timings: Record  # where the time went, see `Report.timings`
+    again: bool  # whether it may go better the next time, because something was killed that should not be

@@ -6,13 +6,13 @@ import json
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.check import Result
 from course_kit.text.console import in_points
 from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.plain_data import Record
+    from course_kit.ros.sequence import Arrow
 
 FORMAT_VERSION = 1
 _DIGITS = 6
@@ -24,8 +24,28 @@ _OF_A_CHECK = (
 
 
 @dataclass(frozen=True)
-class CheckReport(Result):
-    """How one check went, for the learner: a `Result` whose message also tells why, and what it is worth."""
+class CheckResult:
+    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.
+
+    One that was run says in `proves` which sentences of the exercise it is about.
+    """
+
+    id: str
+    title: str
+    status: str
+    max_points: float
+    sent: str = ""
+    expected: str = ""
+    got: str = ""
+    diagnosis: str | None = None
+    message: str = ""
+    steps: tuple[Arrow, ...] = ()
+    proves: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class CheckReport(CheckResult):
+    """How one check went, for the learner: a `CheckResult` whose message also tells why, and what it is worth."""
 
     points: float = 0.0  # what it has earned
     hint: str | None = None  # the first hint, None without any

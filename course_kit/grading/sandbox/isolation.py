@@ -12,13 +12,13 @@ import os
 import subprocess
 import sys
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading.errors import GradingError
+from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, scratch, seccomp
 from course_kit.process.fork import fork_child
 
@@ -38,59 +38,6 @@ _PATIENCE_S = 20.0  # a hang of the trial is a fault of ours; a noisy machine ne
 
 # Numbers that systemd hands out to services for as long as they run, and that containers have, too.
 _FIRST_GUEST, _GUESTS = 61184, 4336
-
-
-@dataclass(frozen=True)
-class Isolation:
-    """What holds beside resource limits, an own session and an own scratch directory, which always do."""
-
-    network: bool = False  # own network namespace: only the grader and the submission are on its loopback
-    # own PID namespace: the submission can neither see, signal nor trace anything outside, and the kernel ends all it
-    # has started together with it
-    processes: bool = False
-    files: bool = False  # own file system: an allow-list, read-only but for the scratch directory, which lies in memory
-    # an allow-list of files kept by Landlock; only used where there is no file system of its own
-    landlock: bool = False
-    syscalls: bool = False  # system calls that lead out of the sandbox are refused
-    user: bool = False  # its own user, without rights; only for a grader that runs as root
-    root: bool = False  # whether the grader runs as root
-    reason: str = ""  # why something of these is missing, for people; empty when all hold
-
-    @property
-    def full(self) -> bool:
-        """Whether all holds that LIMITS.md promises of a machine which allows namespaces."""
-        return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
-
-    def require(self) -> None:
-        """Insist on all of it."""
-        if not self.full:
-            raise GradingError(
-                "Nothing was graded: --require-isolation asks for full isolation, and this machine "
-                "does not offer it. It "
-                f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
-                "course_kit/grading/LIMITS.md."
-            )
-
-    def describe(self) -> str:
-        """One line for people."""
-        kinds = [
-            ("own network (loopback only)", "own network", self.network),
-            ("own processes", "own processes", self.processes),
-            ("own file system", "own file system", self.files),
-            ("system calls filtered", "filter of system calls", self.syscalls),
-        ]
-        if self.landlock and not self.files:
-            kinds.append(("files by allow-list (Landlock)", "", True))
-        if self.root:
-            kinds.append(("own user", "own user (this is root)", self.user))
-        holds = [text for text, _, there in kinds if there]
-        missing = [name for _, name, there in kinds if not there]
-        text = ", ".join([*holds, "resource limits, own session, own ROS domain, scratch directory"])
-        return (
-            f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
-            if missing
-            else text
-        )
 
 
 def advice_for_root() -> str:

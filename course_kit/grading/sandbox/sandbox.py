@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.grading.model.job import Isolation  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits  # noqa: TC001 - msgspec looks up what a record has
 from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.isolation import Isolation  # noqa: TC001 - as above
 from course_kit.grading.sandbox.runner import Program
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.process import tree

@@ -9,12 +9,11 @@ import os
 import select
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from course_kit import environment
-from course_kit.grading.checks.context import PHASES
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import file_view, init_process, memory
+from course_kit.grading.sandbox import init_process, memory
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
@@ -27,8 +26,7 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from course_kit.grading.model.grading_outcome import GradingOutcome
-    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
@@ -42,6 +40,9 @@ _NO_DOMAIN = (
 )
 
 
+RunGrader: TypeAlias = "Callable[[Channel, Job], None]"
+
+
 class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
 
@@ -49,11 +50,12 @@ class _BrokenOffError(Exception):
 class Supervisor:
     """The master of one grading."""
 
-    def __init__(self, job: Job, launcher: Launcher, view: FileView | None = None) -> None:
-        """Prepare a grading."""
+    def __init__(self, job: Job, launcher: Launcher, view: FileView, run_grader: RunGrader) -> None:
+        """Prepare a grading, whose checks `run_grader` runs in a process of its own."""
         self._job = job
         self._launcher = launcher
-        self._view = view or file_view.view_of_program()
+        self._view = view
+        self._run_grader = run_grader
         self._profile: dict[str, str] = {}
         self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
         self._began = time.monotonic()
@@ -97,21 +99,19 @@ class Supervisor:
     def _timings(self, stopping: float) -> Record:
         """Where the time went, in seconds; what came before the grader process ran counts as start."""
         now = time.monotonic()
-        grader_process = sum(self._extra.get(f"{phase}_s", 0.0) for phase in (*PHASES, "checks"))
+        grader_process = sum(spent for name, spent in self._extra.items() if name.endswith("_s"))
         times = {"teardown_s": now - stopping, "total_s": now - self._began}
         if "start_s" in self._extra:
             self._extra["start_s"] += stopping - self._began - grader_process
         return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
-        from course_kit.grading.workers import grader_process
-
         ours, theirs = Channel.pair()
 
         def run() -> None:
             ours.close()
             die_with_parent()
-            grader_process.main(theirs, self._job)
+            self._run_grader(theirs, self._job)
 
         fork_child(run)
         theirs.close()

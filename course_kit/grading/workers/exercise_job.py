@@ -1,27 +1,42 @@
-"""What a worker is asked to do for an exercise: the job of grading a submission, a command, or a running node."""
+"""What a worker is asked to do for an exercise: the job of grading a submission, a command, or a running node.
+
+What no submission may see lies anywhere, among Python's libraries, too: the folder of each exercise that was added; and
+where they lie elsewhere, its solution and its grader.
+"""
 
 from __future__ import annotations
 
+import os
 import shlex
+import sys
+from contextlib import suppress
 from dataclasses import replace
+from functools import lru_cache
+from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.model.job import Job
-from course_kit.grading.sandbox import hidden_files
 from course_kit.grading.workers import grader_module
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from course_kit.grading.checks.check import Check
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.submission import Submission
 
+_KIT = __name__.partition(".")[0]
+_OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
 
-def of_submission(exercise: Exercise, text: Submission, seed: int) -> Job:
+
+def make_job(exercise: Exercise, text: Submission, seed: int) -> Job:
     """The job of grading a program."""
     return replace(
-        of_running(exercise, seed),
+        make_job_of_node(exercise, seed),
         mode="run",
         name=text.program,
         source=text.source,
@@ -33,7 +48,7 @@ def of_submission(exercise: Exercise, text: Submission, seed: int) -> Job:
     )
 
 
-def of_running(exercise: Exercise, seed: int, command: str | None = None) -> Job:
+def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) -> Job:
     """The job of grading a node that is no program of ours to start."""
     job = Job(
         exercise.grader,
@@ -45,7 +60,7 @@ def of_running(exercise: Exercise, seed: int, command: str | None = None) -> Job
         own_start=exercise.practice or bool(exercise.files),
         variable=exercise.variable,
         limits=exercise.limits,
-        hidden=hidden_files.of(exercise),
+        hidden=hidden_files_of(exercise),
         interfaces=exercise.interfaces,
         points=exercise.points,
         endpoints=exercise.endpoints,
@@ -64,5 +79,57 @@ def of_running(exercise: Exercise, seed: int, command: str | None = None) -> Job
 
 def checks_of(exercise: Exercise, seed: int) -> list[Check]:
     """The checks of an exercise, loaded into this process."""
-    job = of_running(exercise, seed)
+    job = make_job_of_node(exercise, seed)
     return grader_module.checks_of(grader_module.load_for(job), job)
+
+
+def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:
+    """The real paths of files and folders that the submissions of an exercise may not see."""
+    exercises = exercise_folders.added()
+    found = [folder.resolve() for folder in (exercise.folder, *exercises)]
+    found += files_beside(exercise.solution, exercise.grader)
+    for folder in exercises:
+        with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for
+            found += _named_outside(folder, (folder / exercise_folders.TOML).stat().st_mtime_ns)
+    return tuple(dict.fromkeys(map(str, found)))
+
+
+def files_beside(solution: Path, grader: str) -> list[Path]:
+    """What belongs to an exercise and lies outside of its folder."""
+    around = solution.resolve().parent
+    found = [*_with_bytecode(solution.resolve())] if _is_of_libraries(around) else [around]
+    top = grader.partition(".")[0]
+    if top.isidentifier() and top != _KIT:  # of the kit no submission sees a grader anyhow
+        with suppress(ImportError, ValueError):
+            spec = find_spec(top)
+            if spec is not None and spec.submodule_search_locations:
+                packages = (Path(one).resolve() for one in spec.submodule_search_locations)
+                found += [place for place in packages if not _is_of_libraries(place)]
+            elif spec is not None and spec.origin and spec.has_location:
+                found += _with_bytecode(Path(spec.origin).resolve())
+    return found
+
+
+def _with_bytecode(module: Path) -> Iterator[Path]:
+    """A file, and what Python has written of it beside it."""
+    yield module
+    for optimization in _OPTIMIZATIONS:
+        if (written := Path(cache_from_source(str(module), optimization=optimization))).exists():
+            yield written
+
+
+@lru_cache(maxsize=256)
+def _named_outside(folder: Path, written: int) -> tuple[Path, ...]:
+    """What the exercise.toml of a folder names outside of it; read again when it was written at another time."""
+    del written
+    brought = read_exercise(folder)
+    return tuple(files_beside(brought.solution, brought.grader))
+
+
+def _is_of_libraries(folder: Path) -> bool:
+    """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
+    return any(Path(entry).resolve().is_relative_to(folder) for entry in _absolute(sys.path))
+
+
+def _absolute(entries: list[str]) -> Iterator[str]:
+    return (entry for entry in entries if os.path.isabs(entry))  # noqa: PTH117 - hot

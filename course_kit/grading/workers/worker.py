@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING, cast
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import limits
+from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
-from course_kit.grading.sandbox.isolation import Isolation
 from course_kit.grading.workers.warm_process import WarmProcess, variables_of
 from course_kit.process import Closable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.grading.model.grading_outcome import GradingOutcome
-    from course_kit.grading.model.job import Job
+    from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine

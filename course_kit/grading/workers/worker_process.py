@@ -32,9 +32,8 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Sequence
 
-    from course_kit.grading.model.grading_outcome import GradingOutcome
+    from course_kit.grading.model.job import GradingOutcome, Isolation
     from course_kit.grading.sandbox.file_view import FileView
-    from course_kit.grading.sandbox.isolation import Isolation
     from course_kit.grading.workers.grader_module import Grader
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
@@ -198,7 +197,7 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> GradingOutcome:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
-        return Supervisor(job, launcher, view).run()
+        return Supervisor(job, launcher, view, grader_process.main).run()
     except (SandboxStartError, OSError) as problem:  # the machine has run out of something
         return _broken_off(f"the submission could not be run: {problem}")
 

@@ -118,13 +118,13 @@ def _grade_each(
 
 def of_program(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading a program."""
-    return replace(exercise_job.of_running(exercise, seed), mode="run", name="answer.py", source=source)
+    return replace(exercise_job.make_job_of_node(exercise, seed), mode="run", name="answer.py", source=source)
 
 
 def of_command(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading the same program as a command, which sees the folder that it is started from."""
     Path("answer.py").write_text(source)
-    return exercise_job.of_running(exercise, seed, shlex.join([sys.executable, "answer.py"]))
+    return exercise_job.make_job_of_node(exercise, seed, shlex.join([sys.executable, "answer.py"]))
 
 
 def open_the_way(path: str) -> None:

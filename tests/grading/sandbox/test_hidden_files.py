@@ -12,7 +12,7 @@ import pytest
 
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import read_exercise
-from course_kit.grading.sandbox import hidden_files
+from course_kit.grading.workers import exercise_job
 from tests import outside_exercises
 from tests.outside_exercises import ID
 from tests.refused import WITHOUT_NAMESPACES
@@ -112,9 +112,9 @@ def test_solution_and_grader_are_hidden_and_both_work(name: str, before: str, si
 def test_what_an_exercise_names_is_found_without_running_its_package(site: Path) -> None:
     (site / "my_graders" / "__init__.py").write_text("raise RuntimeError('it was run')\n")
     program = (
-        "import sys; sys.path.insert(0, sys.argv[1]); from course_kit.grading.sandbox import hidden_files; "
+        "import sys; sys.path.insert(0, sys.argv[1]); from course_kit.grading.workers import exercise_job; "
         "from course_kit.grading.model.exercise import load_exercise; "
-        f"print(*hidden_files.of(load_exercise('{ID}')), sep='\\n')"
+        f"print(*exercise_job.hidden_files_of(load_exercise('{ID}')), sep='\\n')"
     )
     command = [sys.executable, "-c", program, str(site)]
     environ = {**os.environ, exercise_folders.VARIABLE: str(site / "my_exercises")}
@@ -129,4 +129,4 @@ def test_a_mistake_in_one_exercise_hides_the_others_none_the_less(site: Path, mo
     monkeypatch.syspath_prepend(site)
     exercise = read_exercise(site / "my_exercises" / ID)
     (site / "my_exercises" / OTHER / "exercise.toml").write_text("id = ")
-    assert {str(site / "answers"), str(site / "my_exercises" / OTHER)} <= set(hidden_files.of(exercise))
+    assert {str(site / "answers"), str(site / "my_exercises" / OTHER)} <= set(exercise_job.hidden_files_of(exercise))

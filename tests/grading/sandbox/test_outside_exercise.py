@@ -11,7 +11,7 @@ from course_kit import grading
 from course_kit.grading import engine
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Submission
-from course_kit.grading.sandbox import hidden_files
+from course_kit.grading.workers import exercise_job
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
@@ -162,4 +162,4 @@ def test_all_of_the_package_with_the_checks_is_hidden(tmp_path: Path, monkeypatc
     beside = [str(solution.parent)]
     named = {"my_course_package.checks.three": [str(package.parent)], "my_checks": [str(tmp_path / "my_checks.py")]}
     for grader, hidden in {**named, "course_kit.graders.temperature_service": [], "": [], "/x/checks.py": []}.items():
-        assert list(map(str, hidden_files.beside(solution, grader))) == [*beside, *hidden]
+        assert list(map(str, exercise_job.files_beside(solution, grader))) == [*beside, *hidden]

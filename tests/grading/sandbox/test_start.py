@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, tmp_path: Path) -> None:
-    job = exercise_job.of_running(load_exercise(EXERCISE), 3)
+    job = exercise_job.make_job_of_node(load_exercise(EXERCISE), 3)
     outcome = worker.grade(replace(job, mode="exec", name="true", command=("true",), folder=str(tmp_path / "gone")))
     assert outcome["results"] == []
     assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
@@ -28,7 +28,7 @@ def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, tm
 
 def test_a_source_that_cannot_be_written_is_no_grade(worker: grading.Worker) -> None:
     """As on a disk that is full."""
-    job = exercise_job.of_running(load_exercise(EXERCISE), 3)
+    job = exercise_job.make_job_of_node(load_exercise(EXERCISE), 3)
     outcome = worker.grade(replace(job, mode="run", name="no/such/folder.py", source="print('begins')"))
     assert outcome["results"] == []
     assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
