@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 _MAGICS = {
     "line": ("check", "grade", "hint", "ros2", "ros_stop"),
-    "cell": ("submission", "interface", "ros_launch"),
-    "line_cell": ("ros_script",),
+    "cell": ("submission", "interface"),
+    "line_cell": ("ros_launch", "ros_script"),
 }
 _NAMES = ("lab", "panels")
 

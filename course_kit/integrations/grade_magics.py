@@ -13,7 +13,7 @@ import re
 import shlex
 import sys
 import tempfile
-from contextlib import ExitStack, contextmanager, redirect_stderr
+from contextlib import ExitStack, contextmanager, redirect_stderr, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -22,8 +22,11 @@ from IPython.core.getipython import get_ipython
 from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
 from IPython.display import display
 
+from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.integrations.submission_cells import SubmissionCells
+from course_kit.reader.files import is_name
+from course_kit.reader.text import PROGRAM, UnreadableTextError, join_cells
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -112,15 +115,11 @@ class GradeMagics(Magics):
 
     @cell_magic
     def submission(self, line: str, cell: str) -> None:
-        """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`."""
-        exercise = line.strip()
-        if not exercise:
-            print_complaint(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
-            return
-        from course_kit.grading.model.exercise import load_exercise
-
+        """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`, or `%%submission EXERCISE FILE`."""
+        exercise, _, file = line.strip().partition(" ")
+        file = file.strip()
         try:
-            load_exercise(exercise)
+            _require_mark(exercise, file)
         except GradingError as problem:
             print_complaint(str(problem))
             return
@@ -128,12 +127,25 @@ class GradeMagics(Magics):
         self._submissions.keep(exercise, self._cell_id(), first + cell, self._number())
         self._reports.clear()
         # A script's last lines start its node for ever; in the notebook the lab does that.
-        namespace_name = self.shell.user_ns.get("__name__")
-        self.shell.user_ns["__name__"] = exercise
+        names = {"__name__": exercise}
+        if file:
+            names["__file__"] = str(self._save(exercise, file))
+            if not file.endswith(PROGRAM):
+                return
+        before = {name: self.shell.user_ns.get(name) for name in names}
+        self.shell.user_ns.update(names)
         try:
             self._run_in_its_cell(first, cell)
         finally:
-            self.shell.user_ns["__name__"] = namespace_name
+            self.shell.user_ns.update(before)
+
+    def _save(self, exercise: str, file: str) -> Path:
+        """Put a file of a submission beside its others and the scripts, for `%ros_script` and `%ros_launch`."""
+        cells = enumerate((cell.source for cell in self._submissions.cells_of(exercise)), 1)
+        path = scripts_folder() / file
+        with suppress(UnreadableTextError):  # %grade says what is wrong
+            path.write_text(join_cells("This notebook", cells, exercise, file)[0], encoding="utf-8")
+        return path
 
     @line_magic
     def grade(self, line: str) -> None:
@@ -252,6 +264,26 @@ class GradeMagics(Magics):
             return cell_id
         # Graders name no cells; but they run each once, from top to bottom.
         return f"cell {self.shell.execution_count}" if _in_an_autograder() else None
+
+
+def scripts_folder() -> Path:
+    """Where programs of cells are saved, side by side."""
+    folder = environment.run_dir() / "scripts"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _require_mark(exercise: str, file: str) -> None:
+    """Raise GradingError unless `%%submission` can name this exercise and this file."""
+    from course_kit.grading.model.exercise import load_exercise
+
+    if not exercise:
+        raise GradingError(f"Name the exercise: %%submission EXERCISE. {the_exercises()}")
+    files = load_exercise(exercise).files
+    if file and not files:
+        raise GradingError(f"{exercise} is one program: %%submission {exercise}")
+    if files and not is_name(file):
+        raise GradingError(f"Name the file: %%submission {exercise} FILE. The task asks for {', '.join(files)}.")
 
 
 def magics_of_notebook(caller: str) -> GradeMagics:

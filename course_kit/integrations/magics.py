@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.integrations.grade_magics import the_exercises
+from course_kit.integrations.grade_magics import scripts_folder, the_exercises
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def register_magics(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
     shell.register_magic_function(interface_magic(shell), "cell", "interface")
     shell.register_magic_function(ros_script, "line_cell", "ros_script")
-    shell.register_magic_function(ros_launch, "cell", "ros_launch")
+    shell.register_magic_function(ros_launch, "line_cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
     shell.register_magic_function(check_line, "line", "check")
 
@@ -87,19 +87,19 @@ def ros_script(line: str, cell: str | None = None) -> None:
 
 
 def _saved(name: str) -> str:
-    """The program that `%%ros_script` has saved under a name."""
-    from course_kit import environment
-
-    folder = environment.run_dir() / "scripts"
-    path = folder / f"{name.removesuffix('.py')}.py"
+    """The program that the first line of a cell has saved under a name."""
+    path = scripts_folder() / f"{name.removesuffix('.py')}.py"
     if not path.is_file():
-        known = ", ".join(sorted(one.stem for one in folder.glob("*.py") if ".launch" not in one.name)) or "none"
-        raise MagicError(f"No program is saved as {name!r}: run its %%ros_script cell first. Saved: {known}.")
+        known = ", ".join(sorted(one.stem for one in path.parent.glob("*.py"))) or "none"
+        raise MagicError(f"No program is saved as {name!r}: run its cell first. Saved: {known}.")
     return path.read_text(encoding="utf-8")
 
 
-def ros_launch(line: str, cell: str) -> None:
-    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`."""
+def ros_launch(line: str, cell: str | None = None) -> None:
+    """Run the cell as a launch file: `%%ros_launch robot speed:=2.0`, as `ros2 launch robot.launch.py speed:=2.0`.
+
+    `%ros_launch robot` runs the one that was saved under this name.
+    """
     __tracebackhide__ = True
     from course_kit import lab
     from course_kit.ros2cli import launching
@@ -108,7 +108,9 @@ def ros_launch(line: str, cell: str) -> None:
     if not words or words[0].startswith("-"):
         raise MagicError(_LAUNCH_USAGE)
     name = f"{words[0].removesuffix('.py').removesuffix('.launch')}.launch"
-    lab.current().scripts.run(name, cell, tuple(words[1:]), "background", launching.MODULE)
+    lab.current().scripts.run(
+        name, _saved(name) if cell is None else cell, tuple(words[1:]), "background", launching.MODULE
+    )
 
 
 def ros_stop(line: str) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 _CLASS = re.compile(r"^class\s+(\w+)", re.MULTILINE)
-_MARK = re.compile(r"\s*%%submission\s+(\S+)")
+_MARK = re.compile(r"\s*%%submission\s+(\S+)(?:[^\S\n]+(\S+))?")
 
 
 @dataclass
@@ -30,8 +30,15 @@ class SubmissionCell:
     number: int = 0
     when: datetime = field(default_factory=lambda: datetime.now().astimezone())
 
+    @property
+    def file(self) -> str:
+        """The file of the exercise that it holds, or a part of it; empty where the exercise is one program."""
+        marked = _MARK.match(self.source)
+        return (marked and marked[2]) or ""
+
     def __str__(self) -> str:
-        return f"In[{self.number}], run at {self.when:%H:%M:%S}" if self.number else "a cell that was not run"
+        place = f"In[{self.number}], run at {self.when:%H:%M:%S}" if self.number else "a cell that was not run"
+        return f"{self.file} in {place}" if self.file else place
 
 
 class SubmissionCells:
@@ -43,11 +50,11 @@ class SubmissionCells:
         self._unmarked: dict[str, int] = {}  # in which cell without the magic a class was last defined
 
     def keep(self, exercise: str, cell_id: str | None, source: str, number: int = 0) -> None:
-        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its exercise."""
-        cells = self._cells.setdefault(exercise, {})
+        """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its file."""
+        cells, made = self._cells.setdefault(exercise, {}), SubmissionCell(source, number)
         if cell_id is None:
-            cells.clear()
-        cells[cell_id or ""] = SubmissionCell(source, number)
+            cells = {one: cell for one, cell in cells.items() if cell.file != made.file}
+        self._cells[exercise] = {**cells, cell_id or made.file: made}
 
     def before(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
         """Any cell is about to run."""
