@@ -67,7 +67,7 @@ STILL_ABOVE = {
     "course_kit/graders": 2402,
     "course_kit/learner": 1505,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 3190,  # with the second day and the corridor of the capstone
-    "course_kit/integrations": 1424,  # with the files of the capstone, %check, %solution and the second day; 150 for the tutor
+    "course_kit/integrations": 1424,  # the capstone, %check, %solution, the second day; 150 for the tutor
     "course_kit/dev": 787,  # with the steps of the lessons
     "tests": 40690,  # with those of the tutor and the capstone
 }
