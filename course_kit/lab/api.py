@@ -46,8 +46,7 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     __tracebackhide__ = True  # IPython: the learner's own lines are what matters
     lab = current()
     lab.not_in_callback("lab.start()")
-    with lab.warn_if_slow(node_class):
-        node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
+    node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
     lab.neighbours.node_started()
     lab.output.drain()
     return node

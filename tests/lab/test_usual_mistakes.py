@@ -250,15 +250,6 @@ def test_spin_in_a_cell_says_what_it_does_and_how_to_go_on(kernel: Kernel) -> No
     kernel.run("mine.destroy_node()")
 
 
-def test_a_loop_in_init_is_named_while_it_runs(kernel: Kernel) -> None:
-    message = kernel.send(node("import time\nwhile True:\n    time.sleep(0.01)"))
-    shown = kernel.finish(message, until="self.create_timer(seconds, self.method)")
-    assert "Learner.__init__ has not ended after 3 s (In[" in shown.stdout
-    assert "Press Stop, and move what repeats into a timer" in shown.stdout
-    kernel.manager.interrupt_kernel()
-    assert kernel.finish(message).error.startswith("Interrupted in In[")
-
-
 @pytest.mark.parametrize(
     "flood",
     [

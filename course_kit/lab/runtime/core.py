@@ -6,23 +6,19 @@ import atexit
 import sys
 import threading
 import time
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
 from course_kit.lab.recording.events import EventStream
-from course_kit.lab.runtime.failures import where_is
 from course_kit.ros import graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator
-    from contextlib import AbstractContextManager
+    from collections.abc import Callable, Hashable, Iterable
 
     from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.engine import Engine
-    from course_kit.lab.runtime.failures import Locate
     from course_kit.lab.runtime.neighbours import Neighbours
     from course_kit.lab.runtime.nodes import LiveNode
     from course_kit.lab.scripts.running import Scripts
@@ -99,9 +95,6 @@ class Lab:
     def not_in_callback(self, what: str) -> None:
         if self._engine is not None:
             self._engine.not_in_callback(what)
-
-    def warn_if_slow(self, node_class: object) -> AbstractContextManager[None]:
-        return _warn_if_slow(node_class, self._notebook.locate, self.engine.note)
 
     def keep(self, subscription: Subscription) -> Subscription:
         self._subscriptions = [*(one for one in self._subscriptions if one.is_open), subscription]
@@ -236,29 +229,3 @@ def _at_exit(function: Callable[[], None]) -> None:
         register(function)
     except RuntimeError:  # the interpreter is ending already
         atexit.register(function)
-
-
-_SLOW = 3.0  # seconds
-
-
-@contextmanager
-def _warn_if_slow(node_class: object, locate: Locate, tell: Callable[[str], None]) -> Iterator[None]:
-    """Say where `__init__` is when it takes longer than any needs."""
-    starting = threading.get_ident()
-
-    def look() -> None:
-        at = where_is(sys._current_frames().get(starting), locate)  # noqa: SLF001 - the documented way to look
-        where = f" ({at[0]}: {at[1]})" if at else ""
-        name = getattr(node_class, "__name__", "The class")
-        tell(
-            f"{name}.__init__ has not ended after {_SLOW:g} s{where}. lab.start() waits for it. Is it a loop? Press "
-            "Stop, and move what repeats into a timer: self.create_timer(seconds, self.method)."
-        )
-
-    timer = threading.Timer(_SLOW, look)
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
