@@ -154,7 +154,6 @@ class ServiceCall(PendingCall):
 
     def _check_server(self) -> None:
         if not self._is_there():
-            self._lab.before_blaming()
             raise NoAnswerError(
                 f"The server of {self._wanted.name} went away before it answered: "
                 "its program ended or its node was stopped. Its own output says why."

@@ -89,7 +89,6 @@ class Wait(PendingCall):
     def _check_server(self) -> None:
         self._missing = 0 if self._is_there() else self._missing + 1
         if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
-            self._lab.before_blaming()
             self._lab.executor.create_task(self._tracker.lose)
         elif self._missing > _MISSED:
             raise NoAnswerError(gone(self._wanted.name))
@@ -239,7 +238,6 @@ class Goal:
 
     def _result_of(self, _: object) -> Message:
         if self._tracker.result is None:
-            self._lab.before_blaming()
             raise NoAnswerError(gone(self.action))
         return self._tracker.result
 

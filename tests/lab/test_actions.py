@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -65,58 +64,26 @@ def test_an_action_server_outlives_its_crash(capsys: pytest.CaptureFixture[str])
 
 
 class Undecided(Node):
-    """Runs /asks, /cancels, /accepts and /begins: a callback of each raises, but never an execute callback."""
+    """Raises when it is asked whether it takes a goal."""
 
     def __init__(self) -> None:
         super().__init__("undecided")
-        self.servers = [
-            ActionServer(self, Fibonacci, name, self.execute, **callbacks)
-            for name, callbacks in {
-                "asks": {"goal_callback": self.doubt},
-                "cancels": {"cancel_callback": self.doubt},
-                "accepts": {"handle_accepted_callback": self.doubt},
-                "begins": {"handle_accepted_callback": self.begin},
-            }.items()
-        ]
-        self.asked_to_end = threading.Event()
+        ActionServer(self, Fibonacci, "asks", lambda _: Fibonacci.Result(), goal_callback=self.doubt)
 
     def doubt(self, _: Any) -> None:
         message = "no idea"
         raise ValueError(message)
 
-    def begin(self, goal: Any) -> None:
-        goal.execute()
-        self.doubt(goal)
-
-    def execute(self, goal: Any) -> Any:
-        if goal.request.order:
-            self.asked_to_end.wait(30)
-        goal.succeed()
-        return Fibonacci.Result(sequence=[1])
-
 
 @pytest.mark.usefixtures("own_lab")
-def test_the_client_of_a_goal_whose_callback_raises_is_answered(capsys: pytest.CaptureFixture[str]) -> None:
-    node = lab.start(Undecided)
-
-    def told() -> list[str]:
-        lines = capsys.readouterr().err.splitlines()
-        assert lines[0] in [f"undecided: {name} raised ValueError: no idea" for name in ("doubt", "begin")]
-        assert lines[1].endswith(": raise ValueError(message)")
-        assert lines[1].startswith("  test_actions.py, line ")
-        return [lines[2].partition(". In a separate program this would end the server")[0], *lines[3:]]
-
-    assert not lab.send_goal_blocking("/asks", Fibonacci).accepted
-    assert told() == ["  The goal is rejected"]
-    assert lab.send_goal_blocking("/accepts", Fibonacci).result_blocking().sequence.tolist() == []
-    assert told() == ["  The goal is aborted with an empty result"]
-    assert lab.send_goal_blocking("/begins", Fibonacci).result_blocking().sequence.tolist() == [1]
-    assert told() == ["  The goal is executed all the same"]
-    goal = lab.send_goal_blocking("/cancels", Fibonacci, order=1)
-    assert goal.cancel_blocking() is False
-    assert told() == ["  The request to cancel is rejected"]
-    node.asked_to_end.set()
-    assert goal.result_blocking().sequence.tolist() == [1]
+def test_a_goal_callback_that_raises_is_told_with_its_line(capsys: pytest.CaptureFixture[str]) -> None:
+    lab.start(Undecided)
+    with pytest.raises(lab.NoAnswerError, match="/asks neither accepted nor rejected the goal"):
+        lab.send_goal_blocking("/asks", Fibonacci, timeout=0.5)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "undecided: doubt raised ValueError: no idea"
+    assert lines[1].startswith("  test_actions.py, line ")
+    assert lines[2].startswith("  The caller gets no answer.")
 
 
 def test_stopping_takes_actions_off_the_graph(own_lab: Lab) -> None:

@@ -123,9 +123,7 @@ def test_init_says_what_it_ignores(kernel: Kernel) -> None:
     kernel.run(SERVER)
     kernel.run("import os, rclpy\nown = int(os.environ['ROS_DOMAIN_ID'])")
     told = kernel.run("rclpy.init(args=['prog', '--ros-args', '-r', '__node:=other'], domain_id=own + 1)").stdout
-    assert "domain_id=" in told
-    assert "is ignored, the domain is" in told
-    assert "args with --ros-args -r __node:=other is ignored." in told
+    assert told.endswith("its arguments are ignored.\n")
     assert kernel.run("rclpy.init(args=['prog'], domain_id=own)").stdout.endswith("nothing to do.\n")
     assert "unexpected keyword argument" in kernel.run("rclpy.init(domain=3)").error
 

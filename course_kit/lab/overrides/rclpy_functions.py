@@ -101,8 +101,9 @@ def _guard_context(patches: Patches, lab: Engine) -> None:
         if context is not None:
             init(args=args, context=context, domain_id=domain_id, signal_handler_options=signal_handler_options)
             return
-        ignored = _ignored(lab, args, domain_id)
-        lab.note(f"rclpy.init(): ROS is already running in this notebook; {ignored or 'nothing to do.'}")
+        ignored = "--ros-args" in (args or ()) or domain_id not in {None, lab.executor_thread.context.get_domain_id()}
+        rest = "its arguments are ignored." if ignored else "nothing to do."
+        lab.note(f"rclpy.init(): ROS is already running in this notebook; {rest}")
 
     def end(original: Any, name: str, context: Context | None, options: dict[str, Any]) -> None:
         turn = lab.turn()
@@ -119,24 +120,6 @@ def _guard_context(patches: Patches, lab: Engine) -> None:
         rclpy, "shutdown", lambda *, context=None, **options: end(shutdown, "rclpy.shutdown()", context, options)
     )
     patches.set(rclpy, "try_shutdown", lambda *, context=None: end(try_shutdown, "rclpy.try_shutdown()", context, {}))
-
-
-def _ignored(lab: Engine, args: list[str] | None, domain_id: int | None) -> str:
-    """What of the arguments of `rclpy.init` has no effect, and what has; empty for those that ask for nothing."""
-    told = []
-    running = lab.executor_thread.context.get_domain_id()
-    if domain_id is not None and domain_id != running:
-        told.append(
-            f"domain_id={domain_id} is ignored, the domain is {running}. To have another one, set ROS_DOMAIN_ID before "
-            "the notebook starts."
-        )
-    arguments = list(args or ())
-    if "--ros-args" in arguments:
-        given = " ".join(arguments[arguments.index("--ros-args") :])
-        told.append(
-            f"args with {given} is ignored. A node takes such arguments as cli_args, a program on its command line."
-        )
-    return " ".join(told)
 
 
 def _guard_spinning(patches: Patches, lab: Engine) -> None:

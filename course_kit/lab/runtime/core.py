@@ -169,7 +169,6 @@ class Lab:
         callbacks.require_callables(engine.patches, engine.locate)
         self._neighbours = Neighbours(engine, self._notebook.title, self._stop_for, self._script_nodes)
         engine.before_call = self._neighbours.tell_who_answers
-        engine.before_blaming = self._let_scripts_end
         self._notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
@@ -213,11 +212,6 @@ class Lab:
         if self._scripts is not None:
             self._scripts.stop(None)
         self.engine.note(f"{title} has stopped this notebook's nodes.")
-
-    def _let_scripts_end(self) -> None:
-        if self._scripts is not None and self._engine is not None:
-            node = self._engine.node
-            self._scripts.wait_for_end_of_those_without_node(set(graph.node_names(node)))
 
 
 def _at_exit(function: Callable[[], None]) -> None:

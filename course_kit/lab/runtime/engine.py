@@ -49,7 +49,6 @@ class Engine:
 
     def __init__(self, events: EventStream, output: Output, notebook: Notebook, found: Compatibility) -> None:
         self.output, self.found, self.locate = output, found, notebook.locate
-        self.before_blaming: Callable[[], None] = lambda: None  # a server has gone: a script may have to say why first
         self.before_call: Callable[[Role, str], None] = lambda *_: None
         self.guests: set[Node] = set()
         self.spinning: set[Executor] = set()  # the learner's own executors that run at this moment
@@ -72,7 +71,6 @@ class Engine:
             ActionHooks(self.hooks, patches)  # before the sending of goals is held back
         if self.found.has(compat.EXECUTIONS):
             execution.execute_apart(patches, self.executions, crashed)
-            execution.answer_for_broken_ones(patches, crashed)
             hook_execution(patches, self.hooks)  # after it, so that it sees the thread of the callback itself
         if self.found.has(compat.WAITING_FOR_GOALS):
             execution.keep_replies(patches)

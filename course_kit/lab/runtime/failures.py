@@ -209,7 +209,7 @@ def _consequence(error: BaseException, turn: Turn) -> str:
         return turn.follows
     if isinstance(error, DeadlockError):
         return "Nothing hangs here; in a separate program this callback would wait for ever."
-    if turn.entity is not None and hasattr(turn.entity, "send_response"):
+    if hasattr(turn.entity, "send_response") or hasattr(turn.entity, "register_goal_callback"):
         return "The caller gets no answer. In a separate program this would end the server; here it keeps running."
     if isinstance(error, WrongResultError):
         return "The client gets an empty result. In a separate program it would wait for ever."

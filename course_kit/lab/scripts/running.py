@@ -129,12 +129,6 @@ class Scripts:
         for descriptor in self._pipes:
             os.close(descriptor)
 
-    def wait_for_end_of_those_without_node(self, seen: set[str]) -> None:
-        """Give programs whose nodes have left the graph a moment to end, and to say why."""
-        for script in list(self._running.values()):
-            if script.nodes and not seen.intersection(script.nodes) and script.follower is not None:
-                script.follower.join(_GRACE[0])
-
     def pump(self) -> None:
         """Take in what has been written so far, without waiting for more."""
         with self._lock:
