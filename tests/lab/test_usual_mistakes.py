@@ -155,7 +155,7 @@ def test_feedback_without_parentheses_is_named(kernel: Kernel) -> None:
     )
     wait = "await (await lab.send_goal('/f', Fibonacci, order=3)).result()"
     kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute.format("pass")))
-    assert "was given the class Fibonacci.Feedback; write Fibonacci.Feedback(), with" in kernel.run(wait).stderr
+    assert "a message of this action's Feedback, made with parentheses: Feedback()." in kernel.run(wait).stderr
     setting = execute.format("feedback.sequence = [0]")
     kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", setting))
     assert (

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 Stream = Literal["stdout", "stderr"]
 _PATIENCE = 1.0  # seconds for another thread to write what it has taken
-_KEPT = 10_000  # lines, should nobody empty the queue for long
-_LAST = 100  # lines beyond these: the last ones say how it ended
+_KEPT = 10_000  # lines, the latest, should nobody empty the queue for long
 
 
 class Output:
@@ -32,11 +31,9 @@ class Output:
         self.on_put: Callable[[], None] = lambda: None
         self.in_cell: Callable[[Callable[[], None]], None] = lambda write: write()
         self.producers: set[int] = set()
-        self._lines: deque[tuple[Stream, str]] = deque()
+        self._lines: deque[tuple[Stream, str]] = deque(maxlen=_KEPT)
         self._parts: dict[tuple[int, Stream], str] = {}
         self._parting = threading.Lock()
-        self._latest: deque[tuple[Stream, str]] = deque(maxlen=_LAST)  # what comes when the queue is full
-        self._beyond = 0  # lines that have come when it was full
         self._draining = threading.Lock()
         self._drainer: int | None = None
         self._news = threading.Event()
@@ -46,11 +43,7 @@ class Output:
         if not self.queued:
             self._write(stream, text)
             return
-        if self._latest or len(self._lines) >= _KEPT:
-            self._latest.append((stream, text))
-            self._beyond += 1
-        else:
-            self._lines.append((stream, text))
+        self._lines.append((stream, text))
         self._news.set()
         self.on_put()
 
@@ -96,14 +89,8 @@ class Output:
             self._draining.release()
 
     def _write_queued(self) -> None:
-        self._write_all(_taken(self._lines))
-        beyond, self._beyond = self._beyond, 0
-        latest = _taken(self._latest)
-        if beyond > len(latest):
-            self._write("stdout", f"... {beyond - len(latest):,} more lines left out\n")
-        self._write_all(latest)
-
-    def _write_all(self, lines: list[tuple[Stream, str]]) -> None:
+        # What it has now: a callback that never stops may put more meanwhile.
+        lines = [self._lines.popleft() for _ in range(len(self._lines))]
         for stream, those in groupby(lines, itemgetter(0)):
             self._write(stream, "".join(text for _, text in those))
 
@@ -114,8 +101,3 @@ class Output:
         target = getattr(sys, stream)
         target.write(text)
         target.flush()
-
-
-def _taken(queue: deque[tuple[Stream, str]]) -> list[tuple[Stream, str]]:
-    """Empty a queue of what it has now; a callback that never stops may put more meanwhile."""
-    return [queue.popleft() for _ in range(len(queue))]

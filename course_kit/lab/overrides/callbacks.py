@@ -1,4 +1,4 @@
-"""Callbacks that are none, and feedback that is none, are told where they are given and not when they are used."""
+"""Callbacks that are none are told where they are given and not when they are used."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionServer
-from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
 from course_kit import environment
@@ -34,7 +33,6 @@ def require_callables(patches: Patches, locate: Locate) -> None:
     for method, place in _CALLBACKS.items():
         _require_callable(patches, Node, method, place, locate)
     _require_callable(patches, ActionServer, "__init__", _EXECUTE, locate, "execute_callback")
-    _tell_of_feedback(patches)
 
 
 def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback is, and how cells are called
@@ -72,27 +70,3 @@ def _no_function(method: str, given: object, where: str, line: str) -> str:
     if called:
         meant = f" Without parentheses it is the function itself: write {called['name']}, not {called['name']}()."
     return f"{method}() was given {what} where it takes a function to call later ({where}: {line}).{meant}"
-
-
-def _tell_of_feedback(patches: Patches) -> None:
-    publish = ServerGoalHandle.publish_feedback
-
-    @functools.wraps(publish)
-    def publish_feedback(handle: ServerGoalHandle, feedback_msg: Any) -> None:
-        __tracebackhide__ = True
-        try:
-            publish(handle, feedback_msg)
-        except TypeError as error:
-            if error.args:
-                raise
-            raise TypeError(_no_feedback(feedback_msg)) from None
-
-    patches.set(ServerGoalHandle, "publish_feedback", publish_feedback)
-
-
-def _no_feedback(given: object) -> str:
-    if isinstance(given, type):
-        name = given.__name__.replace("_", ".")
-        return f"publish_feedback() was given the class {name}; write {name}(), with parentheses, to make a message"
-    kind = with_article(type(given).__name__)
-    return f"publish_feedback() takes this action's Feedback message, but was given {kind}"

@@ -67,7 +67,6 @@ class Lab:
                 self._notebook.watch_output()
                 self._scripts = scripts = Scripts(self.output, self.events.forward, mark_of(self._notebook.title))
                 scripts.wait_for_nodes, scripts.tell_once = self._wait_for_nodes, self.tell_once
-                scripts.live_names = lambda: [live.name for live in self.live_nodes()]
                 _at_exit(self.close)
             return self._scripts
 
@@ -201,8 +200,10 @@ class Lab:
             seen = graph.node_names(engine.node)
             counts = [seen.count(name) - (name in own) for name in names]
             if all(count > 0 for count in counts) if there else not any(count > 0 for count in counts):
-                return
+                break
             pause.wait(_POLL)
+        if there:
+            self._neighbours.node_started()
 
     def _script_nodes(self) -> dict[str, str]:
         return self._scripts.nodes() if self._scripts is not None else {}

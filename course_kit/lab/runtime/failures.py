@@ -263,7 +263,7 @@ def _on_name(error: NameError, frame: FrameType) -> str:
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
     """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
-    if known := of_newer_ros(error) or _of_set_callback(text):
+    if known := of_newer_ros(error) or _of_set_callback(text) or _of_feedback(error):
         return known
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
@@ -298,6 +298,14 @@ def _of_set_callback(text: str) -> str:
     if "Callback returned an invalid type" not in text:
         return ""
     return "End the function of add_on_set_parameters_callback() with `return SetParametersResult(successful=True)`."
+
+
+def _of_feedback(error: BaseException) -> str:
+    """What to write where rclpy has refused feedback, which it does without a word."""
+    frame = list(traceback.walk_tb(error.__traceback__))[-1:]
+    if error.args or not frame or frame[0][0].f_code.co_name != "publish_feedback":
+        return ""
+    return "publish_feedback() takes a message of this action's Feedback, made with parentheses: Feedback()."
 
 
 def node_in(error: BaseException) -> Any:

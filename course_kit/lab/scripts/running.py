@@ -74,7 +74,6 @@ class Scripts:
 
     def __init__(self, output: Output, forward: Callable[[Event], None], mark: str) -> None:
         self.wait_for_nodes: Callable[[list[str], bool], None] = lambda *_: None  # until they are there, or are not
-        self.live_names: Callable[[], list[str]] = list  # of the lab's nodes
         self.tell_once: Callable[[list[str]], None] = lambda _: None
         self._output, self._forward, self._mark = output, forward, mark
         self._running: dict[str, Script] = {}
@@ -179,7 +178,8 @@ class Scripts:
         while script.running:
             if mode != "wait" and script.spins and (script.spins == "server" or mode == "background"):
                 self.wait_for_nodes(script.nodes, True)
-                self._say(self._up(script))
+                names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
+                self._say(f"{script.name} is running in the background" + (f" (node {names})." if names else "."))
                 return
             limit = _WAIT if mode == "wait" else _CLIENT if script.spins == "client" else _UP
             if time.monotonic() - begun > limit:
@@ -192,18 +192,6 @@ class Scripts:
             self._output.drain()
         if script.follower is not None:
             script.follower.join(_GRACE[0])  # it has taken in the last lines then
-
-    def _up(self, script: Script) -> str:
-        names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
-        text = f"{script.name} is running in the background" + (f" (node {names})." if names else ".")
-        here = sorted(name for name in self.live_names() if name in script.nodes)
-        if here:
-            shown = here[0].lstrip("/")
-            text += (
-                f"\nA node {shown} runs in the lab, too: both answer every request. "
-                f"lab.stop({shown!r}) ends the one in the lab."
-            )
-        return text
 
     def _end(self, name: str) -> None:
         script = self._running.get(name)

@@ -59,17 +59,3 @@ def test_a_print_that_drains_does_not_wait_for_itself(monkeypatch: pytest.Monkey
         thread.join(30)
         assert not thread.is_alive()
     assert page.getvalue() == "once\n"
-
-
-def test_a_queue_that_nobody_empties_keeps_its_first_and_its_last_lines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(output_module, "_KEPT", 3)
-    monkeypatch.setattr(output_module, "_LAST", 2)
-    output = Output()
-    output.queued = True
-    with redirect_stdout(io.StringIO()) as page:
-        for count in (3, 5, 7, 1):
-            for number in range(1, count + 1):
-                output.put(f"{number}\n")
-            output.drain()
-            page.write("-\n")
-    assert page.getvalue() == ("1\n2\n3\n-\n1\n2\n3\n4\n5\n-\n1\n2\n3\n... 2 more lines left out\n6\n7\n-\n1\n-\n")
