@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import threading
-import time
 from collections import OrderedDict, deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -144,14 +143,6 @@ class Clients:
             raise not_found(self.node, wanted, 0.0) from None
         return found
 
-    def wait_for_results(self, actions: set[str], timeout: float) -> None:
-        """Wait until no goal of these actions is on its way; `timeout` seconds at most."""
-        deadline = time.monotonic() + timeout
-        pause = threading.Event()
-        clients = [client for client in self._goal_clients.values() if client.action_name in actions]
-        while any(client.busy for client in clients) and time.monotonic() < deadline:
-            pause.wait(_POLL)
-
     def subscription(
         self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
     ) -> Subscription:
@@ -218,14 +209,7 @@ class Clients:
         self._executor_thread.run_between_callbacks(client.destroy, 1.0)
 
     def _drop_goal_client(self, client: GoalClient) -> None:
-        """Destroy an action's client; goals that have not ended have lost their server, or their server its type."""
-
-        def drop() -> None:
-            for tracker in list(client.busy.values()):
-                tracker.lose()
-            client.destroy()
-
-        self._executor_thread.run_between_callbacks(drop, 1.0)
+        self._executor_thread.run_between_callbacks(client.destroy, 1.0)
 
     def _drop_publisher(self, publisher: Publisher) -> None:
         self._executor_thread.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)

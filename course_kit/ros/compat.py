@@ -64,10 +64,6 @@ EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
     _of(_SERVER, "_execute_goal", "_node"),
 )
-GOAL_ENDS = Feature(
-    "Clients of a goal are not told when its node is stopped",
-    (*_of(_SERVER, "_goal_handles", "_result_futures"), _GOAL + "_update_state", "rclpy.action.server:GoalEvent"),
-)
 FEEDBACK = Feature(
     "Feedback that comes faster than callbacks run may be shown late or not at all",
     _of(_CLIENT, "_client_handle"),
@@ -119,7 +115,7 @@ NOTEBOOK_TESTS = Feature(
 )
 
 OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
-_OF_GOALS = (GOAL_ENDS, FEEDBACK, WAITING_FOR_GOALS)
+_OF_GOALS = (FEEDBACK, WAITING_FOR_GOALS)
 _OF_CELLS = (PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
 OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
 ALL = (*OF_THE_LAB, GRADING, DIAGNOSES, NOTEBOOK_TESTS)

@@ -122,7 +122,9 @@ class GoalClient(ActionClient):
         return frozenset(bytes(one.endpoint_gid) for one in found)
 
     def destroy(self) -> None:
-        """Destroy it, and the timer that belongs to it."""
+        """Destroy it, and the timer that belongs to it; goals that have not ended are lost."""
+        for tracker in list(self.busy.values()):
+            tracker.lose()
         self._stop_watching()
         super().destroy()
 

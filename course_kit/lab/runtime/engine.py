@@ -12,7 +12,6 @@ import time
 from typing import TYPE_CHECKING
 
 import rclpy.utilities
-from rclpy.action import ActionServer
 
 from course_kit.lab.clients import Clients
 from course_kit.lab.errors import CallbackStopped, DeadlockError
@@ -38,8 +37,6 @@ if TYPE_CHECKING:
     from course_kit.ros.compat import Compatibility
     from course_kit.ros.graph import Role
 
-_FREE = 1.0  # seconds a callback may keep the thread before goals are not ended properly
-_TOLD = 0.5  # seconds the lab's own clients are given to hear that their goals were aborted
 _JOIN = 0.5  # seconds an execute callback is given to end when its node is stopped; later it ends unseen
 _LAST_JOIN = 2.0  # the same at the end of the lab
 
@@ -203,21 +200,11 @@ class Engine:
         return f"{owner} has been in {name}{where} for {time.monotonic() - turn.since:.0f} s"
 
     def _end_goals(self, ending: list[Node], patience: float = _JOIN) -> None:
-        """Nodes are about to be destroyed: abort their goals, tell the clients, and end the threads."""
-        if not any(isinstance(one, ActionServer) for node in ending for one in getattr(node, "waitables", ())):
-            return
-        can_abort = self.found.has(compat.GOAL_ENDS)
+        """Nodes are about to be destroyed: end the threads of their goals."""
         deadline = time.monotonic() + patience
         threads = self.executions.stop(ending)
-        thread = self.executor_thread
-        if can_abort and thread.is_current_thread():
-            execution.abort_goals(ending)
-            return
-        if can_abort and thread.run_between_callbacks(lambda: execution.abort_goals(ending), _FREE):
-            thread.run_between_callbacks(lambda: None, _FREE)  # results are sent as tasks of their own
-            self.clients.wait_for_results({action for node in ending for action in actions_of(node)}, _TOLD)
-        for one in threads:
-            one.join(max(0.0, deadline - time.monotonic()))
+        for thread in () if self.in_callback() else threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
 
     def _forget(self, ending: list[Node]) -> None:
         self.failures.forget()

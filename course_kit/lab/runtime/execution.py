@@ -10,8 +10,8 @@ with an empty result; here it is told like any other, and the goal ends the same
 A goal sent from a cell may be answered before rclpy's action client has noted that it waits for an answer (issue
 1123 of rclpy), because another thread takes the answer. Here taking waits for the sending to be complete.
 
-A goal whose node is stopped is aborted, and its client told so. Its thread is ended by an exception, which reaches
-Python code; one that is inside a C function, such as `time.sleep`, ends when that returns.
+The thread of a goal whose node is stopped is ended by an exception, which reaches Python code; one that is inside a C
+function, such as `time.sleep`, ends when that returns.
 """
 
 from __future__ import annotations
@@ -24,14 +24,12 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient, ActionServer
 from rclpy.task import Future
 
 from course_kit.lab.errors import CallbackStopped
 from course_kit.lab.recording.hooks import WrongResultError
 from course_kit.lab.runtime.failures import Turn
-from course_kit.ros.compat import rcl_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
@@ -190,32 +188,6 @@ class Executions:
         self._executor.wake()
         threads = [one.thread for one in ending if one.thread is not None]
         return [thread for thread in threads if thread is not threading.current_thread()]
-
-
-def abort_goals(nodes: Iterable[Node]) -> None:
-    """Abort the goals of these nodes' action servers that have not ended, and have their results sent; both at once."""
-    for node in nodes:
-        for server in list(getattr(node, "waitables", ())):
-            if isinstance(server, ActionServer):
-                for identifier, handle in list(server._goal_handles.items()):  # noqa: SLF001 - rclpy has no other way
-                    _abort(server, identifier, handle)
-
-
-def _abort(server: ActionServer, identifier: bytes, handle: ServerGoalHandle) -> None:
-    future = server._result_futures.get(identifier)  # noqa: SLF001
-    if future is None or future.done():
-        return
-    from rclpy.action.server import GoalEvent  # here, as only this needs it: see ros.compat
-
-    with suppress(*rcl_error()):  # its callback has ended it at this very moment
-        if not handle.is_active:
-            return  # its result is on its way
-        if handle.status == GoalStatus.STATUS_ACCEPTED:
-            handle._update_state(GoalEvent.EXECUTE)  # noqa: SLF001 - no other state can be aborted
-        handle.abort()
-    response = server.action_type.Impl.GetResultService.Response()
-    response.status = handle.status
-    future.set_result(response)
 
 
 def turn_of(execution: Execution) -> Turn:
