@@ -35,7 +35,6 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     if told := environment.middleware.explain_middleware():
         sys.stderr.write(f"{told}\n")
     from course_kit import lab
-    from course_kit.lab.recording import attaching
 
     lab.current().watch_output()
-    attaching.attach()
+    lab.record()

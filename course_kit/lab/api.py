@@ -245,12 +245,11 @@ def stop_script(name: str | None = None, /) -> None:
 
 
 def record() -> None:
-    """Begin a new recording; what was recorded is forgotten.
+    """Begin a new recording; what was recorded is forgotten. `%load_ext course_kit` begins one, too.
 
-    Raises:
-        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
+    Recorded are the nodes of the lab and the programs of `%%ros_script`, not what others exchange among themselves.
     """
-    current().require_recorder().restart()
+    current().record()
 
 
 def diagram(*, last: int | None = None) -> object:
@@ -260,7 +259,7 @@ def diagram(*, last: int | None = None) -> object:
         last: draw only so many of the latest arrows.
 
     Raises:
-        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
+        LabError: nothing is being recorded (`%load_ext course_kit` begins it).
     """
     return current().require_recorder().diagram(last)
 
@@ -272,7 +271,7 @@ def timeline() -> object:
     callback that does not end while the answer it waits for is not taken in.
 
     Raises:
-        LabError: no recorder is attached (`%load_ext course_kit` attaches one).
+        LabError: nothing is being recorded (`%load_ext course_kit` begins it).
     """
     return current().require_recorder().timeline()
 

@@ -19,7 +19,6 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 
 from course_kit import lab
-from course_kit.lab.recording import attaching
 from course_kit.ros.parameters import Descriptor, Range
 
 if TYPE_CHECKING:
@@ -219,7 +218,7 @@ def test_descriptors_hold_what_the_node_says() -> None:
 
 
 def test_a_diagram_shows_a_parameter_by_its_value(own_lab: Lab) -> None:
-    attaching.attach(own_lab)
+    own_lab.record()
     lab.start(Robot)
     lab.set_parameters_blocking("/robot", speed=2.0)
     asked = "lab -> robot  /robot/set_parameters request: parameters=[{name='speed', value=2.0}]"

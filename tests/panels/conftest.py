@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.lab.recording import attaching
-
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
 
@@ -15,5 +13,5 @@ if TYPE_CHECKING:
 @pytest.fixture
 def live_lab(own_lab: Lab) -> Lab:
     """A recording lab of its own, in a domain of its own."""
-    attaching.attach(own_lab)
+    own_lab.record()
     return own_lab

@@ -64,10 +64,9 @@ def _use_the_lab() -> dict[str, Any]:
     from std_msgs.msg import String
 
     from course_kit import lab
-    from course_kit.lab.recording import attaching
     from tests.ros.nodes import Everything
 
-    attaching.attach()
+    lab.record()
     node = lab.start(Everything)
     sums = [lab.call_blocking("/add_two_ints", AddTwoInts, a=2, b=3).sum for _ in range(2)]
     goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=4)

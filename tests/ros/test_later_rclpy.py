@@ -20,7 +20,6 @@ from std_srvs.srv import Trigger
 
 from course_kit import lab
 from course_kit.lab import NoAnswerError, ServiceFailedError
-from course_kit.lab.recording import attaching
 from tests.lab.fresh import fresh_lab
 from tests.ros import later_rclpy
 from tests.ros.nodes import Everything
@@ -150,7 +149,7 @@ def lab_with_goals_that_others_end(domain: int, monkeypatch: pytest.MonkeyPatch)
     assert domain
     later_rclpy.do_without_execute_callback_as_in_7_1_8(monkeypatch)
     with fresh_lab() as mine:
-        attaching.attach(mine)
+        mine.record()
         yield mine
 
 

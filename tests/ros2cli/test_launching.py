@@ -9,7 +9,6 @@ import pytest
 
 from course_kit import lab
 from course_kit.integrations.magics import MagicError, ros_launch, ros_script, ros_stop
-from course_kit.lab.recording import attaching
 from tests.waiting import wait_until
 
 from .commands import PROGRAMS, is_alive
@@ -41,7 +40,7 @@ def folder_of_the_lessons(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.Monk
 def test_the_lessons_launch_file_runs_in_the_background_until_it_is_stopped(
     own_lab: Lab, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    attaching.attach(own_lab)
+    own_lab.record()
     ros_launch("parameter_node", LAUNCH)
     shown = capfd.readouterr().out.splitlines()
     assert shown[0].startswith("[INFO] [parameter_node-1]: process started with pid [")

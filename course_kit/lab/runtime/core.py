@@ -109,19 +109,22 @@ class Lab:
             self._engine.clients.forget_all()
         self.output.drain()
 
-    def record(self, recorder: Recording) -> None:
-        """Have a recorder told what crosses from now on, and `lab.diagram` answered by it."""
-        self.recorder = recorder
-        self.events.listen(recorder.observe)
+    def record(self) -> Recording:
+        """Begin a recording, which `lab.diagram` draws; what was recorded before is forgotten."""
+        from course_kit.lab.recording.recording import Recording
+
+        if self.recorder is None:
+            self.recorder = Recording()
+            self.events.listen(self.recorder.observe)
+        self.output.drain()  # also takes in what scripts have reported
+        self.recorder.restart()
+        return self.recorder
 
     def require_recorder(self) -> Recording:
         """What keeps the events; raises LabError where nothing does."""
         if self.recorder is None:
-            raise LabError(
-                "Nothing is being recorded. In a notebook run `%load_ext course_kit` first; in a program, "
-                "`from course_kit.lab.recording import attaching`, and `attaching.attach()` before nodes are started."
-            )
-        self.output.drain()  # also takes in what scripts have reported
+            raise LabError("Nothing is being recorded. Run lab.record() before nodes are started.")
+        self.output.drain()
         return self.recorder
 
     def tell_once(self, sentences: Iterable[str]) -> None:

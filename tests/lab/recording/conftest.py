@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.lab.recording import attaching
-
 if TYPE_CHECKING:
+    from course_kit.lab.recording.recording import Recording
     from course_kit.lab.runtime.core import Lab
 
 
 @pytest.fixture
-def recording(own_lab: Lab) -> attaching.Recording:
+def recording(own_lab: Lab) -> Recording:
     """The recording of a lab of its own."""
-    return attaching.attach(own_lab)
+    return own_lab.record()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import rclpy
@@ -12,12 +12,14 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
-from course_kit.lab.recording import attaching
 from tests.lab.nodes import Faulty, Switch
 
+if TYPE_CHECKING:
+    from course_kit.lab.recording.recording import Recording
 
-def test_calls_and_failures_are_drawn(recording: attaching.Recording, capsys: pytest.CaptureFixture[str]) -> None:
-    assert attaching.attach() is recording
+
+@pytest.mark.usefixtures("recording")
+def test_calls_and_failures_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
     lab.start(Switch)
     lab.start(Faulty)
     assert str(lab.diagram()).startswith("Nothing has been recorded yet")
@@ -41,7 +43,7 @@ def test_calls_and_failures_are_drawn(recording: attaching.Recording, capsys: py
     assert capsys.readouterr().err
 
 
-def test_topics_are_drawn(recording: attaching.Recording) -> None:
+def test_topics_are_drawn(recording: Recording) -> None:
     class Listener(Switch):
         def __init__(self) -> None:
             super().__init__("listener")
@@ -63,7 +65,7 @@ def test_topics_are_drawn(recording: attaching.Recording) -> None:
     assert recording.events[0].type_name == "std_msgs/msg/String"
 
 
-def test_the_recording_is_a_copy(recording: attaching.Recording) -> None:
+def test_the_recording_is_a_copy(recording: Recording) -> None:
     lab.start(Switch)
     request = SetBool.Request(data=True)
     lab.call_blocking("/switch", SetBool, request)

@@ -19,7 +19,7 @@ from course_kit import lab
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording import attaching
+    from course_kit.lab.recording.recording import Recording
     from course_kit.lab.recording.timeline import Timeline
 
 pytestmark = pytest.mark.usefixtures("recording")
@@ -74,7 +74,7 @@ def timeline() -> Timeline:
     return found
 
 
-def test_a_callback_that_awaits_gives_its_thread_back(recording: attaching.Recording) -> None:
+def test_a_callback_that_awaits_gives_its_thread_back(recording: Recording) -> None:
     lab.start(Adder)
     lab.start(Doubler)
     lab.call_blocking("/double", AddTwoInts, a=21)
