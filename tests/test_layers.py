@@ -61,7 +61,7 @@ BUDGETS = {
 STILL_ABOVE = {
     "course_kit/environment": 914,  # the ROS of 2026: the profiles of Fast DDS 3
     "course_kit/cli": 1440,  # doctor about rclpy 7.1.9 and later releases; the tutor
-    "course_kit/lab": 6962,
+    "course_kit/lab": 6599,
     "course_kit/reader": 850,  # the files of the capstone, out of a zip or a notebook
     "course_kit/grading": 11120,  # with the capstone
     "course_kit/graders": 2402,

@@ -12,8 +12,7 @@ if TYPE_CHECKING:
 
     from rclpy.qos import QoSProfile
 
-    from course_kit.lab.calls import ServiceCall
-    from course_kit.lab.goals import AskedGoal, Goal, Sending
+    from course_kit.lab.goals import Goal
     from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Script
@@ -130,9 +129,12 @@ async def call(
         ServiceFailedError: the callback of a node in this lab raised or returned no response.
         NoAnswerError: nothing came back in time, or the server went away.
     """
-    from course_kit.lab.calls import call_async
+    from course_kit.lab import calls
 
-    return await call_async(_service_call("lab.call()", service, service_type, (request, fields, timeout)))
+    engine = current().engine
+    engine.not_in_callback("lab.call()")
+    asked = calls.make_request(service_type, request, fields)
+    return await calls.call_async(calls.ServiceCall(engine, service, service_type, asked, timeout))
 
 
 def call_blocking(
@@ -141,18 +143,10 @@ def call_blocking(
     """See `call`; this is the same for programs, which have no `await` at top level."""
     from course_kit.lab import calls
 
-    pending = _service_call("lab.call_blocking()", service, service_type, (request, fields, timeout))
-    return calls.call_blocking(pending)
-
-
-def _service_call(
-    verb: str, service: str, service_type: ServiceType, asked: tuple[Message, dict[str, object], float]
-) -> ServiceCall:
-    from course_kit.lab.calls import Asked, ServiceCall
-
     engine = current().engine
-    engine.not_in_callback(verb)
-    return ServiceCall(engine, service, service_type, Asked(*asked))
+    engine.not_in_callback("lab.call_blocking()")
+    asked = calls.make_request(service_type, request, fields)
+    return calls.call_blocking(calls.ServiceCall(engine, service, service_type, asked, timeout))
 
 
 def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:
@@ -308,11 +302,12 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
         FieldError: no such field, or a value it cannot take.
         NoAnswerError: the server neither accepted nor rejected it in time, or went away.
     """
-    from course_kit.lab.calls import call_async
-    from course_kit.lab.goals import AskedGoal
+    from course_kit.lab import calls, goals
 
-    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
-    sent: Goal = await call_async(_sending("lab.send_goal()", action, action_type, asked))
+    engine = current().engine
+    engine.not_in_callback("lab.send_goal()")
+    sending = goals.Sending(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sent: Goal = await calls.call_async(sending.call_back(on_feedback, on_result))
     return sent
 
 
@@ -328,17 +323,10 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
     **fields: object,
 ) -> Goal:
     """See `send_goal`; this is the same for programs, and so are `goal.result_blocking()` and `cancel_blocking()`."""
-    from course_kit.lab.calls import call_blocking
-    from course_kit.lab.goals import AskedGoal
-
-    asked = AskedGoal(goal, fields, timeout, on_feedback, on_result)
-    sent: Goal = call_blocking(_sending("lab.send_goal_blocking()", action, action_type, asked))
-    return sent
-
-
-def _sending(verb: str, action: str, action_type: ActionType, asked: AskedGoal) -> Sending:
-    from course_kit.lab.goals import Sending
+    from course_kit.lab import calls, goals
 
     engine = current().engine
-    engine.not_in_callback(verb)
-    return Sending(engine, action, action_type, asked)
+    engine.not_in_callback("lab.send_goal_blocking()")
+    sending = goals.Sending(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sent: Goal = calls.call_blocking(sending.call_back(on_feedback, on_result))
+    return sent

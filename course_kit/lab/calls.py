@@ -10,9 +10,11 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from course_kit.lab.clients import AT_ONCE, WantedServer, not_found
+from rclpy.qos import qos_profile_services_default
+
+from course_kit.lab.clients import WantedServer, not_found
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
 from course_kit.ros.filling import make_message
 from course_kit.ros.graph import SERVES
@@ -29,14 +31,7 @@ if TYPE_CHECKING:
 _APPEARANCE = 2.0  # seconds a service is given to appear on the graph; discovery takes a tenth of that
 _POLL = 0.005  # seconds between looks at the graph, which cost microseconds
 _CHECK = 0.2  # seconds between looks at whether the server is still there
-
-
-class Asked(NamedTuple):
-    """What a caller wants."""
-
-    request: Message
-    fields: dict[str, object]
-    timeout: float
+_AT_ONCE: int = qos_profile_services_default.depth
 
 
 class PendingCall(ABC):
@@ -102,32 +97,26 @@ class PendingCall(ABC):
 class ServiceCall(PendingCall):
     """One request and the wait for its response."""
 
-    def __init__(self, lab: Engine, service: str, service_type: ServiceType, asked: Asked) -> None:
-        if not is_service_type(service_type):
-            raise FieldError(not_of_kind(service_type, "service", ("_Request", "_Response"), "lab.call"))
-        name = type_name(service_type)
-        self._request = message_of(service_type.Request, asked.request, asked.fields, f"a {name} request")
+    def __init__(self, lab: Engine, service: str, service_type: ServiceType, request: Message, timeout: float) -> None:
+        self._request = request
         self._client = lab.clients.client(service_type, service)
         self._sent: SentRequest | None = None
-        self._unsent: Exception | None = None  # why it could not be sent
-        super().__init__(lab, WantedServer(SERVES, self._client.name, name), asked.timeout)
+        super().__init__(lab, WantedServer(SERVES, self._client.name, type_name(service_type)), timeout)
+
+    def may_send(self) -> bool:
+        """Whether the server is there, and has room: of what waits for it, a service keeps the newest so many."""
+        if len(self._client.busy) >= _AT_ONCE:
+            self.check()
+            return False
+        return super().may_send()
 
     def send(self, completed: Callable[[], None]) -> None:
-        """Send the request in its turn; `completed` is called on the lab's thread when the answer is there."""
-
-        def send_now() -> None:
-            try:
-                self._sent = self._client.send(self._request)
-                self._sent.when_answered(completed)
-            except Exception as error:  # noqa: BLE001 - for its own caller, not for whose answer has made way
-                self._unsent = error
-                completed()
-
-        self._client.queue.enter(self, send_now)
+        """Send the request; `completed` is called on the lab's thread when the answer is there."""
+        self._client.busy.add(self)
+        self._sent = self._client.send(self._request)
+        self._sent.when_answered(completed)
 
     def result(self) -> Message:
-        if self._unsent is not None:
-            raise self._unsent
         try:
             return self._sent.response() if self._sent is not None else None
         except ServiceFailedError as error:
@@ -137,17 +126,17 @@ class ServiceCall(PendingCall):
         """Stop waiting, whether or not the answer has come; harmless if it has."""
         if self._sent is not None:
             self._sent.abandon()
-        self._client.queue.leave(self)
+        self._client.busy.discard(self)
         super().close()
 
     def _has_come(self) -> bool:
-        return self._unsent is not None or (self._sent is not None and self._sent.answered())
+        return self._sent is not None and self._sent.answered()
 
     def _too_late(self) -> str:
         why = self._lab.why_no_answer(self._wanted.name)
         if self._sent is None:
             return (
-                f"{self._wanted.name} was not called within {self._timeout:g} s: {AT_ONCE} earlier calls of this "
+                f"{self._wanted.name} was not called within {self._timeout:g} s: {_AT_ONCE} earlier calls of this "
                 f"notebook still wait for their answers. {why}"
             )
         return f"{self._wanted.name} did not answer within {self._timeout:g} s. {why}"
@@ -215,6 +204,13 @@ def call_blocking(call: PendingCall) -> Any:
         return call.result()
     finally:
         call.close()
+
+
+def make_request(service_type: ServiceType, ready: Message, fields: Fields) -> Message:
+    """The request to be sent; raises FieldError."""
+    if not is_service_type(service_type):
+        raise FieldError(not_of_kind(service_type, "service", ("_Request", "_Response"), "lab.call"))
+    return message_of(service_type.Request, ready, fields, f"a {type_name(service_type)} request")
 
 
 def not_of_kind(given: object, kind: str, parts: tuple[str, ...], verb: str) -> str:

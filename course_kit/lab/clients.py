@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections import OrderedDict, deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
-from rclpy.qos import qos_profile_services_default
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError, error_text
@@ -35,9 +32,7 @@ if TYPE_CHECKING:
 
 LAB_NAME = "lab"  # what its own node is called in a recording
 HIDDEN_NAME = "_lab_"  # and the process's number, so that two notebooks do not share it
-_POLL = 0.005  # seconds
 _FREE = 1.0  # seconds in which the lab's thread must be free to make a client
-_KEPT = 32  # clients and publishers; the one unused for longest goes first
 
 
 class WantedServer(NamedTuple):
@@ -78,37 +73,35 @@ class OtherTypeError(LabError):
 
 
 class Clients:
-    """What the lab speaks through."""
+    """What the lab speaks through; each is kept for the next time."""
 
     def __init__(self, executor_thread: ExecutorThread, hooks: MessageHooks) -> None:
         self._executor_thread = executor_thread
         self._hooks = hooks
-        self._clients: OrderedDict[tuple[Any, str], Any] = OrderedDict()
-        self._publishers: OrderedDict[tuple[Any, str], Any] = OrderedDict()
-        self._goal_clients: OrderedDict[tuple[Any, str], GoalClient] = OrderedDict()
-        self.known_node: Node | None = None
+        self._made: dict[tuple[str, str, Any], Any] = {}  # by what it is for, its name as it was given, and the type
+        self._node: Node | None = None
 
     @property
     def node(self) -> Node:
         """The node, made on first use. The underscore in its name hides it from `ros2 node list`."""
-        if self.known_node is None:
+        if self._node is None:
             node = quiet_node(f"{HIDDEN_NAME}{os.getpid()}", self._executor_thread.context)
             self._hooks.aliases[node.get_fully_qualified_name()] = LAB_NAME
             self._hooks.own_nodes.add(node)
             self._executor_thread.executor.add_node(node)
-            self.known_node = node
-        return self.known_node
+            self._node = node
+        return self._node
 
-    def client(self, service_type: ServiceType, service: str) -> QueuedClient:
+    def client(self, service_type: ServiceType, service: str) -> ServiceClient:
         """The client for a service; one of the same name and another type is replaced."""
 
-        def make() -> QueuedClient:
-            client = QueuedClient(self.node, service_type, service)
+        def make() -> ServiceClient:
+            client = ServiceClient(self.node, service_type, service)
             self._hooks.direct.add(client.rclpy_client)
             return client
 
         try:
-            found: QueuedClient = self._use(self._clients, (service_type, service), make, self._drop_client)
+            found: ServiceClient = self._use("service", service, service_type, make)
         except OtherTypeError:
             wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
             own = frozenset({self.node.get_fully_qualified_name()})
@@ -117,17 +110,15 @@ class Clients:
 
     def publisher(self, message_type: type[Message], topic: str) -> Publisher:
         """The publisher for a topic; one of the same name and another type is replaced."""
-
-        def make() -> Any:
-            return self.node.create_publisher(message_type, topic, 10)
-
-        found: Publisher = self._use(self._publishers, (message_type, topic), make, self._drop_publisher)
+        found: Publisher = self._use(
+            "topic", topic, message_type, lambda: self.node.create_publisher(message_type, topic, 10)
+        )
         return found
 
     def goal_client(self, action_type: ActionType, action: str) -> GoalClient:
         """The client for an action; one of the same name and another type is replaced."""
 
-        def make() -> Any:
+        def make() -> GoalClient:
             node = self.node
             validate_topic_name(action)
             types = graph.offered_types(node, graph.RUNS).get(full_action_name(node, action), [])
@@ -137,7 +128,7 @@ class Clients:
             return self._executor_thread.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
         try:
-            found: GoalClient = self._use(self._goal_clients, (action_type, action), make, self._drop_goal_client)
+            found: GoalClient = self._use("action", action, action_type, make)
         except OtherTypeError:
             wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
             raise not_found(self.node, wanted, 0.0) from None
@@ -155,64 +146,43 @@ class Clients:
         )
         return made
 
-    def forget(self, channels: set[str]) -> None:
-        """Let go of these services, actions and topics, so that they can come back with another type."""
-        for key, client in list(self._clients.items()):
-            somebody_waits = getattr(client.rclpy_client, "_pending_requests", None)  # a private name; see ros.compat
-            if client.name in channels and not somebody_waits:
-                self._drop_client(self._clients.pop(key))
-        for key in [key for key, publisher in self._publishers.items() if publisher.topic_name in channels]:
-            self._drop_publisher(self._publishers.pop(key))
-        for key, goal_client in list(self._goal_clients.items()):
-            if goal_client.action_name in channels and not goal_client.busy:
-                self._drop_goal_client(self._goal_clients.pop(key))
+    def forget(self, channels: set[str] | None = None) -> None:
+        """Let go of these services, actions and topics, or of all, so that they can come back with another type.
 
-    def forget_all(self) -> None:
-        """Let go of all that nobody waits for: a service stands in `ros2 service list` while it has a client."""
-        self.forget(
-            {client.name for client in self._clients.values()}
-            | {publisher.topic_name for publisher in self._publishers.values()}
-            | {client.action_name for client in self._goal_clients.values()}
-        )
+        A service stands in `ros2 service list` while it has a client. What somebody waits for stays.
+        """
+        for key, entity in list(self._made.items()):
+            if (channels is None or _full_name(entity) in channels) and not getattr(entity, "busy", False):
+                self._drop(key)
 
     def destroy(self) -> None:
-        self._clients.clear()
-        self._publishers.clear()
-        while self._goal_clients:
-            self._goal_clients.popitem()[1].destroy()
-        self._hooks.direct.clear()
-        if self.known_node is not None:
-            self._executor_thread.executor.remove_node(self.known_node)
-            self.known_node.destroy_node()
-            self.known_node = None
+        for entity in self._made.values():
+            if isinstance(entity, GoalClient):
+                entity.destroy()
+        self._made.clear()
+        if self._node is not None:
+            self._executor_thread.executor.remove_node(self._node)
+            self._node.destroy_node()
+            self._node = None
 
-    def _use(
-        self,
-        cache: OrderedDict[tuple[Any, str], Any],
-        key: tuple[Any, str],
-        make: Callable[[], Any],
-        drop: Callable[[Any], None],
-    ) -> Any:
-        found = cache.get(key)
-        if found is not None:
-            cache.move_to_end(key)
-            return found
-        for other in [other for other in cache if other[1] == key[1]]:  # the type was defined again
-            drop(cache.pop(other))
-        cache[key] = entity = _named(make, key)
-        if len(cache) > _KEPT:
-            drop(cache.popitem(last=False)[1])
-        return entity
+    def _use(self, kind: str, name: str, interface: Any, make: Callable[[], Any]) -> Any:
+        key = (kind, name, interface)
+        if key not in self._made:
+            for other in [other for other in self._made if other[:2] == key[:2]]:  # the type was defined again
+                self._drop(other)
+            self._made[key] = _named(make, (interface, name))
+        return self._made[key]
 
-    def _drop_client(self, client: QueuedClient) -> None:
-        self._hooks.direct.discard(client.rclpy_client)
-        self._executor_thread.run_between_callbacks(client.destroy, 1.0)
+    def _drop(self, key: tuple[str, str, Any]) -> None:
+        entity = self._made.pop(key)
+        destroy = (lambda: self.node.destroy_publisher(entity)) if key[0] == "topic" else entity.destroy
+        self._executor_thread.run_between_callbacks(destroy, 1.0)
 
-    def _drop_goal_client(self, client: GoalClient) -> None:
-        self._executor_thread.run_between_callbacks(client.destroy, 1.0)
 
-    def _drop_publisher(self, publisher: Publisher) -> None:
-        self._executor_thread.run_between_callbacks(lambda: self.node.destroy_publisher(publisher), 1.0)
+def _full_name(entity: ServiceClient | GoalClient | Publisher) -> str:
+    if isinstance(entity, GoalClient):
+        return entity.action_name
+    return entity.name if isinstance(entity, ServiceClient) else entity.topic_name
 
 
 def incompatible(error: BaseException) -> bool:
@@ -235,45 +205,3 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface
         raise LabError(f"{type_name(interface)} cannot be used on {name}: {error}") from error
-
-
-AT_ONCE: int = qos_profile_services_default.depth
-
-
-class RequestQueue:
-    """Lets so many requests be on their way at once; used from any thread."""
-
-    def __init__(self) -> None:
-        self._changing = threading.Lock()
-        self._under_way: set[object] = set()
-        self._waiting: deque[tuple[object, Callable[[], None]]] = deque()
-
-    def enter(self, request: object, send: Callable[[], None]) -> None:
-        """Send a request now, or as soon as another one has left."""
-        with self._changing:
-            if len(self._under_way) >= AT_ONCE:
-                self._waiting.append((request, send))
-                return
-            self._under_way.add(request)
-        send()
-
-    def leave(self, request: object) -> None:
-        """The request is answered, or nobody waits for it any more; harmless if it has left already."""
-        with self._changing:
-            if request not in self._under_way:
-                self._waiting = deque(one for one in self._waiting if one[0] is not request)
-                return
-            self._under_way.discard(request)
-            follower = self._waiting.popleft() if self._waiting else None
-            if follower is not None:
-                self._under_way.add(follower[0])
-        if follower is not None:
-            follower[1]()
-
-
-class QueuedClient(ServiceClient):
-    """A client of one service, with the queue of those who use it."""
-
-    def __init__(self, node: Node, service_type: ServiceType, service: str) -> None:
-        super().__init__(node, service_type, service)
-        self.queue = RequestQueue()

@@ -21,9 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from course_kit.lab.runtime.engine import Engine
+    from course_kit.ros.filling import Fields
     from course_kit.ros.messages import ActionType, Message
-
-_MISSED = 2  # looks in a row without the server, after which it has gone
 
 
 class Awaited(NamedTuple):
@@ -44,7 +43,6 @@ class Wait(PendingCall):
         super().__init__(lab, WantedServer(RUNS, tracker.client.action_name, action_type), timeout)
         self._tracker = tracker
         self._awaited = awaited
-        self._missing = 0  # looks in a row that have not found the server
         self._listener: Callable[[], None] = lambda: None
 
     def may_send(self) -> bool:
@@ -87,10 +85,7 @@ class Wait(PendingCall):
         return f"{self._awaited.lacking} within {self._timeout:g} s. {self._lab.why_no_result(self._wanted.name)}"
 
     def _check_server(self) -> None:
-        self._missing = 0 if self._is_there() else self._missing + 1
-        if self._missing == _MISSED:  # before that, what it sent at the very end may be on its way
-            self._lab.executor.create_task(self._tracker.lose)
-        elif self._missing > _MISSED:
+        if self._tracker.status == "UNKNOWN":
             raise NoAnswerError(gone(self._wanted.name))
 
     def _is_there(self) -> bool:
@@ -106,24 +101,6 @@ def gone(action: str) -> str:
 
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
-
-
-class AskedGoal(NamedTuple):
-    """What a caller wants.
-
-    Attributes:
-        goal: a ready goal message, or None to build one of `fields`.
-        fields: the goal's fields.
-        timeout: seconds until the server must have accepted or rejected it.
-        on_feedback: called with each feedback message, on the lab's thread.
-        on_result: called with the goal when it has ended, on the lab's thread.
-    """
-
-    goal: Message
-    fields: dict[str, object]
-    timeout: float
-    on_feedback: Callable[[Message], object] | None = None
-    on_result: Callable[[Goal], object] | None = None
 
 
 class Goal:
@@ -253,31 +230,36 @@ class Goal:
         return Wait(self._lab, self._tracker, timeout, awaited)
 
 
+def make_goal(action_type: ActionType, ready: Message, fields: Fields) -> Message:
+    """The goal to be sent; raises FieldError."""
+    if not is_action_type(action_type):
+        raise FieldError(not_of_kind(action_type, "action", ("_Goal", "_Result", "_Feedback"), "lab.send_goal"))
+    return message_of(action_type.Goal, ready, fields, f"a goal of {type_name(action_type)}")
+
+
 class Sending(Wait):
-    """The wait until a server has accepted or rejected a goal.
+    """The wait until a server has accepted or rejected a goal."""
 
-    Raises:
-        FieldError: the goal cannot be built.
-    """
-
-    def __init__(self, lab: Engine, action: str, action_type: ActionType, asked: AskedGoal) -> None:
-        if not is_action_type(action_type):
-            raise FieldError(not_of_kind(action_type, "action", ("_Goal", "_Result", "_Feedback"), "lab.send_goal"))
-        request = message_of(action_type.Goal, asked.goal, asked.fields, f"a goal of {type_name(action_type)}")
+    def __init__(self, lab: Engine, action: str, action_type: ActionType, request: Message, timeout: float) -> None:
         client = lab.clients.goal_client(action_type, action)
         tracker = GoalTracker(client, request, lab.call_back)
-        goal = Goal(lab, tracker, request)
-        tracker.on_feedback = asked.on_feedback
-        on_result = asked.on_result
-        if on_result is not None:
-            tracker.on_result = lambda: on_result(goal)
+        self.goal = goal = Goal(lab, tracker, request)
         awaited = Awaited(
             f"{client.action_name} neither accepted nor rejected the goal",
             lambda: tracker.accepted is not None,
             tracker.begin,
             lambda: goal,
         )
-        super().__init__(lab, tracker, asked.timeout, awaited, type_name(action_type))
+        super().__init__(lab, tracker, timeout, awaited, type_name(action_type))
+
+    def call_back(
+        self, on_feedback: Callable[[Message], object] | None, on_result: Callable[[Goal], object] | None
+    ) -> Sending:
+        """Have functions called with each feedback message, and with the goal when it has ended."""
+        self._tracker.on_feedback = on_feedback
+        if on_result is not None:
+            self._tracker.on_result = lambda: on_result(self.goal)
+        return self
 
     def may_send(self) -> bool:
         """Whether the server is there; see `PendingCall.may_send`."""

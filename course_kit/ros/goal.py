@@ -208,10 +208,10 @@ class GoalTracker:
 
     def note_servers(self, servers: frozenset[bytes]) -> None:
         """Which servers of its action are there now; without its own it is lost, at the second look."""
-        if self.accepted:
-            self._missed = 0 if servers & self._servers else self._missed + 1
-            if self._missed > 1:
-                self.lose()
+        there = servers & self._servers if self.accepted else servers
+        self._missed = 0 if there else self._missed + 1
+        if self._missed > 1:
+            self.lose()
 
     def lose(self) -> None:
         """Its server has gone: there will be no result."""

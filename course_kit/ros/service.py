@@ -29,6 +29,7 @@ class ServiceClient:
         self.rclpy_client: Client = node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
         self.type = service_type
         self.name = self.rclpy_client.service_name
+        self.busy: set[object] = set()  # those who wait for a response, as far as they say so
 
     def is_ready(self) -> bool:
         """Whether a server is connected; never when the node has been destroyed."""

@@ -140,7 +140,7 @@ class MessageHooks:
     def __init__(self, events: EventStream) -> None:
         self.events = events
         self.aliases: dict[str, str] = {}
-        self.direct: set[Client] = set()
+        self.direct: WeakSet[Client] = WeakSet()  # whose answers are handed over on the thread that takes them
         self.own_nodes: set[Node] = set()  # of the lab itself
         self.clients: WeakSet[Client] = WeakSet()  # that have asked
         self.on_delivery: set[Callable[[Subscription], None]] = set()

@@ -106,7 +106,7 @@ class Lab:
         while self._subscriptions:
             self._subscriptions.pop().close()
         if self._engine is not None:
-            self._engine.clients.forget_all()
+            self._engine.clients.forget()
         self.output.drain()
 
     def record(self) -> Recording:
