@@ -17,13 +17,7 @@ MOST_OF_ONE_WORD = 0.2  # of the names of the modules' public functions
 NOT_ALONE = {"around", "asked", "done", "found", "given", "handed", "held", "kept", "known", "named", "of", "one"}
 NOT_ALONE |= {"right", "said", "shown", "surroundings", "told", "turns", "under_way", "visiting"}
 STILL_ALONE = {  # to be renamed; nothing is added
-<<<<<<< HEAD
     ("course_kit/grading/checks/hangs.py", "told"),
-    ("course_kit/lab/calls.py", "Asked"),
-=======
-    ("course_kit/grading/diagnosis/hangs.py", "told"),
-    ("course_kit/grading/sandbox/hidden_files.py", "of"),
->>>>>>> c8bfbc9e (One store for what the lab speaks through; a call waits for room as it waits for its server; goals are lost in one place)
     ("course_kit/panels/base.py", "Shown"),
     ("course_kit/panels/sliders.py", "shown"),
 }
