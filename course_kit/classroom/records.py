@@ -248,7 +248,7 @@ class Gradebook:
     seed: int = 0  # what the checks drew from
     complete: bool = True  # whether every submission has its record; False after Ctrl-C
     root: Path | None = None  # the folder the entries' sources are relative to; None where they are not at hand
-    readings: Reader | None = None  # who has read them, and remembers; None where nobody has
+    reader: Reader | None = None  # who has read them, and remembers; None where nobody has
     odd: tuple[tuple[str, str], ...] = ()  # student and reason of those whose entry does not fit the layout
     # student and reason of those who handed in something of which nothing could be graded, or not all
     dropped: tuple[tuple[str, str], ...] = ()

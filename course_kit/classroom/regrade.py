@@ -19,7 +19,6 @@ from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
-    from pathlib import Path
 
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.records import Gradebook, GradeRecord
@@ -75,11 +74,10 @@ def _points(record: GradeRecord) -> str:
 class Regrade:
     """One regrade of a class run's results."""
 
-    def __init__(self, run: ClassRun, out: Path, exercises: Collection[str], progress: RunProgress) -> None:
+    def __init__(self, run: ClassRun, book: Gradebook, exercises: Collection[str], progress: RunProgress) -> None:
         self._run = run
-        self._out = out
+        self._out = out = run.plan.out
         self._progress = progress
-        book = run.as_it_is()
         self._exercises = {one.id: one for one in book.exercises}
         # A score for nothing handed in stays.
         self._chosen = [one for one in book.records if one.entry.source and one.entry.exercise in exercises]
@@ -139,8 +137,8 @@ class Regrade:
         """Read what is graded again; identical ones together."""
         now = {one.id: versions_of(one) for one in self._exercises.values()}
         found = ((record, self._staged(record, now)) for record in self._chosen)
-        with Reader(lambda: stops() > 0, memory=self._run.readings.memory) as readings:
-            ready, groups = submissions.sort_out((self._read(one, readings, staged), staged) for one, staged in found)
+        with Reader(lambda: stops() > 0, memory=self._run.reader.memory) as reader:
+            ready, groups = submissions.sort_out((self._read(one, reader, staged), staged) for one, staged in found)
         self._new += [staged for _, staged in ready]
         self._progress.begin(len(self._chosen), self._new)
         return groups
@@ -150,10 +148,10 @@ class Regrade:
         staged = self._staging.find(record.entry)
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None
 
-    def _read(self, record: GradeRecord, readings: Reader, staged: GradeRecord | None) -> ClassSubmission:
+    def _read(self, record: GradeRecord, reader: Reader, staged: GradeRecord | None) -> ClassSubmission:
         exercise = self._exercises[record.entry.exercise]
         seed = self._run.seed if record.seed is None else record.seed
-        return submissions.read_submission(record.entry, self._run.intake.root, exercise, seed, readings, known=staged)
+        return submissions.read_submission(record.entry, self._run.intake.root, exercise, seed, reader, known=staged)
 
 
 def _key(record: GradeRecord) -> tuple[str, str]:

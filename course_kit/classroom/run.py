@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.collecting import Intake
     from course_kit.classroom.intake.roster import Roster
     from course_kit.classroom.records import Entry, GradeRecord
+    from course_kit.classroom.rules.instructor import Instructions
     from course_kit.classroom.rules.seeds import Seeds
     from course_kit.classroom.submissions import ClassSubmission
     from course_kit.grading.model.exercise import Exercise
@@ -55,33 +56,72 @@ class Plan:
     require_isolation: bool = False  # no submission runs where it is not fully isolated
 
 
+def open_class(plan: Plan, progress: RunProgress, stops: Callable[[], int] = lambda: 0) -> ClassRun:
+    """Read what an earlier run has left, the instructor's files and what was handed in; grades nothing yet."""
+    require_folders_apart(plan.sources, plan.out)
+    records = RecordFolder(plan.out)
+    plan = replace(plan, seed=_choose_seed(plan, records))
+    reader = Reader(lambda: stops() > 0)
+    graded_now = {one.id for one in plan.exercises}
+    earlier = tuple(record for record in records if record.entry.exercise not in graded_now)
+    graded_earlier = sorted({record.entry.exercise for record in earlier})
+    exercises = (*plan.exercises, *(run_folder.exercise_of(plan.out, one) for one in graded_earlier))
+    instructions = instructor.read_instructions(plan.out, exercises)
+    try:
+        intake = collecting.collect_submissions(
+            plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, reader, plan.roster
+        )
+    except ReadingStoppedError:
+        raise KeyboardInterrupt from None  # nothing has begun
+    table.write_intake(intake, plan.out)
+    require_submissions(intake, plan.sources, plan.exercises)
+    # What the instructor has written is about this class: that is seen before hours go into grading it.
+    people = People((*intake.entries, *intake.others, *(record.entry for record in earlier)))
+    instructions = instructions.match_people(people)
+    plan = replace(plan, seeds=plan.seeds and plan.seeds.of_class(intake.entries, people))
+    run_folder.write_note(plan)
+    return ClassRun(plan, exercises, intake, instructions, earlier, records, reader, progress, stops)
+
+
+def _choose_seed(plan: Plan, records: RecordFolder) -> int:
+    """The run's seed: that of the earlier run when it is gone on with."""
+    before = run_folder.seed_of(plan.out)
+    if not plan.resume and (before is not None or any(records)):
+        raise GradingError(
+            f"{plan.out} holds the results of an earlier run. Add --resume to continue it, or name another folder."
+        )
+    if before is not None and plan.seed not in (None, before):
+        raise GradingError(f"The earlier run used the seed {before}. Leave --seed out to continue it.")
+    return next(one for one in (before, plan.seed, secrets.randbits(31)) if one is not None)
+
+
 class ClassRun:
     """One run over a class."""
 
-    def __init__(self, plan: Plan, progress: RunProgress, stops: Callable[[], int] = lambda: 0) -> None:
-        self._plan = plan
+    def __init__(  # noqa: PLR0913, PLR0917 - what `open_class` has read
+        self,
+        plan: Plan,
+        exercises: tuple[Exercise, ...],
+        intake: Intake,
+        instructions: Instructions,
+        earlier: tuple[GradeRecord, ...],
+        records: RecordFolder,
+        reader: Reader,
+        progress: RunProgress,
+        stops: Callable[[], int],
+    ) -> None:
+        self.plan = plan
+        self.exercises = exercises  # those that are graded, and those of which there are results already
+        self.intake = intake
+        self.reader = reader
+        self._instructions = instructions
+        self._earlier = earlier  # the results of exercises that are not graded now
+        self._records = records
         self._progress = progress
-        self._stops = stops
-        self.readings = Reader(self._stopped)
-        self._records = RecordFolder(plan.out)
-        require_folders_apart(plan.sources, plan.out)
-        self.seed = self._choose_seed()
-        self.exercises = (*plan.exercises, *self._earlier_exercises())
-        self._instructions = instructor.read_instructions(plan.out, self.exercises)
-        try:
-            self.intake = collecting.collect_submissions(
-                plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, self.readings, plan.roster
-            )
-        except ReadingStoppedError:
-            raise KeyboardInterrupt from None  # nothing has begun
-        table.write_intake(self.intake, plan.out)
-        require_submissions(self.intake, plan.sources, plan.exercises)
-        self._apply_to_class()
-        run_folder.write_note(plan, self.seed)
         # No submission may see these: one student's program must not read another's, nor the results.
         self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
-        self._loop = ClassGrading(
-            self._records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
+        self._grading = ClassGrading(
+            records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
         )
         self._kept: list[GradeRecord] = []
         self.gone: list[str] = []
@@ -94,11 +134,11 @@ class ClassRun:
         try:
             if groups := self._take_stock():
                 graders = graders or start()
-                self._loop.run(groups, graders)
+                self._grading.run(groups, graders)
         finally:
             if graders is not None:
                 graders.close()
-        done = [*self._kept, *self._loop.done]
+        done = [*self._kept, *self._grading.done]
         self._records.require_kept(done)
         return self._gradebook(done)
 
@@ -111,45 +151,16 @@ class ClassRun:
         """A result with its lateness, penalty, override and comment."""
         return self._instructions.adjusted(record, self.exercises)
 
-    def _stopped(self) -> bool:
-        return self._stops() > 0
-
-    def _choose_seed(self) -> int:
-        """The run's seed: that of the earlier run when it is gone on with."""
-        asked = self._plan.seed
-        before = run_folder.seed_of(self._plan.out)
-        if not self._plan.resume and (before is not None or any(self._records)):
-            raise GradingError(
-                f"{self._plan.out} holds the results of an earlier run. Add --resume to continue it, or name "
-                "another folder."
-            )
-        if before is not None and asked not in (None, before):
-            raise GradingError(f"The earlier run used the seed {before}. Leave --seed out to continue it.")
-        return next(one for one in (before, asked, secrets.randbits(31)) if one is not None)
-
-    def _earlier_exercises(self) -> tuple[Exercise, ...]:
-        """Those of which there are results already, and which are not graded now: their grades stay as they are."""
-        named = {one.id for one in self._plan.exercises}
-        there = {record.entry.exercise for record in self._records} - named
-        return tuple(run_folder.exercise_of(self._plan.out, one) for one in sorted(there))
-
-    def _earlier_records(self) -> list[GradeRecord]:
-        """The results of exercises that are not graded now."""
-        named = {one.id for one in self._plan.exercises}
-        return [record for record in self._records if record.entry.exercise not in named]
-
-    def _apply_to_class(self) -> None:
-        """See that what the instructor has written is about this class, before hours go into grading it."""
-        earlier = (record.entry for record in self._earlier_records())
-        people = People((*self.intake.entries, *self.intake.others, *earlier))
-        self._instructions = self._instructions.match_people(people)
-        self._seeds = self._plan.seeds and self._plan.seeds.of_class(self.intake.entries, people)
+    @property
+    def seed(self) -> int:
+        """What the checks draw from where neither the student nor the exercise has another one."""
+        return self.plan.seed or 0
 
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
-        remove_half_written(self._plan.out, besides=[WORKSPACE])
+        remove_half_written(self.plan.out, besides=[WORKSPACE])
         self._records.remove_pages_alone()
-        for path in self._records.without(self.intake.entries, [one.id for one in self._plan.exercises]):
+        for path in self._records.without(self.intake.entries, [one.id for one in self.plan.exercises]):
             record = self._records.supersede(path)
             whose = record.entry.called if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
@@ -157,7 +168,7 @@ class ClassRun:
     def _take_stock(self) -> list[list[ClassSubmission]]:
         """Read all submissions; returns those without a result, identical ones together."""
         found = ((entry, self._records.find(entry)) for entry in self.intake.entries)
-        with self.readings:
+        with self.reader:
             ready, groups = submissions.sort_out((self._read(entry, known), known) for entry, known in found)
         for one, known in ready:
             self._keep(one.kept_record(known), known)
@@ -173,14 +184,13 @@ class ClassRun:
         self._kept.append(record)
 
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
-        exercise = next(one for one in self._plan.exercises if one.id == entry.exercise)
-        usual = self.seed if exercise.seed is None else exercise.seed
-        own = self._seeds.seed_for(entry) if self._seeds else None
-        seed = usual if own is None else own
-        return submissions.read_submission(entry, self.intake.root, exercise, seed, self.readings, known=known)
+        exercise = next(one for one in self.plan.exercises if one.id == entry.exercise)
+        own = self.plan.seeds.seed_for(entry) if self.plan.seeds else None
+        seed = next(one for one in (own, exercise.seed, self.seed) if one is not None)
+        return submissions.read_submission(entry, self.intake.root, exercise, seed, self.reader, known=known)
 
     def _gradebook(self, done: list[GradeRecord]) -> Gradebook:
-        fit, earlier = self.intake.roster, self._earlier_records()
+        fit, earlier = self.intake.roster, self._earlier
         records = sorted([*done, *earlier], key=lambda one: (one.entry.student, one.entry.exercise))
         there = {(one.entry.student, one.entry.exercise) for one in records}
         missing = dict.fromkeys(self.intake.missing)
@@ -197,7 +207,7 @@ class ClassRun:
             seed=self.seed,
             complete=len(done) == len(self.intake.entries),
             root=self.intake.root,
-            readings=self.readings,
+            reader=self.reader,
             odd=self.intake.odd,
             dropped=self.intake.dropped,
             others=self.intake.others,

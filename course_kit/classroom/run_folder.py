@@ -32,11 +32,11 @@ LOCK = ".run.lock"  # stays when the run has ended: taking it away would let two
 _LONGEST = 1000  # bytes
 
 
-def write_note(plan: Plan, seed: int) -> None:
+def write_note(plan: Plan) -> None:
     """Note a run."""
     added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
     folders = {**_noted_folders(plan.out), **added}
-    noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": folders}
+    noted = {"format_version": FORMAT_VERSION, "seed": plan.seed, "exercise_folders": folders}
     write_atomically(plan.out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 
 

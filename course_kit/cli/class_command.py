@@ -167,13 +167,13 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> in
     from course_kit.classroom import run_folder
     from course_kit.classroom.grading_loop import RunProgress
     from course_kit.classroom.records import SUPERSEDED
-    from course_kit.classroom.run import ClassRun, require_folders_apart
+    from course_kit.classroom.run import open_class, require_folders_apart
 
     require_folders_apart(plan.sources, plan.out)
     tally = RunProgress(sys.stderr)
     with run_folder.hold_folder(plan.out):
         with count_interrupts() as stops:
-            grading = ClassRun(plan, tally, stops)
+            grading = open_class(plan, tally, stops)
             start = partial(start_graders, options, plan.exercises)
             book = grading.grade(lambda: early or start())
             if options.again and book.complete:
@@ -380,7 +380,7 @@ def grade_again(
     """Grade again what `--again` names; returns the new gradebook, None where nothing was written."""
     from course_kit.classroom.regrade import Regrade
 
-    regrade = Regrade(class_run, options.out, options.again, progress)
+    regrade = Regrade(class_run, class_run.as_it_is(), options.again, progress)
     changes = regrade.grade(start, stops)
     if not regrade.complete:
         note("stopped. No result was changed. The same command goes on.")

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from course_kit.classroom.grading_loop import RunProgress
-from course_kit.classroom.run import ClassRun, Plan
+from course_kit.classroom.run import Plan, open_class
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.report import CheckReport, Report
 
@@ -59,7 +59,7 @@ class StandInForGrading:
 
 def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
     plan = Plan((source, *options.pop("more", ())), out, options.pop("exercises", (SERVICE,)), **options)
-    return ClassRun(plan, RunProgress(io.StringIO())).grade(lambda: executor)
+    return open_class(plan, RunProgress(io.StringIO())).grade(lambda: executor)
 
 
 def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:

@@ -49,7 +49,7 @@ class ProgramTexts(Closable):
     def __init__(self, book: Gradebook) -> None:
         self._root, self._elsewhere = book.root, book.earlier
         self._exercises = {one.id: one for one in book.exercises}
-        self._readings = Reader() if book.readings is None else Reader(memory=book.readings.memory)
+        self._reader = Reader() if book.reader is None else Reader(memory=book.reader.memory)
         self._lines: dict[str, list[str]] = {}
 
     @property
@@ -66,7 +66,7 @@ class ProgramTexts(Closable):
     def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
         """The fingerprints of any file that is read as a submission for an exercise."""
         with suppress(UnreadableError, GradingError), Copy(path) as copy:
-            return self._readings.summarize(copy, exercise, whatever=True)
+            return self._reader.summarize(copy, exercise, whatever=True)
         return FileSummary()
 
     def lines(self, record: GradeRecord) -> list[str]:
@@ -78,12 +78,12 @@ class ProgramTexts(Closable):
 
     def close(self) -> None:
         """End the process that reads. Safe to call twice."""
-        self._readings.close()
+        self._reader.close()
 
     def _read(self, record: GradeRecord) -> list[str]:
         if self._root is not None and record.entry.exercise not in self._elsewhere:
             with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
-                return self._readings.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
+                return self._reader.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
         return []
 
 

@@ -50,7 +50,7 @@ def collect_submissions(  # noqa: PLR0913, PLR0917 - what is collected, for what
     exercises: Sequence[Exercise],
     workspace: Path,
     layout: str = AUTO,
-    readings: Reader | None = None,
+    reader: Reader | None = None,
     roster: Roster | None = None,
 ) -> Intake:
     """Find the submissions."""
@@ -59,7 +59,7 @@ def collect_submissions(  # noqa: PLR0913, PLR0917 - what is collected, for what
         opened = sources.open_all(paths, workspace, exercises, layout, stack)
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
-        chooser = Chooser(opened, exercises, stack.enter_context(readings or Reader()))
+        chooser = Chooser(opened, exercises, stack.enter_context(reader or Reader()))
         for student, units in layouts.group_by_student(opened.units, [one.id for one in exercises]).items():
             chooser.take(student, units)
     found = Intake(
