@@ -15,9 +15,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from course_kit.classroom.rules.adjustments import Adjustment, describe_adjustment
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
@@ -57,6 +60,13 @@ class Entry:
     def called(self) -> str:
         """The student in a sentence: `4711 Jane Doe`, or the identifier alone where it is the name."""
         return f"{self.student} {self.name}" if self.name and self.name != self.student else self.student
+
+
+class _Points(msgspec.Struct):
+    """What counts of a report."""
+
+    score: float
+    max_score: float
 
 
 @dataclass(frozen=True)
@@ -133,15 +143,12 @@ class GradeRecord:
     @classmethod
     def from_json(cls, text: str) -> GradeRecord:
         """The inverse of `to_json`."""
-        try:
-            values = json.loads(text)
-            if values.pop("format_version") != FORMAT_VERSION:
-                raise ValueError("it was written by another version of the course kit")
-            if not all(type(values["report"][one]) in (int, float) for one in ("score", "max_score")):
-                raise ValueError("its points are not numbers")
-            return cls(entry=Entry(**values.pop("entry")), **values)
-        except (KeyError, TypeError, AttributeError) as problem:
-            raise ValueError(f"it is not a valid record: {problem}") from problem
+        values = json.loads(text)
+        if not isinstance(values, dict) or values.pop("format_version", None) != FORMAT_VERSION:
+            raise ValueError("it is no record of this version of the course kit")
+        found = convert_record(values, cls)
+        convert_record(found.report, _Points)
+        return found
 
 
 class RecordFolder:

@@ -9,10 +9,12 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from msgspec import structs
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -57,7 +59,7 @@ def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Pa
 
 
 def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
-    return replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
+    return structs.replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
 def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import fcntl
 import json
-import math
 import threading
 import time
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import msgspec
+from msgspec.structs import replace
 
 from course_kit import environment
 
@@ -37,8 +38,7 @@ class ProgressError(Exception):
     """The file cannot be used; the text is for the user."""
 
 
-@dataclass(frozen=True)
-class Failure:
+class Failure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The first check that failed in the last grading, which is the one to fix first."""
 
     check: str
@@ -46,8 +46,7 @@ class Failure:
     diagnosis: str | None
 
 
-@dataclass(frozen=True)
-class ProgressRecord:
+class ProgressRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One exercise."""
 
     best: float = 0.0
@@ -55,7 +54,7 @@ class ProgressRecord:
     first_passed: str = ""
     last_try: str = ""
     failed: Failure | None = None
-    hints: dict[str, int] = field(default_factory=dict)
+    hints: dict[str, int] = {}
 
     @property
     def passed(self) -> bool:
@@ -108,8 +107,8 @@ def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], Progre
     records = _read(path)
     changed = change(records.pop(exercise, ProgressRecord()))
     kept = records if changed is None else {**records, exercise: changed}
-    content = {"format_version": FORMAT_VERSION, "exercises": {name: asdict(one) for name, one in kept.items()}}
-    text = json.dumps(content, indent=1, ensure_ascii=False)
+    content = {"format_version": FORMAT_VERSION, "exercises": kept}
+    text = json.dumps(content, indent=1, ensure_ascii=False, default=msgspec.to_builtins)
     environment.write_atomically(path, text, mode=0o600)  # nobody else's business
 
 
@@ -142,20 +141,12 @@ def _read(path: Path) -> dict[str, ProgressRecord]:
     except FileNotFoundError:
         return {}
     try:
-        content = json.loads(text)
+        content = msgspec.json.decode(text)
         version = content["format_version"]
         if isinstance(version, int) and version > FORMAT_VERSION:
             raise ProgressError(f"The progress file {path} was written by a newer course kit.")
-        return {exercise: _record(entry) for exercise, entry in content["exercises"].items()}
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return msgspec.convert(content["exercises"], dict[str, ProgressRecord])
+    except (msgspec.MsgspecError, ValueError, KeyError, TypeError, RecursionError):
         raise ProgressError(
             f"The progress file {path} is damaged. Rename it, and the course starts a new one."
         ) from None
-
-
-def _record(entry: dict[str, Any]) -> ProgressRecord:
-    failed = entry.get("failed") and Failure(**entry["failed"])
-    made = ProgressRecord(**{**entry, "failed": failed})
-    if not (math.isfinite(made.best) and isinstance(made.tries, int) and isinstance(made.hints, dict)):
-        raise TypeError(entry)
-    return made

@@ -10,6 +10,8 @@ from datetime import datetime, timezone
 from functools import partial
 from typing import TYPE_CHECKING
 
+from msgspec import structs
+
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
@@ -99,7 +101,8 @@ def check_step(step: LessonStep) -> StepResult:
 
 def _count(old: ProgressRecord, *, passed: bool) -> ProgressRecord:
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    return replace(old, tries=old.tries + 1, last_try=now, first_passed=old.first_passed or (now if passed else ""))
+    first_passed = old.first_passed or (now if passed else "")
+    return structs.replace(old, tries=old.tries + 1, last_try=now, first_passed=first_passed)
 
 
 def _endpoint(need: str) -> dict[str, str]:

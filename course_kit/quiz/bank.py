@@ -15,13 +15,14 @@ a student edition, which does not know that, has to draw the same ones.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import sys
-from dataclasses import dataclass
+from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -29,7 +30,7 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
 PATTERNS = ("topic", "service", "action")
 _DATA = Path(__file__).parent / "data"
@@ -38,8 +39,7 @@ DEFAULT_SEED = 1  # as in exercises/pattern_choice/exercise.toml; the scenarios 
 DRAWN = 10
 
 
-@dataclass(frozen=True)
-class Scenario:
+class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One scenario."""
 
     id: str
@@ -49,8 +49,8 @@ class Scenario:
     reasons: Mapping[str, str]
     source: str = ""
     why: str = ""
-    accepted: Mapping[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
-    wrong: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    accepted: Mapping[str, tuple[str, ...]] = {}
+    wrong: Mapping[str, str] = {}
 
     @property
     def has_answer(self) -> bool:
@@ -79,27 +79,17 @@ def bank() -> Mapping[str, Scenario]:
 def parse_scenarios(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
     """The scenarios in a TOML text; those to practise with have their answers beside the questions."""
     right = tomllib.loads(answers)["answer"] if answers else {}
-    tables = tomllib.loads(questions)["scenario"]
-    return {table["id"]: _scenario({**table, **right.get(table["id"], {})}) for table in tables}
+    tables = [{**table, **right.get(table["id"], {})} for table in tomllib.loads(questions)["scenario"]]
+    return {one.id: one for one in msgspec.convert(_on_one_line(tables), list[Scenario])}
 
 
-def _scenario(table: Mapping[str, Any]) -> Scenario:
-    return Scenario(
-        id=table["id"],
-        title=table["title"],
-        field=table["field"],
-        text=_one_line(table["text"]),
-        reasons={reason: _one_line(text) for reason, text in table["reasons"].items()},
-        source=_one_line(table.get("source", "")),
-        why=_one_line(table.get("why", "")),
-        accepted={pattern: tuple(reasons) for pattern, reasons in table.get("accepted", {}).items()},
-        wrong={choice: _one_line(text) for choice, text in table.get("wrong", {}).items()},
-    )
-
-
-def _one_line(text: str) -> str:
-    """In the file it may be broken anywhere."""
-    return " ".join(text.split())
+def _on_one_line(value: Any) -> Any:
+    """Its texts on one line each; in the file they may be broken anywhere."""
+    if isinstance(value, dict):
+        return {name: _on_one_line(part) for name, part in value.items()}
+    if isinstance(value, list):
+        return [_on_one_line(part) for part in value]
+    return " ".join(value.split()) if isinstance(value, str) else value
 
 
 def draw(seed: int = DEFAULT_SEED, scenarios: Mapping[str, Scenario] | None = None) -> tuple[Scenario, ...]:

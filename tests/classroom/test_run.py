@@ -144,7 +144,7 @@ def test_a_record_survives_its_file(tmp_path: Path) -> None:
     records.keep(record)
     assert records.find(entry) == record
     assert list(records) == [record]
-    with pytest.raises(ValueError, match="another version"):
+    with pytest.raises(ValueError, match="of this version"):
         GradeRecord.from_json(json.dumps({**json.loads(record.to_json()), "format_version": 99}))
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MANY_TRIES = """
-from dataclasses import replace
+from msgspec.structs import replace
 from course_kit.learner import progress
 for _ in range(25):
     assert progress.update_progress("exercise", lambda old: replace(old, tries=old.tries + 1)) == ""

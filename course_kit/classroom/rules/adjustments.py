@@ -7,13 +7,13 @@ a rule that changes needs no grading.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime  # noqa: TC003 - msgspec looks it up
 from typing import TYPE_CHECKING
 
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from datetime import datetime
 
 _DAY_S, _HOUR_S, _MINUTE_S = 86_400, 3_600, 60
 

@@ -12,20 +12,16 @@ import sys
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import msgspec
 
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.classroom.rules.people import Mistakes, describe_unknown, read_rows
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids
-from course_kit.ros.names import did_you_mean
-
-if TYPE_CHECKING:
-    from datetime import tzinfo
-    from pathlib import Path
-
-    from course_kit.classroom.records import Entry
+from course_kit.grading.model.plain_data import convert_record
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -37,11 +33,12 @@ if TYPE_CHECKING:
     from datetime import tzinfo
     from pathlib import Path
 
+    from course_kit.classroom.records import Entry
     from course_kit.classroom.rules.people import People
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
-_NUMBERS = {"grace_minutes": 0.0, "penalty_percent_per_day": 0.0, "penalty_at_most_percent": float(_ALL)}
+_Number: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=sys.float_info.max)]
 STAMP = "timestamp.txt"
 SUBMITTED_AT, ASSIGNMENT = "submitted_at", "nbgrader_assignment"  # see `Entry.platform`
 _LONGEST_STAMP = 200  # bytes
@@ -128,18 +125,22 @@ def _rules(path: Path, exercises: Sequence[Exercise]) -> Deadlines:
         raise GradingError(f"{path} cannot be used: {problem}.") from problem
 
 
+class _Settings(msgspec.Struct, forbid_unknown_fields=True):
+    """What stands in class.toml; for what it is about see `Deadlines`."""
+
+    timezone: str = ""
+    due: dict[str, Any] = {}  # moments, see `parse_moment`
+    grace_minutes: _Number = 0.0
+    penalty_percent_per_day: _Number = 0.0
+    penalty_at_most_percent: _Number = float(_ALL)
+
+
 def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
-    names = ("timezone", "due", *_NUMBERS)
-    if others := [name for name in table if name not in names]:
-        raise ValueError(f"it has no setting '{others[0]}'.{did_you_mean(others[0], names)}".rstrip("."))
-    zone = _zone(table["timezone"]) if "timezone" in table else None
-    numbers = {name: _number(name, table.get(name, usual)) for name, usual in _NUMBERS.items()}
-    due = table.get("due", {})
-    if not isinstance(due, dict):
-        raise ValueError("'due' has to be a table, [due], with a line for each exercise")  # noqa: TRY004 - of a file
+    settings = convert_record(table, _Settings)
+    zone = _zone(settings.timezone) if settings.timezone else None
     found = {}
-    for exercise, moment in due.items():
-        if exercise in _NUMBERS or exercise == "timezone":
+    for exercise, moment in settings.due.items():
+        if exercise in _Settings.__struct_fields__:
             raise ValueError(f"'{exercise}' stands below [due]; it has to stand above it")
         if exercise not in exercises:
             raise ValueError(f"below [due]: {describe_unknown('exercise', exercise, exercises)}".rstrip("."))
@@ -147,9 +148,9 @@ def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
     return Deadlines(
         due=found,
         zone=zone,
-        grace_s=numbers["grace_minutes"] * _MINUTE_S,
-        percent_per_day=numbers["penalty_percent_per_day"],
-        at_most_percent=numbers["penalty_at_most_percent"],
+        grace_s=settings.grace_minutes * _MINUTE_S,
+        percent_per_day=settings.penalty_percent_per_day,
+        at_most_percent=settings.penalty_at_most_percent,
     )
 
 
@@ -159,17 +160,11 @@ def _of_course(exercises: Sequence[Exercise]) -> list[str]:
     return sorted({one.id for one in exercises} | {one for folder in folders for one in list_exercise_ids(folder)})
 
 
-def _number(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
-        raise ValueError(f"'{name}' must be a number, 0 or more")
-    return float(value)
-
-
-def _zone(name: Any) -> tzinfo:
+def _zone(name: str) -> tzinfo:
     if name == "UTC":
         return timezone.utc
     try:
-        return ZoneInfo(str(name))
+        return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
         raise ValueError(
             f"this machine does not know the time zone '{name}'. Names look like 'Europe/Berlin'. If this machine "
