@@ -1,18 +1,20 @@
 """What every kernel of the course's environment has from its start: magics that load the course when they are used.
 
 After a restart a learner runs the cell they were at, such as `%grade`, and nothing is loaded: the magic loads the
-course then. Where it cannot know what is missing, as for `lab`, a sentence says what to run. Costs the kernel nothing.
+course then. So does a pasted program that spins, which would otherwise run for ever without a word. Where the kernel
+cannot know what is missing, as for `lab`, a sentence says what to run. Costs the kernel nothing.
 """
 
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from IPython.core.interactiveshell import ExecutionResult, InteractiveShell
+    from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
 _MAGICS = {
     "line": ("check", "grade", "hint", "ros2", "ros_stop"),
@@ -28,6 +30,15 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         for name in names:
             shell.register_magic_function(_loading(shell, name), kind, name)
 
+    def before_cell(info: ExecutionInfo) -> None:
+        text = (info.raw_cell or "").lstrip()
+        if "rclpy.spin(" in text and not text.startswith("%%"):
+            from course_kit import environment, lab
+
+            shell.extension_manager.load_extension("course_kit")
+            with suppress(environment.DomainError):  # the cell's own import of rclpy says it
+                lab.current().engine  # noqa: B018 - from now on rclpy.init and rclpy.spin say what they do in a cell
+
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec
         if isinstance(error, NameError) and error.name in _NAMES:
@@ -36,6 +47,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
                 "cell, then the cells down to this one.\n"
             )
 
+    shell.events.register("pre_run_cell", before_cell)
     shell.events.register("post_run_cell", after_cell)
 
 

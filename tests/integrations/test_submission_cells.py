@@ -117,3 +117,14 @@ def test_after_a_restart_the_magics_load_the_course_and_a_name_says_what_to_run(
         assert "run the notebook's first code cell" in fresh.run("lab.nodes()").stderr
         fresh.run(CELL, cellId="one")
         assert grade(fresh)[0].startswith("Graded: In[2], run at ")
+
+
+def test_a_pasted_program_that_spins_says_so_where_nothing_is_loaded_and_stops_as_one_line(tmp_path: Path) -> None:
+    with Kernel(cwd=tmp_path) as fresh:
+        message = fresh.send("import rclpy\nrclpy.init()\nnode = rclpy.create_node('pasted')\nrclpy.spin(node)")
+        shown = fresh.finish(message, until="in the background instead.")
+        assert "rclpy.spin(): this cell runs pasted until you press Stop" in shown.stdout
+        fresh.manager.interrupt_kernel()
+        stopped = fresh.finish(message)
+        assert stopped.error == "Interrupted in In[1], line 4."
+        assert "pasted, which the lab did not run, is gone" in stopped.stdout

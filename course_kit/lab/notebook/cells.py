@@ -118,6 +118,7 @@ class Notebook:
         show_all_output(self._patches)
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
+        self._stop.listen()  # the cell that brought us here has begun
         interrupts.tell_briefly(self._patches, self._shell, self.locate, self.nodes_run)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
