@@ -114,14 +114,15 @@ def ros_launch(line: str, cell: str | None = None) -> None:
 
 
 def ros_stop(line: str) -> None:
-    """Stop a script: `%ros_stop server`; without a name, all of them."""
+    """Stop a script: `%ros_stop server`; `--ctrl-c` shows how it ends in a terminal; without a name, all of them."""
     __tracebackhide__ = True
     from course_kit import lab
 
     words = line.split()
-    if len(words) > 1:
+    names = [word for word in words if word != "--ctrl-c"]
+    if len(names) > 1:
         raise MagicError("Write %ros_stop NAME, or %ros_stop alone to stop all scripts.")
-    lab.stop_script(words[0] if words else None)
+    lab.current().scripts.stop(names[0] if names else None, as_in_terminal="--ctrl-c" in words)
 
 
 USAGE = "Use it as %hint EXERCISE. --again repeats those you have already seen."

@@ -40,7 +40,10 @@ def test_the_seeds_programs_in_a_notebook(kernel: Kernel) -> None:
         "print((await lab.call('/add_two_ints', AddTwoInts, a=3, b=4)).sum)"
     )
     assert mixed.stdout == "[INFO] [minimal_service]: Incoming request\na: 3 b: 4\n7\n"
-    assert kernel.run("%ros_stop server").stdout == "server is stopped.\n"
+    stopped = kernel.run("%ros_stop --ctrl-c server").stdout
+    assert stopped.startswith(
+        "server is stopped.\nIn a terminal, Ctrl-C ends it with exit code 1. Its last line is: rclpy."
+    )
     gone = kernel.run("await lab.call('/add_two_ints', AddTwoInts, a=3, b=4, timeout=0.3)")
     assert gone.error.startswith("ServiceNotFoundError: No node serves /add_two_ints")
 

@@ -164,7 +164,7 @@ def _role(nodes: list[Node]) -> str:
     return "server" if waits or not asks else "client"
 
 
-def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
+def run(path: str, arguments: list[str], interrupts: _Interrupts, reports: Reports) -> int:
     """Run the program."""
     sys.argv = [path, *arguments]
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
@@ -177,6 +177,7 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts) -> int:
         return INTERRUPTED
     except BaseException as error:  # noqa: BLE001 - whatever a program can end with
         if interrupts.seen or type(error).__name__ == "ExternalShutdownException":
+            reports.send(last_line=own_traceback(error, path).splitlines()[-1])
             return INTERRUPTED
         sys.stdout.flush()
         from course_kit.lab.runtime.failures import of_newer_ros
@@ -233,8 +234,9 @@ def main() -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(line_buffering=True, write_through=False)  # a line goes out in one piece
     os.set_inheritable(int(descriptor), False)
-    report(Reports(name, int(descriptor)))
-    return run(path, arguments, interrupts)
+    reports = Reports(name, int(descriptor))
+    report(reports)
+    return run(path, arguments, interrupts, reports)
 
 
 if __name__ == "__main__":

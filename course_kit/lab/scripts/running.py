@@ -37,6 +37,7 @@ class Script:
         self.process = process
         self.nodes: list[str] = []
         self.spins = ""
+        self.last_line = ""  # of the traceback with which it answered Ctrl-C
         self.stopping = False
         self.follower: threading.Thread | None = None
 
@@ -101,16 +102,21 @@ class Scripts:
         self._output.drain()
         return script
 
-    def stop(self, name: str | None) -> None:
-        """End one program, or all."""
+    def stop(self, name: str | None, *, as_in_terminal: bool = False) -> None:
+        """End one program, or all, and say so; on request with what a terminal shows of it."""
         if name is not None:
             name = checked_name(name)
             if name not in self._running:
                 running = ", ".join(sorted(self._running)) or "none"
                 raise ScriptError(f"No script called {name!r} is running. Running: {running}.")
         for one in [name] if name is not None else sorted(self._running):
+            script = self._running.get(one)
             self._end(one)
             self._say(f"{one} is stopped.")
+            if as_in_terminal and script is not None:
+                code = 1 if script.last_line else script.process.exit_code()
+                last = f" Its last line is: {script.last_line}" if script.last_line else ""
+                self._say(f"In a terminal, Ctrl-C ends it with exit code {code}.{last}")
         self._output.drain()
 
     def nodes(self) -> dict[str, str]:
@@ -201,8 +207,8 @@ class Scripts:
     def _terminate(self, script: Script) -> None:
         script.stopping = True
         script.process.end(Ladder(*_GRACE))
-        self._running.pop(script.name, None)
         self.pump()
+        self._running.pop(script.name, None)
         self.wait_for_nodes(script.nodes, False)
 
     def _say(self, text: str) -> None:
@@ -233,6 +239,8 @@ class Scripts:
         elif script is not None and "spins" in report:
             script.spins = str(report["spins"])
             self._output.poke()
+        elif script is not None and "last_line" in report:
+            script.last_line = str(report["last_line"]).partition(", at ")[0]  # a line of ROS's own C code
         elif script is not None and "off" in report:
             self.tell_once([str(report["off"])])
         elif report.get("event") in KINDS:
