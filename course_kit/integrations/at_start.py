@@ -8,7 +8,6 @@ cannot know what is missing, as for `lab`, a sentence says what to run. Costs th
 from __future__ import annotations
 
 import sys
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -33,11 +32,10 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     def before_cell(info: ExecutionInfo) -> None:
         text = (info.raw_cell or "").lstrip()
         if "rclpy.spin(" in text and not text.startswith("%%"):
-            from course_kit import environment, lab
-
             shell.extension_manager.load_extension("course_kit")
-            with suppress(environment.DomainError):  # the cell's own import of rclpy says it
-                lab.current().engine  # noqa: B018 - from now on rclpy.init and rclpy.spin say what they do in a cell
+            from course_kit import lab
+
+            lab.current().engine  # noqa: B018 - from now on rclpy.init and rclpy.spin say what they do in a cell
 
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec

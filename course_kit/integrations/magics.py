@@ -11,8 +11,6 @@ from course_kit.integrations.grade_magics import scripts_folder, the_exercises
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from IPython.core.interactiveshell import InteractiveShell
 
     from course_kit.learner.step_check import StepResult
@@ -38,33 +36,30 @@ class MagicError(LabError):
 
 def register_magics(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
-    shell.register_magic_function(interface_magic(shell), "cell", "interface")
+    shell.register_magic_function(interface, "cell", "interface")
     shell.register_magic_function(ros_script, "line_cell", "ros_script")
     shell.register_magic_function(ros_launch, "line_cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
     shell.register_magic_function(check_line, "line", "check")
 
 
-def interface_magic(shell: InteractiveShell) -> Callable[[str, str], None]:
-    """The `%%interface` magic for a shell."""
+def interface(line: str, cell: str) -> None:
+    """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell."""
+    __tracebackhide__ = True
+    from IPython.core.getipython import get_ipython
 
-    def interface(line: str, cell: str) -> None:
-        """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell."""
-        __tracebackhide__ = True
-        from course_kit import interfaces
+    from course_kit import interfaces
 
-        words = line.split()
-        if len(words) != 1:
-            raise MagicError(_INTERFACE_USAGE)
-        try:
-            defined = interfaces.define(words[0], cell)
-        except (ValueError, LookupError) as error:
-            raise MagicError(str(error)) from None
-        package, kind, name = words[0].split("/")
-        shell.user_ns[name] = defined  # a name imported before would go on meaning the old one
-        print(f"{words[0]} is defined. In programs: from {package}.{kind} import {name}")
-
-    return interface
+    words = line.split()
+    if len(words) != 1:
+        raise MagicError(_INTERFACE_USAGE)
+    try:
+        defined = interfaces.define(words[0], cell)
+    except (ValueError, LookupError) as error:
+        raise MagicError(str(error)) from None
+    package, kind, name = words[0].split("/")
+    get_ipython().user_ns[name] = defined  # a name imported before would go on meaning the old one
+    print(f"{words[0]} is defined. In programs: from {package}.{kind} import {name}")
 
 
 def ros_script(line: str, cell: str | None = None) -> None:

@@ -298,17 +298,13 @@ def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:
         return bool(future.done())
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
-    _wait_in_slices(lab, done, timeout)
-    return done.is_set()
-
-
-def _wait_in_slices(lab: Engine, done: threading.Event, timeout: float | None) -> None:
     deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
     while deadline is None or time.monotonic() < deadline:
         if done.wait(_SLICE if deadline is None else max(0.0, min(_SLICE, deadline - time.monotonic()))):
             break
         lab.output.drain()
     lab.output.drain()
+    return done.is_set()
 
 
 def _spin_for(node: Node, executor: Executor | None, work: Callable[[Executor], None]) -> None:

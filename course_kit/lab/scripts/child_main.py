@@ -200,14 +200,11 @@ def own_traceback(error: BaseException, path: str) -> str:
     report = traceback.TracebackException.from_exception(error)
     for part in _chain(report):
         own = [frame for frame in part.stack if frame.filename == path]
-        part.stack = traceback.StackSummary.from_list([_without_columns(frame) for frame in own])
+        without_columns = [traceback.FrameSummary(one.filename, one.lineno, one.name, line=one.line) for one in own]
+        part.stack = traceback.StackSummary.from_list(without_columns)
     text = "".join(report.format(chain=True)).replace(path, Path(path).name)
     # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
     return text.replace("course_kit.lab.recording.hooks.WrongResponseError", "TypeError")
-
-
-def _without_columns(frame: traceback.FrameSummary) -> traceback.FrameSummary:
-    return traceback.FrameSummary(frame.filename, frame.lineno, frame.name, line=frame.line)
 
 
 def _chain(report: traceback.TracebackException | None) -> list[traceback.TracebackException]:

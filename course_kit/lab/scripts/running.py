@@ -104,16 +104,13 @@ class Scripts:
 
     def stop(self, name: str | None, *, as_in_terminal: bool = False) -> None:
         """End one program, or all, and say so; on request with what a terminal shows of it."""
-        if name is not None:
-            name = checked_name(name)
-            if name not in self._running:
-                running = ", ".join(sorted(self._running)) or "none"
-                raise ScriptError(f"No script called {name!r} is running. Running: {running}.")
-        for one in [name] if name is not None else sorted(self._running):
-            script = self._running.get(one)
-            self._end(one)
-            self._say(f"{one} is stopped.")
-            if as_in_terminal and script is not None:
+        running = dict(sorted(self._running.items()))
+        if name is not None and (name := checked_name(name)) not in running:
+            raise ScriptError(f"No script called {name!r} is running. Running: {', '.join(running) or 'none'}.")
+        for script in running.values() if name is None else [running[name]]:
+            self._terminate(script)
+            self._say(f"{script.name} is stopped.")
+            if as_in_terminal:
                 code = 1 if script.last_line else script.process.exit_code()
                 last = f" Its last line is: {script.last_line}" if script.last_line else ""
                 self._say(f"In a terminal, Ctrl-C ends it with exit code {code}.{last}")
