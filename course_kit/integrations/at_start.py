@@ -1,8 +1,7 @@
 """What every kernel of the course's environment has from its start: magics that load the course when they are used.
 
 After a restart a learner runs the cell they were at, such as `%grade`, and nothing is loaded: the magic loads the
-course then. So does a pasted program that spins, which would otherwise run for ever without a word. Where the kernel
-cannot know what is missing, as for `lab`, a sentence says what to run. Costs the kernel nothing.
+course then, and so does a pasted program that spins. As for `lab`, a sentence says what to run.
 """
 
 from __future__ import annotations
@@ -30,8 +29,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
             shell.register_magic_function(_loading(shell, name), kind, name)
 
     def before_cell(info: ExecutionInfo) -> None:
-        text = (info.raw_cell or "").lstrip()
-        if "rclpy.spin(" in text and not text.startswith("%%"):
+        if "rclpy.spin(" in info.raw_cell and not info.raw_cell.startswith("%%"):
             shell.extension_manager.load_extension("course_kit")
             from course_kit import lab
 

@@ -247,14 +247,12 @@ class GradeMagics(Magics):
         self._submissions.before(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
 
     def _after_cell(self, result: ExecutionResult) -> None:
-        if self._within_cell:
-            return
-        self._submissions.after(result.info.raw_cell, result.execution_count or 0)
+        if not self._within_cell:
+            self._submissions.after(result.info.raw_cell, result.execution_count or 0)
 
     def _metadata(self) -> dict[str, Any]:
         """What JupyterLab has sent with the cell."""
-        get_parent = getattr(self.shell, "get_parent", None)
-        parent: dict[str, Any] = get_parent() if get_parent else {}
+        parent: dict[str, Any] = getattr(self.shell, "get_parent", dict)()
         metadata: dict[str, Any] = parent.get("metadata", {})
         return metadata
 

@@ -27,6 +27,7 @@ _LAUNCH_USAGE = (
     "Write %%ros_launch NAME [argument:=value] in the first line and the launch file below it, "
     "such as: %%ros_launch robot."
 )
+_HINT_USAGE = "Use it as %hint EXERCISE. --again repeats those you have already seen."
 _MODES = {"--wait": "wait", "--background": "background"}
 
 
@@ -120,9 +121,6 @@ def ros_stop(line: str) -> None:
     lab.current().scripts.stop(names[0] if names else None, as_in_terminal="--ctrl-c" in words)
 
 
-USAGE = "Use it as %hint EXERCISE. --again repeats those you have already seen."
-
-
 def hint_line(line: str) -> None:
     """Show one more hint for what failed last: `%hint EXERCISE`; `--again` repeats those given so far."""
     from course_kit.learner import handouts
@@ -131,7 +129,7 @@ def hint_line(line: str) -> None:
     again = "--again" in words
     names = [word for word in words if word != "--again"]
     if len(names) != 1 or names[0].startswith("-"):
-        sys.stderr.write(f"{USAGE} {the_exercises()}\n")
+        sys.stderr.write(f"{_HINT_USAGE} {the_exercises()}\n")
         return
     try:
         text, trouble = handouts.next_hint(names[0], "%hint", again=again)

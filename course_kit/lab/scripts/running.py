@@ -92,7 +92,8 @@ class Scripts:
         name = checked_name(name)
         if mode not in get_args(Mode):
             raise ScriptError(f"The mode is one of {', '.join(get_args(Mode))}, not {mode!r}.")
-        self._end(name)
+        if before := self._running.get(name):
+            self._terminate(before)
         script = self._start(name, source, arguments, runner)
         try:
             self._wait(script, cast("Mode", mode))
@@ -121,8 +122,8 @@ class Scripts:
         return {node: script.name for script in list(self._running.values()) for node in script.nodes}
 
     def close(self) -> None:
-        for name in list(self._running):
-            self._end(name)
+        for script in list(self._running.values()):
+            self._terminate(script)
         self._closing.set()
         os.write(self._reports_end, b"\n")  # wakes the reader
         self._reader.join(_GRACE[0])
@@ -195,11 +196,6 @@ class Scripts:
             self._output.drain()
         if script.follower is not None:
             script.follower.join(_GRACE[0])  # it has taken in the last lines then
-
-    def _end(self, name: str) -> None:
-        script = self._running.get(name)
-        if script is not None:
-            self._terminate(script)
 
     def _terminate(self, script: Script) -> None:
         script.stopping = True
