@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from course_kit import environment
 
 if TYPE_CHECKING:
     import pytest
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """With `--nbval`, set what the course's notebooks need, on a ROS graph that nobody else has."""
+    """With `--nbval`, set what the course's notebooks need."""
     if not config.getoption("nbval", default=False):
         return
     from course_kit.dev import nbval_plugin
@@ -23,7 +19,3 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.nbval_current_env = True
     config.option.nbval_cell_timeout = nbval_plugin.CELL_TIMEOUT_S
     config.option.nbval_sanitize_with = str(Path(__file__).with_name("tests") / "nbval_sanitize.cfg")
-    graph = ExitStack()
-    domain_id = graph.enter_context(environment.exclusive_domain())
-    config.add_cleanup(graph.close)
-    os.environ.update(ROS_DOMAIN_ID=str(domain_id), COURSE_KIT_PROGRESS="off")

@@ -40,6 +40,7 @@ WEEKLY = (
 FIRST = (
     "tests/proof/",
     "tests/browser/",
+    "notebooks/",
     "tests/classroom/",
     "tests/authoring/",
     "tests/dev/",

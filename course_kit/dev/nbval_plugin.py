@@ -15,14 +15,16 @@ import math
 import os
 import sys
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from queue import Empty
 from typing import TYPE_CHECKING
+from unittest import mock
 
 import nbval.kernel
 import nbval.plugin
 import pytest
 
+from course_kit import environment
 from course_kit.dev import lesson_steps
 from course_kit.ros import compat
 
@@ -37,16 +39,15 @@ _found = compat.check_features([compat.NOTEBOOK_TESTS])
 if _found.has(compat.NOTEBOOK_TESTS):
 
     class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has no types
-        """A kernel that is asked to end, and whose death ends the wait for it."""
+        """A kernel on a ROS graph that nobody else has, which is asked to end and whose death ends the wait for it."""
 
         def __init__(self, *arguments: object, **options: object) -> None:
-            # Inherited by the kernel, it would silence what its native libraries print.
-            current = os.environ.pop("PYTEST_CURRENT_TEST", None)
-            try:
+            self._graph = ExitStack()
+            domain_id = self._graph.enter_context(environment.exclusive_domain())
+            # What says that pytest runs would silence what native libraries of the kernel print.
+            changes = {"ROS_DOMAIN_ID": str(domain_id), "COURSE_KIT_PROGRESS": "off", "PYTEST_CURRENT_TEST": None}
+            with mock.patch.dict(os.environ, environment.child_environment(**changes), clear=True):
                 super().__init__(*arguments, **options)
-            finally:
-                if current is not None:
-                    os.environ["PYTEST_CURRENT_TEST"] = current
 
         def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
             """Wait for the reply in short steps, looking each time whether the kernel still lives."""
@@ -70,6 +71,7 @@ if _found.has(compat.NOTEBOOK_TESTS):
                 self.km.shutdown_kernel(now=False)
             finally:
                 del self.km
+                self._graph.close()
 
     nbval.kernel.RunningKernel = CourseKernel
     nbval.plugin.RunningKernel = CourseKernel

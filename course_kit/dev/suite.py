@@ -1,4 +1,4 @@
-"""`./course test`: pytest on the tests and nbval on the notebooks, as much of them as somebody has time for.
+"""`./course test`: pytest on the tests and, by nbval, the notebooks, as much of them as somebody has time for.
 
 `--quick` takes minutes: no browser, no whole class, the first three lessons. `--all` adds the tests marked `weekly`,
 and sessions of `noxfile.py`: other Pythons and, as root, a JupyterHub. `tests/sizes.py` has what is in which.
@@ -16,10 +16,10 @@ from pathlib import Path
 from course_kit import environment
 from course_kit.dev import notebooks
 
-# Tests wait for nodes more than they compute. Files stay together, for their fixtures are dear, and begin in the order
-# of `tests/sizes.py`, the long ones first: xdist by itself begins those with few tests last, and the longest are these.
+# Tests wait for nodes about as long as they compute. Files stay together, for their fixtures are dear, and begin in the
+# order of `tests/sizes.py`, long ones first: xdist by itself begins those with few tests last, the longest among them.
 SIDE_BY_SIDE = [
-    *("-n", str(min(len(os.sched_getaffinity(0)) + 1, 4))),
+    *("-n", str(min(2 * len(os.sched_getaffinity(0)), 4))),
     *("--dist", "loadfile", "--no-loadscope-reorder"),
 ]
 QUICK, ALL = "--quick", "--all"
@@ -44,12 +44,10 @@ def main(arguments: list[str]) -> int:
     try:
         chromium = None if size == QUICK else find_or_install_browser()
         environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
-        marks = MARKS.get(size, [])
-        if chosen:
-            codes = [run_pytest([*marks, *chosen], environ)]
-        else:
-            lessons = sorted(Path("notebooks").glob(FIRST_LESSONS)) if size == QUICK else []
-            codes = [run_pytest([*SIDE_BY_SIDE, *marks, "tests"], environ), notebooks.run_notebooks(environ, lessons)]
+        if not chosen:
+            lessons = Path("notebooks").glob(FIRST_LESSONS) if size == QUICK else notebooks.list_with_outputs(Path())
+            chosen = [*SIDE_BY_SIDE, "--nbval", "tests", *sorted(map(str, lessons))]
+        codes = [run_pytest([*MARKS.get(size, []), *chosen], environ)]
         if size == ALL:
             codes.append(_run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])))
     except environment.DomainError as problem:

@@ -26,18 +26,21 @@ def test_without_nbval_it_says_where_that_comes_from(
     assert "run ./course test" in said
 
 
-PICTURE = """class Picture:
+PICTURE = """import os
+
+class Picture:
     def _repr_mimebundle_(self, **_):
-        return {"text/html": "<b>measured just now</b>", "text/plain": "a picture"}
+        where = "here" if os.environ["ROS_DOMAIN_ID"] == "{}" else "on a graph that nobody else has"
+        return {{"text/html": "<b>measured just now</b>", "text/plain": f"a picture {{where}}"}}
 
 Picture()"""
 
 
-@pytest.mark.parametrize(("words", "code"), [("a picture", 0), ("another picture", 1)])
+@pytest.mark.parametrize(("words", "code"), [("a picture on a graph that nobody else has", 0), ("another picture", 1)])
 def test_of_a_picture_the_words_are_compared_and_its_html_is_not(words: str, code: int, domain: int) -> None:
     stored = {"text/html": "<b>measured then</b>", "text/plain": words}
     output = nbformat.v4.new_output("execute_result", stored, execution_count=1)
-    cell = nbformat.v4.new_code_cell(PICTURE, outputs=[output], execution_count=1)
+    cell = nbformat.v4.new_code_cell(PICTURE.format(domain), outputs=[output], execution_count=1)
     (ROOT / "artifacts").mkdir(exist_ok=True)  # in the course's folder, whose conftest.py has the settings
     folder = tempfile.TemporaryDirectory(dir=ROOT / "artifacts")
     path = Path(folder.name, "picture.ipynb")

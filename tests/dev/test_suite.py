@@ -6,6 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from course_kit.dev import notebooks, suite
 from tests.background import IN_BACKGROUND
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -21,3 +24,14 @@ def test_tests_that_press_ctrl_c_are_heard_where_a_script_started_the_suite_in_t
     )  # fmt: skip
     assert "KeyboardInterrupt" in done.stderr
     assert done.stdout == ""
+
+
+@pytest.mark.parametrize("size", [[], ["--quick"]])
+def test_notebooks_run_among_the_tests(size: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    runs: list[list[str]] = []
+    monkeypatch.setattr(suite, "run_pytest", lambda arguments, _: runs.append(arguments))
+    monkeypatch.setattr(suite, "find_or_install_browser", lambda: None)
+    monkeypatch.chdir(REPOSITORY)
+    assert suite.main(size) == 0
+    lessons = Path("notebooks").glob("0[123]_*") if size else notebooks.list_with_outputs(Path())
+    assert [runs[0][runs[0].index("--nbval") + 1 :]] == [["tests", *map(str, sorted(lessons))]]
