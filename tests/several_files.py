@@ -13,7 +13,7 @@ format_version = 1
 id = "gate_and_guard"
 title = "A gate and its guard"
 order = 8
-points = 3.0
+points = 5.0
 pass_mark = 2.0
 files = ["gate.py", "guard.py", "pair.launch.py", "pair.yaml"]
 launch_file = "pair.launch.py"
@@ -54,7 +54,18 @@ def guard(node):
     node.expect("/guard/pace", 1.0)
 
 
-CHECKS = [gate, guard]
+@check(points=2.0)
+def pair(node):
+    """Both run together."""
+    node.start("pace:=3.5", program="pair.launch.py")
+    node.call("/gate/open", data=True).expect(success=True, message="from the file")
+    node.expect("/guard/pace", 3.5)
+    assert node.kill("gate.py")
+    assert not node.kill("gate.py")
+    node.expect("/guard/pace", 3.5)
+
+
+CHECKS = [gate, guard, pair]
 '''
 FILES = {
     "gate.py": """

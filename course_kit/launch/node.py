@@ -17,7 +17,14 @@ from course_kit.launch.description import Action, OnProcessExit, Reaction, as_en
 from course_kit.launch.entity import LaunchEntity
 from course_kit.launch.errors import LaunchError, ProgramError
 from course_kit.launch.executables import find_command
-from course_kit.launch.substitutions import ExecutableInPackage, Substitution, Text, as_text, has_substitution
+from course_kit.launch.substitutions import (
+    ExecutableInPackage,
+    Substitution,
+    Text,
+    as_text,
+    has_substitution,
+    read_truth,
+)
 
 if TYPE_CHECKING:
     from course_kit.launch.entity import LaunchContext
@@ -140,6 +147,7 @@ class ProcessDescription:
     environ: Mapping[str, str]
     show: tuple[bool, bool]
     temporary: list[Path]
+    respawn_s: float | None = None  # how long after its end it is started again; never when None
 
 
 class ExecuteProcess(Action):
@@ -155,12 +163,15 @@ class ExecuteProcess(Action):
         output: Text = "log",
         on_exit: Reaction = None,
         emulate_tty: object = False,
+        respawn: object = False,
+        respawn_delay: float | None = None,
         condition: Condition | None = None,
     ) -> None:
         super().__init__(condition=condition)
         del emulate_tty
         self._cmd, self._name, self._shell = list(cmd), name, shell
         self._additional_env, self._output, self._on_exit = dict(additional_env or {}), output, on_exit
+        self._respawn, self._respawn_delay = respawn, respawn_delay
 
     def execute(self, context: LaunchContext) -> None:
         """Start the process; a program that is missing ends nothing but its own part of the launch."""
@@ -202,6 +213,7 @@ class ExecuteProcess(Action):
         output = as_text(self._output, context)
         if output not in _OUTPUTS:
             raise LaunchError(f"output={output!r}: the course kit knows {', '.join(_OUTPUTS)}.")
+        again = self._respawn if isinstance(self._respawn, bool) else read_truth(as_text(self._respawn, context))
         more = {as_text(name, context): as_text(value, context) for name, value in self._additional_env.items()}
         environ = {**context.environment, **more}
         return ProcessDescription(
@@ -211,6 +223,7 @@ class ExecuteProcess(Action):
             environ={**environ, "PATH": with_scripts_first(environ.get("PATH"))},
             show=_OUTPUTS[output],
             temporary=temporary,
+            respawn_s=float(self._respawn_delay or 0.0) if again else None,
         )
 
 

@@ -11,6 +11,7 @@ import signal
 import sys
 import time
 from collections import deque
+from functools import partial
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
@@ -36,7 +37,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD)
 class LaunchedProcess:
     """A process of a launch file."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - a process is described by that much
         self,
         description: ProcessDescription,
         label: str,
@@ -44,12 +45,13 @@ class LaunchedProcess:
         command: list[str] | None = None,
         environ: dict[str, str] | None = None,
         inherits: tuple[int, ...] | None = None,
+        process: Child | None = None,
     ) -> None:
         self.description, self.label = description, label
         self.command = shlex.join(description.command)
         self.ladder = Ladder(*PATIENCE_S)
         show_stdout, show_stderr = description.show
-        self.process = Child(
+        self.process = process or Child(
             command or description.command,
             environ=environ or description.environ,
             stdout=PIPE if inherits is None else None if show_stdout else NOWHERE,
@@ -165,6 +167,8 @@ class LaunchService:
             child.process.kill()  # what is left of its group
             plan = child.description
             self.emit(ProcessExited(plan.action, child.label, plan.command, child.process.pid, code or 0))
+            if plan.respawn_s is not None and not self.stopping:
+                self.later(plan.respawn_s, partial(self.start, plan))
 
     def _drain(self, child: LaunchedProcess) -> None:
         """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""

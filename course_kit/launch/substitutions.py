@@ -223,6 +223,13 @@ class Condition(LaunchEntity):
         raise NotImplementedError(type(self).__name__)
 
 
+def read_truth(text: str, place: str = "") -> bool:
+    """What a text means as a condition."""
+    if text.strip().lower() not in _WORDS:
+        raise LaunchError(f"A condition is true or false, and {text.strip()!r} is neither.", place)
+    return _WORDS[text.strip().lower()]
+
+
 class IfCondition(Condition):
     """Holds for "true" and "1", in any case of letters."""
 
@@ -230,10 +237,7 @@ class IfCondition(Condition):
         self._expression = predicate_expression
 
     def evaluate(self, context: LaunchContext) -> bool:
-        text = as_text(self._expression, context).strip()
-        if text.lower() not in _WORDS:
-            raise LaunchError(f"A condition is true or false, and {text!r} is neither.", self.place)
-        return _WORDS[text.lower()]
+        return read_truth(as_text(self._expression, context), self.place)
 
 
 class UnlessCondition(IfCondition):

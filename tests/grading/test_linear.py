@@ -162,8 +162,10 @@ DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {
     "status": _limiter.read_status,
     "reason": lambda given: _limiter.missing_in_reason("max_velocity", 7.2, "max_velocity " + given),
-    "exception": lambda given: tracebacks.last_exception("Traceback (most recent call last):\n" + given, "answer.py"),
-    "activity": lambda given: tracebacks.activity(DUMP + given, "answer.py"),
+    "exception": lambda given: tracebacks.last_exception(
+        "Traceback (most recent call last):\n" + given, ("answer.py",)
+    ),
+    "activity": lambda given: tracebacks.activity(DUMP + given, ("answer.py",)),
     "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
     "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": make_printable,

@@ -50,7 +50,7 @@ CALLS = """Thread 0x00007f1 [worker] (most recent call first):
 
 
 def test_last_traceback_and_the_learners_own_line() -> None:
-    raised = last_exception(TRACE, "answer.py")
+    raised = last_exception(TRACE, ("answer.py",))
     assert raised is not None
     assert raised.describe() == "ZeroDivisionError: division by zero"
     assert raised.own is not None
@@ -70,14 +70,14 @@ def test_a_traceback_that_python_only_mentions_is_not_what_a_program_died_of(men
         f'{mention}\nTraceback (most recent call last):\n  File "/lib/rclpy/executors.py", line 258, in __del__\n'
         "    self._sigint_gc.destroy()\nrclpy._rclpy_pybind11.InvalidHandle: destruction was requested\n"
     )
-    assert last_exception(ignored, "answer.py") is None
-    raised = last_exception(TRACE + ignored, "answer.py")
+    assert last_exception(ignored, ("answer.py",)) is None
+    raised = last_exception(TRACE + ignored, ("answer.py",))
     assert raised is not None
     assert raised.describe() == "ZeroDivisionError: division by zero"
 
 
 def test_a_callback_that_waits_for_ros() -> None:
-    seen = activity(CALLS, "answer.py")
+    seen = activity(CALLS, ("answer.py",))
     assert seen.spinning
     assert seen.waits_for_ros
     assert seen.callback is not None

@@ -23,16 +23,30 @@ def grade(tmp_path: Path, worker: grading.Worker) -> Callable[[Path], grading.Re
 
 def test_each_program_of_a_folder_is_started_by_its_name(tmp_path: Path, grade: Callable[..., grading.Report]) -> None:
     report = grade(several_files.write_files(tmp_path / "mine"))
-    assert [check.status for check in report.checks] == ["passed"] * 2, report
+    assert [check.status for check in report.checks] == ["passed"] * 3, report
 
 
 def test_a_missing_file_and_one_that_is_no_python_cost_only_what_needs_them(
     tmp_path: Path, grade: Callable[..., grading.Report]
 ) -> None:
     report = grade(several_files.write_files(tmp_path / "mine", gate_py="def ("))
-    assert [check.status for check in report.checks] == ["failed", "passed"]
+    assert [check.status for check in report.checks] == ["failed", "passed", "failed"]
     assert "line 1" in report.checks[0].message
     report = grade(several_files.write_files(tmp_path / "yours", guard_py=None))
-    assert [check.status for check in report.checks] == ["passed", "failed"]
+    assert [check.status for check in report.checks] == ["passed", "failed", "failed"]
     assert "The file guard.py is missing" in report.checks[1].message
     assert report.submission.endswith("yours (missing: guard.py)")
+
+
+def test_what_the_launch_file_starts_is_explained_by_its_own_file_and_line(
+    tmp_path: Path, grade: Callable[..., grading.Report]
+) -> None:
+    step = "def step(self):\n"
+    tired = several_files.FILES["guard.py"].replace(step, f"{step}        raise ValueError('tired')\n")
+    report = grade(several_files.write_files(tmp_path / "mine", guard_py=tired))
+    together = report.checks[-1]
+    assert together.status == "failed"
+    assert "ValueError: tired in guard.py, line 15: raise ValueError('tired')" in together.message
+    report = grade(several_files.write_files(tmp_path / "yours", pair_launch_py="import nix"))
+    together = next(check for check in report.checks if check.id == "pair")
+    assert "pair.launch.py, line 1: No module named 'nix'." in together.message

@@ -93,6 +93,16 @@ def test_one_program_ends_all(run: Run, how: str) -> None:
     assert done.endswith("ended with 0")
 
 
+def test_a_program_is_started_again_after_its_end(run: Run) -> None:
+    done = run(
+        "ExecuteProcess(cmd=['sh', '-c', 'test -e once && exit 7; touch once'], respawn='true', respawn_delay=0.01),"
+        "RegisterEventHandler(OnProcessExit("
+        "on_exit=lambda event, context: [Shutdown(reason='twice')] if event.returncode == 7 else []))"
+    )
+    assert "[sh-2]: process has died" in done
+    assert "[sh-3]" not in done
+
+
 def test_an_included_file_gets_its_arguments_or_is_left_out(run: Run) -> None:
     run("DeclareLaunchArgument('who', default_value='nobody'), say('hello ', LaunchConfiguration('who'))", file="in.py")
     done = run(

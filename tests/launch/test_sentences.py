@@ -26,7 +26,7 @@ HERE = f"it.launch.py, line {FIRST_LINE}: "
             "Node(exectuable='tell.py')",
             "Node has no argument 'exectuable' in the course kit's launch files. Did you mean executable?",
         ),
-        ("ExecuteProcess(cmd=['true'], respawn=True)", "ExecuteProcess has no argument 'respawn' in the course kit's"),
+        ("ExecuteProcess(cmd=['true'], prefix='time')", "ExecuteProcess has no argument 'prefix' in the course kit's"),
         ("Node(executable='tell.py', parameters={'a': 1})", "Node(parameters=...) is a list: write [ and ] around"),
         ("say(LaunchConfiguration('sped'))", "LaunchConfiguration('sped') has no value: no DeclareLaunchArgument"),
         ("Node(executable='tell.py', output='loud')", "output='loud': the course kit knows screen"),

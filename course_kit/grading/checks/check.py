@@ -169,9 +169,9 @@ def _run(one: Check, context: CheckContext) -> CheckResult:
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:
     """Where a silent program's node has lost its executor, that is the reason."""
-    if failed.evidence.got.startswith("no ") and (line := context.program.lost_in()):
+    if failed.evidence.got.startswith("no ") and (place := context.program.lost_in()):
         failed.diagnosis = "action.node_lost"
-        failed.message = f"A callback spins its own node in {exits.source_line(context.job, line)}."
+        failed.message = f"A callback spins its own node in {exits.source_line(context.job, place)}."
 
 
 def _exchange(context: CheckContext, seen: Evidence) -> tuple[Arrow, ...]:

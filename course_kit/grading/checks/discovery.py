@@ -72,16 +72,18 @@ class WantedEndpoint:
         kind: what the program has: "service", "action", "publisher" or "subscription".
         name: its full name.
         interface: its class.
+        program: the file whose node has it, of several programs.
     """
 
     kind: str
     name: str
     interface: Any
+    program: str = ""
 
     @classmethod
     def from_record(cls, record: Record) -> WantedEndpoint:
         """As exercise.toml names it."""
-        return cls(record["kind"], record["name"], get_type(record["type"]))
+        return cls(record["kind"], record["name"], get_type(record["type"]), record.get("program", ""))
 
     @property
     def type(self) -> str:
@@ -215,7 +217,7 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.doing(context)
-    where = f" It is in {exits.source_line(context.job, doing.own.line)}." if doing.own else ""
+    where = f" It is in {exits.source_line(context.job, doing.own)}." if doing.own else ""
     if context.has_computed_enough():
         computed = f"Your program has computed for {context.job.start_cpu_s:g} s"
         return "limit.time", f"{computed} and no node has appeared.{where}"
@@ -280,7 +282,7 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
     seen = hangs.doing(context)
     if seen.callback is not None:
         context.spoil()
-        where = exits.source_line(context.job, seen.callback.line)
+        where = exits.source_line(context.job, seen.callback)
         if hangs.computes(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback is blocked in {where}; meanwhile nothing is published."

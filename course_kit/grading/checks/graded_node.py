@@ -143,7 +143,7 @@ class GradedNode:
             >>> node.send("/brightness", 0.7).expect("/lamp", True)
         """
         self.meet()
-        interface = self._end(topic).interface
+        interface = self._end(topic, "subscription").interface
         sent = message_of(interface, message, fields)
         for name in self._published():
             self._heard[name] = self.inbox(name).count
@@ -269,6 +269,7 @@ class GradedNode:
         """The parameters of a node as they are asked for from outside."""
         if not of and not (of := self.context.memory.get("node", "")):
             of = self.context.memory["node"] = discovery.first_node(self.context)
+        self.context.program.asked = f"{of.rpartition('/')[2]}.py" if self.context.job.launches else ""
         return RemoteParameters(self.context, of)
 
     # --- actions
@@ -328,6 +329,24 @@ class GradedNode:
         if meets:
             self.meet()
 
+    def kill(self, program: str) -> bool:
+        """End the process that runs one of the files, at once, while the others run on.
+
+        Args:
+            program: the file's name.
+
+        Returns:
+            False when no process runs it, as where one process has several nodes: its node may live on.
+
+        Example:
+            >>> node.start(program="delivery.launch.py")
+            >>> node.kill("door.py")
+            True
+        """
+        killed = self.context.program.kill(program)
+        self.context.record.sent(f"kill {program}", "message")
+        return killed
+
     def meet(self) -> None:
         """Have a running program whose endpoints are all connected; one that has died or hangs is started again.
 
@@ -339,14 +358,14 @@ class GradedNode:
             return
         self.prepare()
         clock = context.clock()
-        names = ", ".join(one["name"] for one in context.job.endpoints)
+        names = ", ".join(end.name for end in self.endpoints)
         evidence = Evidence("", f"a node with {names}")
         with hangs.explained(context, evidence, exceptions.of_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
-            if not self._is_connected():
+            missing = [end for end in self.endpoints if not self._is_there(end)]
+            if missing:
                 context.spoil()
-                why = "Your program started once, but did not offer all of this when it was started again."
-                raise Failed(replace(evidence, got="not all of it is there"), why)
+                raise Failed(replace(evidence, got="not all of it is there"), *self._explain_missing(missing[0]))
             discovery.greet(self.context)
         context.memory[_MET] = True
 
@@ -367,12 +386,7 @@ class GradedNode:
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
         job = self.context.job
-        running = ("", job.name)
-        named = (
-            job.endpoints
-            if job.name == job.launch_file
-            else [one for one in job.endpoints if one.get("program", "") in running]
-        )
+        named = [one for one in job.endpoints if job.launches or one.get("program", "") in ("", job.name)]
         return [WantedEndpoint.from_record(one) for one in named]
 
     # --- inside
@@ -385,12 +399,30 @@ class GradedNode:
         return self.context.wait_until(condition, seconds - _NUDGE_S)
 
     def _is_connected(self) -> bool:
-        return all([end.is_ready(self.context.grader_node) for end in self.endpoints])  # noqa: C419 - each makes its end
+        return all([self._is_there(end) for end in self.endpoints])  # noqa: C419 - each makes its end
 
-    def _end(self, name: str) -> WantedEndpoint:
-        for end in self.endpoints:
-            if end.name == name:
-                return end
+    def _is_there(self, end: WantedEndpoint) -> bool:
+        """Whether the program has it; where several run, who listens to a topic hears nothing of ours unasked."""
+        if end.kind == "subscription" and self.context.job.launches:
+            return bool(self.context.grader_node.subscriptions(end.name))
+        return end.is_ready(self.context.grader_node)
+
+    def _explain_missing(self, end: WantedEndpoint) -> tuple[str, str | None]:
+        """Why an end is not there of a program that runs: in words, and its diagnosis."""
+        if not self.context.job.files:
+            return "Your program started once, but did not offer all of this when it was started again.", None
+        if logged := exceptions.of_logged(self.context.program.status(fresh=True).stderr, self.context.job):
+            return logged[::-1]
+        verb = {"publisher": "publishes", "subscription": "subscribes to"}.get(end.kind, f"offers the {end.kind}")
+        return f"No node {verb} {end.name}, which {end.program} has to bring.", None
+
+    def _end(self, name: str, kind: str = "") -> WantedEndpoint:
+        """What has this name; where a topic has both ends among them, the publisher if not another kind is wanted."""
+        found = [end for end in self.endpoints if end.name == name]
+        if found:
+            end = min(found, key=lambda one: (one.kind != kind, one.kind))
+            self.context.program.asked = end.program if self.context.job.launches else ""
+            return end
         known = ", ".join(end.name for end in self.endpoints)
         raise ValueError(f"exercise.toml has no endpoint {name}; it has {known}")
 

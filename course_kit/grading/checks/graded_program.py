@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.fair_clock import Used
 from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis.tracebacks import Frame
 from course_kit.grading.model import limits
 from course_kit.grading.model.process_status import ProcessStatus
 
@@ -35,6 +36,7 @@ class GradedProgram:
 
     Attributes:
         job: what is graded; of several programs the one that was started last.
+        asked: of several that run, the file whose node was asked last.
         queued_s: seconds for which it has waited for a ROS domain, which is not its fault.
     """
 
@@ -43,10 +45,11 @@ class GradedProgram:
         self._runs = False
         self._used = self._used_before = Used()  # in all, and until it was started last
         self.queued_s = 0.0
+        self.asked = ""
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
-        self._runs, self._used_before = False, self._used
+        self._runs, self._used_before, self.asked = False, self._used, ""
         if self.job.mode == "attach":
             return None
         words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
@@ -82,14 +85,23 @@ class GradedProgram:
         if self.job.mode != "attach" and not self._ask("running")["running"]:
             raise SubmissionEndedError(self.status(), self.job)
 
-    def lost_in(self) -> int:
-        """The line by which its node has lost its executor; 0 where it has not."""
-        line = str(self.status().notes.get("lost_in", ""))
-        return int(line) if line.isdecimal() else 0
+    def lost_in(self) -> Frame | None:
+        """The line by which its node has lost its executor; None where it has not."""
+        name, _, line = str(self.status().notes.get("lost_in", "")).rpartition(":")
+        return Frame(name, int(line), "") if line.isdecimal() else None
+
+    @property
+    def asked_job(self) -> Job:
+        """The job of the program that was asked last, of several that run."""
+        return self.job.for_program(self.asked) if self.asked in self.job.files else self.job
 
     def stacks(self) -> str:
         """What each of its threads is executing, by faulthandler; empty for other than Python source."""
-        return str(self._ask("stacks")["stacks"]) if self.job.mode == "run" else ""
+        return str(self._ask("stacks", program=self.asked)["stacks"]) if self.job.mode == "run" else ""
+
+    def kill(self, program: str) -> bool:
+        """Kill the process that runs one of its files; False when no process does."""
+        return bool(self._ask("kill", program=program)["killed"])
 
     def used(self) -> Used:
         """What it has used of the processors, in all its starts."""

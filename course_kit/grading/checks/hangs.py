@@ -67,9 +67,9 @@ def told(waited_s: float, most: float = ANSWER_S) -> str:
 
 
 def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bool) -> exits.Cause:
-    job = context.job
+    job = context.program.asked_job
     if seen.callback is not None:
-        where = exits.source_line(job, seen.callback.line)
+        where = exits.source_line(job, seen.callback)
         if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
             message = f"Your callback is stuck in {where}: a deadlock. It blocks the executor that it waits for."
             return "service.deadlock", message
@@ -80,7 +80,7 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
         return (None if busy else exits.of_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
-        where = f" It is in {exits.source_line(job, seen.own.line)}." if seen.own else ""
+        where = f" It is in {exits.source_line(job, seen.own)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
 
@@ -97,7 +97,7 @@ def computes(context: CheckContext) -> bool:
 
 def doing(context: CheckContext) -> Activity:
     """What the submission's threads are doing now; unknown for other than Python source."""
-    return activity(context.program.stacks(), context.job.name)
+    return activity(context.program.stacks(), context.job.programs)
 
 
 def spins(context: CheckContext) -> bool:

@@ -39,7 +39,7 @@ def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
                 "SetParametersResult."
             )
             return "parameter.bad_callback", message
-        raised = last_exception(process.stderr, job.name)
+        raised = last_exception(process.stderr, job.programs)
         if raised is not None and (cause := _of_parameters(raised, job)):
             return cause
     return exits.of_start(process, job)
@@ -47,7 +47,7 @@ def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
 
 def of_logged(stderr: str, job: Job) -> exits.Cause | None:
     """What the last exception in a program's output means, None without one."""
-    raised = last_exception(stderr, job.name)
+    raised = last_exception(stderr, job.programs)
     if raised is None:
         return None
     cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
@@ -61,7 +61,7 @@ def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
         return "parameter.undeclared", f"{raised.text}{where}."
     functions = [frame.function for frame in raised.frames]
     judging = _JUDGES in functions and any(
-        frame.file == job.name for frame in raised.frames[functions.index(_JUDGES) + 1 :]
+        frame.file in job.programs for frame in raised.frames[functions.index(_JUDGES) + 1 :]
     )
     if judging:
         message = (

@@ -7,14 +7,14 @@ import pkgutil
 import re
 import signal
 import sys
+from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+from course_kit.grading.diagnosis.tracebacks import Frame, Raised, last_exception
 from course_kit.grading.model.submission import where
 from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.diagnosis.tracebacks import Frame
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.process_status import ProcessStatus
 
@@ -31,29 +31,36 @@ _INTERFACE_PACKAGES = ("course_interfaces", "example_interfaces")
 _HARMLESS = re.compile(r"rclpy(?:\.\w+)*|course_kit\.robot|\w+_(?:msgs|srvs|interfaces)\.(?:msg|srv|action)")
 _SECOND_SPIN = "Executor is already spinning"
 _RUNS_CALLBACKS = "await_or_execute"  # the function of rclpy
+_OF_LAUNCH = re.compile(r"^\[ERROR\] \[launch\]: (.{1,400})", re.MULTILINE)
 _LONGEST_LINE = 200  # characters of a learner's line that are repeated
 
 Cause = tuple["str | None", str]
 """A diagnosis, or None when the cause is not established, and what happened in one or two sentences."""
 
 
-def source_line(job: Job, line: int) -> str:
-    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
+def source_line(job: Job, place: int | Frame) -> str:
+    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`.
+
+    Of several files with its name before that: `door.py, line 12: ...`.
+    """
+    line = place.line if isinstance(place, Frame) else place
+    if isinstance(place, Frame) and (name := PurePath(place.file).name) in job.files:
+        job = job.for_program(name)
     lines = job.source.split("\n")
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
-    place = f"{job.name}, {where(job.places, line)}" if job.files else where(job.places, line)
-    return f"{place}: {text}" if text else place
+    found = f"{job.name}, {where(job.places, line)}" if job.files else where(job.places, line)
+    return f"{found}: {text}" if text else found
 
 
 def in_line(job: Job, frame: Frame | None) -> str:
     """` in line 12: return response`, to follow on what happened there; nothing where it is not known."""
-    return f" in {source_line(job, frame.line)}" if frame else ""
+    return f" in {source_line(job, frame)}" if frame else ""
 
 
 def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
     """The limit that ended the submission, if one did."""
     limits = job.limits
-    raised = last_exception(process.stderr, job.name)
+    raised = last_exception(process.stderr, job.programs)
     limit = process.limit
     if limit is None and raised is not None:
         if raised.type == "MemoryError":
@@ -84,13 +91,13 @@ def of_start(process: ProcessStatus, job: Job) -> Cause:
         return cause
     if process.notes.get("functions") is not None:
         return "start.nothing", _no_class(process, job)
-    raised = last_exception(process.stderr, job.name)
+    raised = last_exception(process.stderr, job.programs)
     if raised is None:
         return _of_constructor(process) or exited(process)
     where = in_line(job, raised.own)
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
-    if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own.line):
+    if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own):
         return "ros.newer", f"Your program uses `with` for rclpy.init(){where}."
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
@@ -106,6 +113,8 @@ def _of_constructor(process: ProcessStatus) -> Cause | None:
 
 def exited(process: ProcessStatus) -> Cause:
     """How it ended, when nothing tells why."""
+    if launch := _OF_LAUNCH.findall(process.stderr):
+        return "start.crash", f"Your launch file cannot be run: {launch[-1].rstrip('.')}."
     how = f"by signal {_signal_name(process.signal)}" if process.signal else f"with exit code {process.exit_code}"
     return "start.exit", f"Your program ended {how} before it could answer anything."
 
@@ -134,7 +143,7 @@ def _of_callback(process: ProcessStatus, job: Job) -> Cause | None:
 
 def of_logged(stderr: str, job: Job) -> Cause | None:
     """What the output of a program that is still running says about an exception in its callback."""
-    raised = last_exception(stderr, job.name)
+    raised = last_exception(stderr, job.programs)
     return _of_exception(raised, job) if raised is not None else None
 
 
@@ -155,7 +164,7 @@ def of_second_spin(raised: Raised, job: Job) -> Cause | None:
     in_callback = any(frame.function == _RUNS_CALLBACKS for frame in raised.frames)
     if raised.text != _SECOND_SPIN or raised.own is None or not in_callback:
         return None
-    place = source_line(job, raised.own.line)
+    place = source_line(job, raised.own)
     message = f"Your callback spins in {place}: there it would wait for ROS while ROS waits for it. rclpy refuses that."
     return "service.deadlock", message
 
@@ -165,7 +174,7 @@ def of_field(raised: Raised, job: Job) -> Cause | None:
     match = _FIELD.search(raised.text)
     if match is None:
         return None
-    where = f" in {source_line(job, raised.own.line)}" if raised.own else ""
+    where = f" in {source_line(job, raised.own)}" if raised.own else ""
     text = f"The field '{match['field']}' must be a {match['type']}, but something else was put into it{where}."
     return "field.type", text
 

@@ -28,7 +28,7 @@ def of_program(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended while a goal was under way."""
     if cause := exits.of_limit(process, job):
         return cause
-    raised = last_exception(process.stderr, job.name)
+    raised = last_exception(process.stderr, job.programs)
     if raised is not None and _in_execute(raised):
         if _NOT_A_RESULT.search(raised.text):
             what = process.notes.get("result") or "something else"
@@ -42,7 +42,7 @@ def of_program(process: ProcessStatus, job: Job) -> Cause:
 
 def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
     """What a program that lives on has told about an exception in its execute callback."""
-    raised = last_exception(process.stderr, job.name)
+    raised = last_exception(process.stderr, job.programs)
     if raised is None or not _in_execute(raised):
         return None
     return exits.of_limit(process, job) or _of_exception(raised, job)
@@ -71,7 +71,7 @@ def of_silence(look: Callable[[], Activity], over: str, seconds: float, process:
         if cause := exits.of_future(job):
             return cause
         return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
-    where = exits.source_line(job, at_work[0].line)
+    where = exits.source_line(job, at_work[0])
     if all(seen.waits_for_ros for seen in looks if seen.callback is not None):
         return (
             "service.deadlock",

@@ -7,7 +7,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import PurePath
+from typing import TYPE_CHECKING
 
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+_SCRATCH = "/course-kit-"  # is in the path of what lies in a scratch directory
 _HANDING_OVER = ("publish", "publish_feedback", "call_async", "send_goal_async", "log")
 _HEADER = "Traceback (most recent call last):"
 _FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d{1,9})(?:,)? in (?P<function>.+)$')
@@ -38,8 +44,8 @@ class Raised:
         return f"{self.type}: {self.text}" if self.text else self.type
 
 
-def last_exception(stderr: str, program: str) -> Raised | None:
-    """The last complete traceback in what a program wrote to stderr, or None."""
+def last_exception(stderr: str, programs: Collection[str]) -> Raised | None:
+    """The last complete traceback in what programs, by the names of their files, wrote to stderr, or None."""
     lines = stderr.splitlines()
     begins = [number for number, line in enumerate(lines) if _HEADER in line and not _is_ignored(lines, number)]
     if not begins:
@@ -49,10 +55,15 @@ def last_exception(stderr: str, program: str) -> Raised | None:
         if match := _FILE_LINE.match(line):
             frames.append(Frame(match["file"], int(match["line"]), match["function"]))
         elif line and not line[0].isspace() and (match := _EXCEPTION.match(line)):
-            own = [frame for frame in frames if frame.file == program]
+            own = [frame for frame in frames if _is_own(frame, programs)]
             kind = match["type"].rpartition(".")[2]
             return Raised(kind, (match["text"] or "").strip(), own[-1] if own else None, tuple(frames))
     return None
+
+
+def _is_own(frame: Frame, programs: Collection[str]) -> bool:
+    """Whether a line is the learner's: what another file has imported is told by its whole path."""
+    return frame.file in programs or (_SCRATCH in frame.file and PurePath(frame.file).name in programs)
 
 
 def _is_ignored(lines: list[str], header: int) -> bool:
@@ -72,13 +83,13 @@ class Activity:
     own: Frame | None = None  # the learner's own line of any thread, callbacks first
 
 
-def activity(dump: str, program: str) -> Activity:
+def activity(dump: str, programs: Collection[str]) -> Activity:
     """Interpret a dump of all threads by faulthandler."""
     spinning, callback, waits, anywhere = False, None, False, None
     stacks = _stacks(dump)
     for stack in stacks:
         executor = [place for place, frame in enumerate(stack) if frame.file.endswith("rclpy/executors.py")]
-        own = [place for place, frame in enumerate(stack) if frame.file == program]
+        own = [place for place, frame in enumerate(stack) if _is_own(frame, programs)]
         spinning = spinning or bool(executor)
         if not own:
             continue

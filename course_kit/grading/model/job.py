@@ -114,6 +114,16 @@ class Job:
         return replace(self, name=name, source=text.source, fault=text.problem, places=text.places, facts=text.facts)
 
     @property
+    def programs(self) -> tuple[str, ...]:
+        """The names of all files that may be in its tracebacks."""
+        return tuple(self.files) or (self.name,)
+
+    @property
+    def launches(self) -> bool:
+        """Whether several of its files run, started by the launch file."""
+        return bool(self.launch_file) and self.name == self.launch_file
+
+    @property
     def start_cpu_s(self) -> float:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf

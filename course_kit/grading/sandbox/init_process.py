@@ -11,6 +11,7 @@ import select
 import signal
 import time
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import memory, namespaces, runner
@@ -26,11 +27,13 @@ if TYPE_CHECKING:
 
 FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"
-STACKS = b"s"
+STACKS, KILL = b"s", b"k"  # behind them may stand the name of the file that the process runs
 _PERIOD_S = 0.05
 _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are not counted
 _STARTED_AT_ONCE, _STARTED_PER_S = 512, 200  # processes and threads: who starts more makes everybody wait
+_DYING_S = 2.0  # for a process that was killed; the kernel needs some to end one that is large
 _MB = 1024 * 1024
+_LONGEST_NAME = 15  # characters that the kernel keeps of a process's name
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
@@ -53,17 +56,18 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
     namespaces.forbid_tracing()
     for end in (inside.stdout, inside.stderr, inside.evidence):
         os.close(end)
-    waiting = Waiting(child, with_children=bool(program.command))
-    _Watch(child, cell, inside, waiting).until_end()
+    waiting = Waiting(child, with_children=bool(program.command) or program.launches)
+    _Watch(child, cell, inside, waiting, together=program.launches).until_end()
     if not cell.isolation.processes:
         tree.end_descendants()
     os._exit(0)
 
 
 class _Watch:
-    def __init__(self, child: int, cell: Conditions, inside: Streams, waiting: Waiting) -> None:
-        """Watch a program."""
+    def __init__(self, child: int, cell: Conditions, inside: Streams, waiting: Waiting, *, together: bool) -> None:
+        """Watch a program, or several `together`: the kernel counts the computing of each process alone."""
         self._child = child
+        self._together = together
         self._limits = cell.limits
         self._own_network = cell.isolation.network
         self._inside = inside
@@ -104,14 +108,23 @@ class _Watch:
         return None
 
     def _obey(self) -> bool:
-        wishes = os.read(self._inside.control, 64)
+        wishes = os.read(self._inside.control, 4096)
         if not wishes:  # the grader has gone
             return False
-        if STACKS in wishes:
-            with suppress(ProcessLookupError):
-                os.kill(self._child, runner.STACKS_SIGNAL)
-        self._inside.tell(**self._usage())
+        found = 0
+        for wish in wishes.splitlines():
+            if wish[:1] in (STACKS, KILL):
+                number = runner.STACKS_SIGNAL if wish[:1] == STACKS else signal.SIGKILL
+                chosen = self._running(wish[1:].decode()) if wish[1:] else [self._child]
+                found += len(chosen)
+                for process_id in chosen:
+                    _send(process_id, number)
+        self._inside.tell(**self._usage(), found=found)
         return True
+
+    def _running(self, name: str) -> list[int]:
+        """The processes that run a file: the one named so, see `runner`, or the Python that was started with it."""
+        return [one for one in self._everything() if one != self._child and _runs(one, name)]
 
     def _exceeded(self) -> str:
         everything = self._everything()
@@ -121,6 +134,8 @@ class _Watch:
             return "processes"
         usage = tree.measure_usage(everything)
         self._waiting.notice(everything, usage.tasks)
+        if self._together and usage.cpu_s > self._limits.cpu_s:
+            return "time"
         if usage.tasks > self._limits.tasks:
             return "processes"
         return "memory" if self._takes_too_much(everything, usage) else ""
@@ -154,6 +169,26 @@ class _Watch:
         cpu_s = usage.cpu_s + own.user + own.system - self._computed_before
         times = {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
         return {**times, "tasks": usage.tasks, "memory": usage.memory}
+
+
+def _send(process_id: int, number: signal.Signals) -> None:
+    """Send a signal; one that kills is waited for until the process is dead."""
+    with suppress(OSError, AttributeError):  # it has ended; as above
+        os.kill(process_id, number)
+        if number == signal.SIGKILL:
+            handle, poll = os.pidfd_open(process_id), select.poll()
+            poll.register(handle, select.POLLIN)
+            poll.poll(_DYING_S * 1000)
+            os.close(handle)
+
+
+def _runs(process_id: int, name: str) -> bool:
+    with suppress(OSError):
+        called = Path(f"/proc/{process_id}/comm").read_text(errors="replace").rstrip("\n")
+        words = Path(f"/proc/{process_id}/cmdline").read_text(errors="replace").split("\0")
+        # of one that has ended the words are empty
+        return bool(words[0]) and (called == name[:_LONGEST_NAME] or name in (Path(one).name for one in words[:3]))
+    return False
 
 
 def _how(status: int) -> Record:

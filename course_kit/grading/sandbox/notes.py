@@ -61,7 +61,7 @@ def watch_lost_nodes(evidence: int, program: str) -> None:
             frames = list(traceback.walk_stack(sys._getframe(1)))  # noqa: SLF001 - with None it skips some
             own = [line for frame, line in frames if frame.f_code.co_filename == program]
             if own and any(frame.f_code.co_name == "await_or_execute" for frame, _ in frames):
-                send_note(evidence, lost_in=str(own[0]))
+                send_note(evidence, lost_in=f"{program}:{own[0]}")
         return bool(add_node(executor, node))
 
     setattr(Executor, "add_node", add_node_watched)  # noqa: B010 - mypy forbids to assign to a method

@@ -1,7 +1,8 @@
 """Runs the learner's program, inside the sandbox, the way Python or `ros2 run` would.
 
 A program with `main()`, guarded or not, or one that spins at its top level, is run as the script it is. A
-module that only defines its Node class has that class started on a MultiThreadedExecutor. Everything this
+module that only defines its Node class has that class started on a MultiThreadedExecutor. Of several programs a
+launch file may start some together: each is a fork of the process that runs the launch. Everything this
 process tells the grader beyond what stands on the ROS graph is a hint for the diagnosis, and never earns points.
 """
 
@@ -28,14 +29,22 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.model import limits
 from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.process.libc import set_name
+from course_kit.launch import actions, finder, modules
+from course_kit.launch.errors import LaunchError
+from course_kit.launch.service import LaunchedProcess, LaunchService
+from course_kit.process.child import Child
+from course_kit.process.libc import die_with_parent, set_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import CodeType
 
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.sandbox import Conditions, Streams
+    from course_kit.launch.node import ProcessDescription
 
+# What launch files import has to be loaded before the kit's own files disappear.
+_LOADED = (actions, modules)
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
@@ -59,6 +68,7 @@ class Program:
     command: tuple[str, ...] = ()  # an executable with its arguments to start instead of Python source
     folder: str = ""  # the working directory of a command; source runs in its scratch directory
     variable: str = ""  # what the program is to set, when it is asked for a value and not for a node
+    launches: bool = False  # whether it is a launch file, which starts programs among its files
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:
@@ -75,9 +85,14 @@ def main(program: Program, cell: Conditions, inside: Streams) -> None:
     gc.enable()
     builtins.input = _refuse_input
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
+    _run_to_end(_launch if program.launches else _run, program, evidence)
+
+
+def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence: int) -> None:
+    """Run it as a script, and end this process as Python would end."""
     status = 1
     try:
-        _run(program, evidence)
+        run(program, evidence)
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
@@ -204,6 +219,76 @@ def _run(program: Program, evidence: int) -> None:
     node_class = _find_class(module, program, evidence)
     if node_class is not None:
         _spin(node_class)
+
+
+def _launch(program: Program, evidence: int) -> None:
+    """Run a launch file until all that it has started has ended."""
+    finder.install_finder()
+    sys.meta_path.sort(key=lambda one: not isinstance(one, finder.LaunchFinder))  # the same launch on every machine
+    pairs = [word.partition(":=") for word in program.arguments]
+    try:
+        code = _Launch(evidence).run(Path.cwd() / program.name, {name: value for name, _, value in pairs})
+    except LaunchError as problem:
+        raise SystemExit(f"[ERROR] [launch]: {problem}") from None
+    raise SystemExit(code)
+
+
+class _Launch(LaunchService):
+    def __init__(self, evidence: int) -> None:
+        super().__init__(open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115 - as long as this process
+        self._evidence = evidence
+
+    def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
+        """Start one of the submission's programs as a fork of this process, in which all is loaded; others as ever."""
+        python, *words = *description.command, ""
+        path = Path.cwd() / words[0]
+        if python != sys.executable or path.suffix != ".py" or path.parent != Path.cwd() or not path.is_file():
+            return LaunchedProcess(description, label, inherits=())
+        source = path.read_text(encoding="utf-8", errors="surrogatepass")
+        program = Program(path.name, source, own_start=True, arguments=tuple(words[1:-1]))
+        made = LaunchedProcess(description, label, process=_Fork(program, description.environ, self._evidence))
+        made.command = f"python {path.name}"
+        return made
+
+
+class _Fork(Child):
+    """A program of a launch; it writes to the same streams as all others."""
+
+    def __init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
+        self.stdout = self.stderr = None
+        self._code: int | None = None
+        self.pid = os.fork()
+        if self.pid == 0:
+            try:
+                _become(program, environ)
+                _run_to_end(_run, program, evidence)
+            finally:
+                os._exit(1)
+
+    def exit_code(self) -> int | None:
+        return self._reap(os.WNOHANG)
+
+    def wait(self, seconds: float | None = None) -> int | None:
+        del seconds  # it was killed, and needs none
+        return self._reap(0)
+
+    def _reap(self, flags: int) -> int | None:
+        if self._code is None and (ended := os.waitpid(self.pid, flags))[0]:
+            self._code = os.waitstatus_to_exitcode(ended[1])
+        return self._code
+
+
+def _become(program: Program, environ: Mapping[str, str]) -> None:
+    """Be a program, and no launch any more."""
+    set_name(program.name)
+    os.setsid()
+    die_with_parent()
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD):
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.clear()
+    os.environ.update(environ)
 
 
 def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: int) -> None:

@@ -98,9 +98,9 @@ class Sandbox:
             inside.close()
 
     def ask(self, what: bytes) -> None:
-        """Ask the init process for `SAMPLE` or `STACKS`; the answer comes on its stream."""
+        """Ask the init process for `SAMPLE`, `STACKS` or `KILL`; the answer comes on its stream."""
         with suppress(OSError):  # it has ended; so its stream says
-            os.write(self.streams.control, what)
+            os.write(self.streams.control, what + b"\n")
 
     def end(self) -> None:
         """Kill all that was started; returns when it is dead and its scratch directory gone."""
@@ -147,6 +147,7 @@ def program_of(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -
         command=job.command,
         folder=job.folder,
         variable=job.variable,
+        launches=job.launches,
     )
 
 

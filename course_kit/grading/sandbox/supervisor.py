@@ -165,7 +165,9 @@ class Supervisor:
         elif what == "running":  # asked fifty times a second
             return {"running": self._collector is not None and not self._collector.over}
         elif what == "stacks":
-            return {"stacks": self._stacks()}
+            return {"stacks": self._stacks(message["program"].encode())}
+        elif what == "kill":
+            return {"killed": self._kill_program(message["program"].encode())}
         elif what == "finish":
             self._finish(message["seconds"])
         return self._facts(fresh=what == "facts")
@@ -211,21 +213,32 @@ class Supervisor:
         if self._collector is None or self._sandbox is None:
             return {"running": False}
         if fresh and not self._collector.over:
-            before = self._collector.samples
-            self._sandbox.ask(init_process.SAMPLE)
-            self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
+            self._ask(init_process.SAMPLE)
         return self._collector.facts()
 
-    def _stacks(self) -> str:
+    def _ask(self, what: bytes) -> None:
+        assert self._collector is not None and self._sandbox is not None  # noqa: PT018, S101 - something runs
+        before = self._collector.samples
+        self._sandbox.ask(what)
+        self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
+
+    def _kill_program(self, program: bytes) -> bool:
+        """Kill the process that runs one of several programs; whether there was one."""
+        if self._collector is None or self._collector.over:
+            return False
+        self._ask(init_process.KILL + program)
+        return bool(self._collector.facts().get("found"))
+
+    def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty when none is told."""
         if self._collector is None or self._sandbox is None or self._collector.over:
             return ""
         self._collector.forget_stacks()
         began = time.monotonic()
-        self._sandbox.ask(init_process.STACKS)
+        self._sandbox.ask(init_process.STACKS + program)
         self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
         # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
-        self._sandbox.ask(init_process.STACKS)
+        self._sandbox.ask(init_process.STACKS + program)
         whole_s = began + _DUMP_S - time.monotonic()
         self._pump_until(lambda collector: collector.has_whole_dump() or collector.over, whole_s)
         size = -1

@@ -47,7 +47,7 @@ def test_a_note_of_the_program_is_no_dump(written: tuple[OutputCollector, int]) 
     os.write(writer, b'{"note": {"returned": "Thread 0x1"}}\n')
     process.take("evidence")
     assert not process.has_whole_dump()
-    assert not activity(process.stacks(), "answer.py").known
+    assert not activity(process.stacks(), ("answer.py",)).known
 
 
 def test_forgetting_starts_anew(written: tuple[OutputCollector, int]) -> None:
