@@ -283,7 +283,7 @@ class GradedGoal:
         seconds = min(seconds, clock.fair())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         look = partial(hangs.doing, self._context)
-        diagnosis, message = goals.of_silence(look, over, seconds, self.process(), self._context.job)
+        diagnosis, message = goals.of_silence(look, over, seconds, self.process(), self._context.program.asked_job)
         evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
         self._turn.missed(evidence.got)
         raise Failed(evidence, message, diagnosis)
