@@ -106,6 +106,12 @@ class WantedEndpoint:
             return bool(node.publishers(self.name))
         return bool(node.publisher(self.interface, self.name).get_subscription_count())
 
+    def is_there(self, context: CheckContext) -> bool:
+        """Whether the program has it; where several run, who listens to a topic hears nothing of ours unasked."""
+        if self.kind == "subscription" and context.job.launches:
+            return bool(context.grader_node.subscriptions(self.name))
+        return self.is_ready(context.grader_node)
+
     def offers(self, node: GraderNode) -> list[Offer]:
         """All servers of this kind on the graph."""
         return node.services() if self.kind == "service" else node.actions()
@@ -231,6 +237,16 @@ def name_nearest(wanted: str, names: Sequence[str]) -> str:
     """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
     near = nearest_name(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
     return f" The closest is {near}." if near else ""
+
+
+def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, str | None]:
+    """Why an end is not there of a program that runs: in words, and its diagnosis."""
+    if not context.job.files:
+        return "Your program started once, but did not offer all of this when it was started again.", None
+    if logged := exceptions.of_logged(context.program.status(fresh=True).stderr, context.job):
+        return logged[::-1]
+    verb = _VERBS.get(end.kind, f"offers the {end.kind}")
+    return f"No node {verb} {end.name}, which {end.program} has to bring.", None
 
 
 def list_names(names: Sequence[str], what: str) -> str:

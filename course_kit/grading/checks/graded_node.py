@@ -362,10 +362,12 @@ class GradedNode:
         evidence = Evidence("", f"a node with {names}")
         with hangs.explained(context, evidence, exceptions.of_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
-            missing = [end for end in self.endpoints if not self._is_there(end)]
+            missing = [end for end in self.endpoints if not end.is_there(self.context)]
             if missing:
                 context.spoil()
-                raise Failed(replace(evidence, got="not all of it is there"), *self._explain_missing(missing[0]))
+                raise Failed(
+                    replace(evidence, got="not all of it is there"), *discovery.explain_missing(context, missing[0])
+                )
             discovery.greet(self.context)
         context.memory[_MET] = True
 
@@ -385,9 +387,7 @@ class GradedNode:
     @property
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
-        job = self.context.job
-        named = [one for one in job.endpoints if job.launches or one.get("program", "") in ("", job.name)]
-        return [WantedEndpoint.from_record(one) for one in named]
+        return [WantedEndpoint.from_record(one) for one in self.context.job.running_endpoints]
 
     # --- inside
 
@@ -399,22 +399,7 @@ class GradedNode:
         return self.context.wait_until(condition, seconds - _NUDGE_S)
 
     def _is_connected(self) -> bool:
-        return all([self._is_there(end) for end in self.endpoints])  # noqa: C419 - each makes its end
-
-    def _is_there(self, end: WantedEndpoint) -> bool:
-        """Whether the program has it; where several run, who listens to a topic hears nothing of ours unasked."""
-        if end.kind == "subscription" and self.context.job.launches:
-            return bool(self.context.grader_node.subscriptions(end.name))
-        return end.is_ready(self.context.grader_node)
-
-    def _explain_missing(self, end: WantedEndpoint) -> tuple[str, str | None]:
-        """Why an end is not there of a program that runs: in words, and its diagnosis."""
-        if not self.context.job.files:
-            return "Your program started once, but did not offer all of this when it was started again.", None
-        if logged := exceptions.of_logged(self.context.program.status(fresh=True).stderr, self.context.job):
-            return logged[::-1]
-        verb = {"publisher": "publishes", "subscription": "subscribes to"}.get(end.kind, f"offers the {end.kind}")
-        return f"No node {verb} {end.name}, which {end.program} has to bring.", None
+        return all([end.is_there(self.context) for end in self.endpoints])  # noqa: C419 - each makes its end
 
     def _end(self, name: str, kind: str = "") -> WantedEndpoint:
         """What has this name; where a topic has both ends among them, the publisher if not another kind is wanted."""

@@ -124,6 +124,11 @@ class Job:
         return bool(self.launch_file) and self.name == self.launch_file
 
     @property
+    def running_endpoints(self) -> list[Record]:
+        """Those of the program that runs; where several run, all."""
+        return [one for one in self.endpoints if self.launches or one.get("program", "") in ("", self.name)]
+
+    @property
     def start_cpu_s(self) -> float:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf
