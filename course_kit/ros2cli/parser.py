@@ -41,6 +41,7 @@ _ONLY_IN_ROS = {
     "doctor": "hello",
 }
 _OPTIONS_ONLY_IN_ROS = {
+    "doctor": "-r --report -rf --report-failed -ep --exclude-packages",
     "launch": "-d --debug -p --print -a --show-all-subprocesses-output --launch-prefix --launch-prefix-filter",
     "topic": "--qos-liveliness --qos-liveliness-lease-duration-seconds",
 }

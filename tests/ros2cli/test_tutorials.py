@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import textwrap
 from typing import TYPE_CHECKING
@@ -283,34 +282,14 @@ def test_the_doctor_says_who_is_alone_and_who_does_not_fit(guide: Ros2) -> None:
     done = guide("doctor")
     assert done.returncode == 0
     assert "UserWarning: Publisher without subscriber detected on /tour/words.\n" in done.stderr
-    assert done.stdout.startswith("\nAll 5 checks passed\n")
-    strict = guide("wtf", "--include-warnings", "--exclude-packages", "--report-failed")
-    assert "/4 check(s) failed\n\nFailed modules: " in strict.stdout
-    assert "\n   TOPIC LIST\n" in strict.stdout
+    assert done.stdout.startswith("\nAll 4 checks passed\n")
+    assert "1/4 check(s) failed\n\nFailed modules: topic\n" in guide("wtf", "--include-warnings").stdout
     listener = guide.begin(*OURS, "topic", "echo", "/tour/words", "--qos-durability", "transient_local")
     wait_until(lambda: "error found on topic '/tour/words': " in guide("doctor").stderr, "the subscription")
     done = guide("doctor")
     interrupt(listener)
     assert "UserWarning: ERROR: QoS compatibility error found on topic '/tour/words': " in done.stderr
-    assert "1/5 check(s) failed\n\nFailed modules: middleware\n" in done.stdout
-
-
-def test_the_doctors_report_has_the_sections_of_the_real_one(guide: Ros2) -> None:
-    report = output(guide, "doctor", "--report")
-    titles = [line.strip() for line in report.splitlines() if line.startswith("   ")]
-    assert titles == [
-        "PACKAGE VERSIONS",
-        "NETWORK CONFIGURATION",
-        "PLATFORM INFORMATION",
-        "QOS COMPATIBILITY LIST",
-        "RMW MIDDLEWARE",
-        "ROS 2 INFORMATION",
-        "TOPIC LIST",
-    ]
-    assert "topic               : /tour/poses\npublisher count     : 1\nsubscriber count    : 0\n" in report
-    assert "middleware name    : rmw_fastrtps_cpp\n" in report
-    assert re.search(r"^device +: lo\n", report, re.MULTILINE)
-    assert re.search(r"^rclpy +: local=7\.", report, re.MULTILINE)
+    assert "1/4 check(s) failed\n\nFailed modules: middleware\n" in done.stdout
 
 
 SETUP = """

@@ -12,20 +12,12 @@ from course_kit.ros2cli.verbs._listing import graph_of
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterable
 
-    from course_kit.ros2cli.checkup import CheckupSection
-
-_NARROW, _GAP = 8, 4
 _PATIENCE = 0.5  # seconds for the daemon to answer
 
 
 def add_to(place: ArgumentParser) -> None:
     """The command has no verbs."""
-    group = place.add_mutually_exclusive_group()
-    group.add_argument("-r", "--report", action="store_true", help="print all that was found")
-    group.add_argument("-rf", "--report-failed", action="store_true", help="the same of failed checks only")
-    place.add_argument("-ep", "--exclude-packages", action="store_true", help="leave the packages out")
     place.add_argument("-iw", "--include-warnings", action="store_true", help="a warning is a failure, too")
     add_graph_options(place)
     place.set_defaults(run=_doctor)
@@ -34,12 +26,7 @@ def add_to(place: ArgumentParser) -> None:
 def _doctor(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import checkup
 
-    graph = graph_of(options, session)
-    with_packages = not options.exclude_packages
-    if options.report:
-        _print(checkup.report_versions(graph, with_packages=with_packages))
-        return
-    failed, found = [], checkup.run_checks(graph, with_packages=with_packages)
+    failed, found = [], checkup.run_checks(graph_of(options, session))
     for check in found:
         for said in (*(f"ERROR: {error}" for error in check.errors), *check.warnings):
             sys.stderr.write(f"UserWarning: {said}\n")
@@ -51,17 +38,6 @@ def _doctor(options: Namespace, session: Session) -> None:
     else:
         print(f"\nAll {len(found)} checks passed\n")
     print(f"Whether the course itself works on this machine: {environment.course_command()} doctor")
-    if options.report_failed and failed:
-        _print(one for one in checkup.report_versions(graph, with_packages=with_packages) if one.category in failed)
-
-
-def _print(reports: Iterable[CheckupSection]) -> None:
-    for report in reports:
-        print(f"\n   {report.title}")
-        longest = max((len(name) for name, _ in report.items), default=0)
-        width = _NARROW if longest < _NARROW else longest + _GAP
-        for name, value in report.items:
-            print(f"{name:{width}}: {value}")
 
 
 def add_daemon_to(place: ArgumentParser) -> None:
