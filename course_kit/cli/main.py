@@ -142,13 +142,12 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     reset = verbs.add_parser("reset", help="restore an exercise's starter, or create it; your files are kept beside it")
     reset.add_argument("exercise", help="the exercise's id")
     reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
-    reset.add_argument("--yes", action="store_true", help="do not ask")
+    reset.add_argument("--yes", action="store_true", help=argparse.SUPPRESS)  # of 0.3, which asked
     reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)
 
     solution = verbs.add_parser("solution", help="show the solution of an exercise you have passed")
     solution.add_argument("exercise", help="the exercise's id")
-    solution.add_argument("--copy", type=Path, metavar="PATH", help="write it to a new file instead")
     solution.add_argument("--show", action="store_true", help="for instructors: show it before you have passed")
     solution.set_defaults(run=_solution)
 
@@ -292,7 +291,7 @@ def _list(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(course_list.format_json(rows))
     else:
-        print(course_list.format_list(rows, sys.stdout.encoding))
+        print(course_list.format_list(rows))
     for sentence in told:
         note(sentence)
     return 0
@@ -304,7 +303,7 @@ def _drills(options: argparse.Namespace) -> int:
     if options.drill is not None:
         print(course_list.begin_drill(options.drill))
         return 0
-    text, told = course_list.describe_drills(sys.stdout.encoding)
+    text, told = course_list.describe_drills()
     print(text)
     for sentence in told:
         note(sentence)
@@ -329,13 +328,13 @@ def _tutor(_options: argparse.Namespace) -> int:
 def _reset(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    return handouts.reset_exercise(options.exercise, yes=options.yes, forget=options.progress, place=options.path)
+    return handouts.reset_exercise(options.exercise, forget=options.progress, place=options.path)
 
 
 def _solution(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
-    return handouts.hand_out_solution(options.exercise, show=options.show, copy=options.copy)
+    return handouts.show_solution(options.exercise, anyway=options.show)
 
 
 def read_names_as_utf_8() -> None:

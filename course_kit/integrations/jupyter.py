@@ -1,4 +1,4 @@
-"""Starts JupyterLab on the course, on this machine as it is: read-only homes, shared folders, root, a hub.
+"""Starts JupyterLab on the course, on this machine as it is: shared folders, root, a hub.
 
 A JupyterHub starts for each user their own folder of lessons, then its own single-user server. One installation serves
 all users and belongs to none of them; files, progress and the ROS domain are those of the Unix user as whom the hub
@@ -26,7 +26,7 @@ from course_kit.learner import course_list, workspace
 from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
 FIRST_LESSON = "notebooks/00_welcome.ipynb"
 PROGRESS_PAGE = "progress.md"  # the first thing on a learner's second day
@@ -77,7 +77,7 @@ def run_lab(arguments: Sequence[str]) -> int:
 
 def running_server(folder: Path) -> str:
     """The address of a JupyterLab that shows a folder already; empty where there is none."""
-    runtime = Path(replacement_folders().get("JUPYTER_RUNTIME_DIR") or paths.jupyter_runtime_dir())
+    runtime = Path(paths.jupyter_runtime_dir())
     for file in runtime.glob("jpserver-*.json"):
         with suppress(OSError, ValueError, LookupError, TypeError):  # one that has ended, or another program's file
             server = json.loads(file.read_bytes())
@@ -180,13 +180,10 @@ def server_options(root: Path) -> list[str]:
 
 def server_variables(folder: Path) -> dict[str, str]:
     """What its environment has beside the settings of ROS."""
-    found = {**replacement_folders(), environment.paths.FOLDER_VARIABLE: str(folder)}
-    if len(found) > 1:
-        spare = environment.state_dir()
-        note(f"Jupyter's folders in your home directory cannot be written; it keeps its files below {spare} instead.")
+    found = {environment.paths.FOLDER_VARIABLE: str(folder)}
     if path := exercise_folders.interface_path():  # by which programs in terminals find the types that exercises bring
         found[PATH_VARIABLE] = path
-    before = found.get(_CONFIG_PATH) or os.environ.get(_CONFIG_PATH)
+    before = os.environ.get(_CONFIG_PATH)
     found[_CONFIG_PATH] = os.pathsep.join(filter(None, (before, str(_CONFIG))))
     found[_WORKSPACES] = os.environ.get(_WORKSPACES) or str(_workspaces(folder))
     return found
@@ -265,37 +262,3 @@ def prepare_workspace(workspaces: Path) -> None:
         kept = {name: value for name, value in data.items() if name.startswith("file-browser")}
         content["data"] = {**kept, _LAYOUT: layout}
         environment.write_atomically(file, json.dumps(content))
-
-
-# Which variable sets a folder, where it usually is, and the variable by which an old one is still read.
-_FOLDERS: dict[str, tuple[Callable[[], str], str]] = {
-    "JUPYTER_CONFIG_DIR": (paths.jupyter_config_dir, "JUPYTER_CONFIG_PATH"),
-    "JUPYTER_DATA_DIR": (paths.jupyter_data_dir, "JUPYTER_PATH"),
-    "JUPYTER_RUNTIME_DIR": (paths.jupyter_runtime_dir, ""),
-    "IPYTHONDIR": (lambda: os.environ.get("IPYTHONDIR") or str(Path.home() / ".ipython"), ""),
-}
-
-
-def replacement_folders() -> dict[str, str]:
-    """Variables for a Jupyter server and its kernels; empty where the usual folders can be written."""
-    spare = environment.state_dir() / "jupyter"
-    found: dict[str, str] = {}
-    for name, (usual, search_path) in _FOLDERS.items():
-        old = _where(usual)
-        if old is not None and environment.paths.is_writable(old):
-            continue
-        found[name] = str(spare / name.lower())
-        if search_path and old is not None and old.is_dir():
-            before = os.environ.get(search_path)
-            found[search_path] = f"{before}{os.pathsep}{old}" if before else str(old)
-    if _where(lambda: str(Path.home())) is None:
-        found["HOME"] = str(environment.state_dir())  # without any, Jupyter itself does not start
-    return found
-
-
-def _where(usual: Callable[[], str]) -> Path | None:
-    """The folder; None where nobody knows the home directory that it lies in."""
-    try:
-        return Path(usual())
-    except RuntimeError:
-        return None

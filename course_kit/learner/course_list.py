@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 FORMAT_VERSION = 1
 _INDENT = " " * 4
-_KINDS = {guesses.GUESS: "guesses", guesses.CHECK: "checks"}
 
 
 @dataclass(frozen=True)
@@ -82,12 +81,12 @@ def format_json(found: list[Row]) -> str:
     return json.dumps(content, indent=2, ensure_ascii=False)
 
 
-def format_list(found: list[Row], encoding: str | None) -> str:
-    """A table of at most 80 columns, with a tick where the terminal has one."""
+def format_list(found: list[Row]) -> str:
+    """A table of at most 80 columns."""
     width = max((len(row.exercise.id) for row in found), default=0)
     lines = [f"       {'exercise':<{width}}  points  to pass  best  tries"]
     for row in found:
-        lines += _lines(row, width, tick_mark(encoding))
+        lines += _lines(row, width)
     passed = sum(row.known.passed for row in found)
     lines += ["", f"{passed} of {len(found)} passed."]
     following = next((row.exercise for row in found if not row.known.passed), None)
@@ -97,7 +96,7 @@ def format_list(found: list[Row], encoding: str | None) -> str:
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
         )
         lines.append(f"Next: {following.id}, {where}")
-    return "\n".join([*lines, *_stepped(), *_guessed()])
+    return "\n".join([*lines, *_stepped()])
 
 
 def _stepped() -> list[str]:
@@ -161,38 +160,17 @@ def format_progress_page(last: str) -> str:
     return "\n".join([*lines, ""])
 
 
-def _guessed() -> list[str]:
-    """A line for each lesson of which any question was answered: what was right at the first try."""
-    by_lesson: dict[str, list[str]] = {}
-    for score in guesses.lesson_scores():
-        if "/" not in score.lesson:  # a demo is a lecturer's
-            open_ones = f" ({score.answered} answered)" if score.answered < score.count else ""
-            said = f"{_KINDS[score.kind]} right: {score.right} of {score.count}{open_ones}"
-            by_lesson.setdefault(score.lesson, []).append(said)
-    lines = [f"  {lesson}: {'; '.join(said)}" for lesson, said in by_lesson.items()]
-    return ["", "At the first try, in the lessons:", *lines] if lines else []
-
-
-def _lines(row: Row, width: int, tick: str) -> list[str]:
+def _lines(row: Row, width: int) -> list[str]:
     exercise, known = row.exercise, row.known
     best = f"{known.best:g}" if known.tries else "-"
-    mark = tick if known.passed else " "
-    state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"  # for who sees no tick
+    mark = "x" if known.passed else " "
+    state = "passed" if known.passed else "not passed yet" if known.tries else "not tried yet"
     numbers = f"{exercise.points:>6g}  {exercise.pass_mark:>7g}  {best:>4}  {known.tries:>5}"
     lines = [f"[{mark}] {exercise.order:>2} {exercise.id:<{width}}  {numbers}  {state}"]
     lines += wrap_text(exercise.title, " " * 7, " " * 7)
     if exercise_folders.is_added(exercise.folder):
         lines.append(f"       {workspace.shorten_path(exercise.folder / exercise.notebook)}")
     return lines
-
-
-def tick_mark(encoding: str | None) -> str:
-    """The mark for what is done, as far as a terminal can show it."""
-    try:
-        "✓".encode(encoding or "ascii")
-    except (UnicodeEncodeError, LookupError):
-        return "x"
-    return "✓"
 
 
 def next_step(passed: str, root: Path | None = None) -> str:
@@ -222,12 +200,12 @@ def _comparison(exercise: Exercise | None) -> str:
     return f" Compare yours with ours: {environment.course_command()} solution {exercise.id}{where}"
 
 
-def describe_drills(encoding: str | None) -> tuple[str, list[str]]:
-    """All drills with their symptoms, a tick for each that is done, and what to tell the user about unusable files."""
+def describe_drills() -> tuple[str, list[str]]:
+    """All drills with their symptoms, a cross for each that is done, and what to tell the user about unusable files."""
     found, told = list_rows(practice=True)
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
-        mark, done = (tick_mark(encoding), ": done") if row.known.passed else (" ", "")
+        mark, done = ("x", ": done") if row.known.passed else (" ", "")
         lines.append(f"[{mark}] {row.exercise.order} {row.exercise.id}{done}")
         lines += wrap_text(row.exercise.symptom, _INDENT, _INDENT)
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -150,8 +149,8 @@ def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
 
 
-def reset_exercise(exercise_id: str, *, yes: bool, forget: bool, place: Path | None = None) -> int:
-    """Put the starter back, after saving what is there, and ask before; 0 when done, 1 when the answer is no."""
+def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None) -> int:
+    """Put the starter back, after saving what is there."""
     exercise = load_exercise(exercise_id)
     place = place or workspace.exercise_folder(exercise)
     if place is None and not forget:
@@ -160,10 +159,6 @@ def reset_exercise(exercise_id: str, *, yes: bool, forget: bool, place: Path | N
     if not returns and not forget and place is not None:
         print(f"{exercise.id} already matches the starter: {shorten_path(place)}")
         return 0
-    nothing_to_lose = not forget and not any(each.file.exists() for each in returns)
-    if not yes and not nothing_to_lose and not _agreed(returns, forget=forget):
-        print("Nothing was changed.")
-        return 1
     for each in returns:
         each.carry_out()
     if returns:
@@ -175,68 +170,34 @@ def reset_exercise(exercise_id: str, *, yes: bool, forget: bool, place: Path | N
     return 0
 
 
-def _agreed(returns: list[ChangedFile], *, forget: bool) -> bool:
-    for each in returns:
-        if each.file.exists():
-            print(f"{shorten_path(each.file)} will be the starter again (yours is kept as {each.backup.name}).")
-        else:
-            print(f"{shorten_path(each.file)} will be created.")
-    if forget:
-        print("Its progress will be deleted: best score, tries, hints.")
-    if not sys.stdin.isatty():
-        raise GradingError(
-            "Nothing was changed: there is no terminal to ask you in. Add --yes to do it without asking."
-        )
-    try:
-        return input("Go on? [y/N] ").strip().lower() in ("y", "yes")
-    except EOFError:
-        print()
-        return False
-
-
 def earned_solution(exercise_id: str) -> str:
     """The text of the solution.
 
     Raises:
         GradingError: the learner has not passed yet, or this edition has no solutions.
     """
-    exercise = load_exercise(exercise_id)
-    _require_solution(exercise)
-    known = progress.read_progress()[0].get(exercise.id, progress.ProgressRecord())
-    if not known.passed:
-        said = _not_yet(exercise, known)
+    text, said = _solution(load_exercise(exercise_id))
+    if said:
         raise GradingError(f"{said[:1].upper()}{said[1:]}")
-    return exercise.solution.read_text(encoding="utf-8")
+    return text
 
 
-def _require_solution(exercise: Exercise) -> None:
+def show_solution(exercise_id: str, *, anyway: bool) -> int:
+    """Print the solution; 1 when it has to be earned first."""
+    text, said = _solution(load_exercise(exercise_id))
+    if said and not anyway:
+        note(said)
+        return 1
+    print(text, end="")
+    return 0
+
+
+def _solution(exercise: Exercise) -> tuple[str, str]:
+    """The text, and why it is not to be seen yet."""
     if not exercise.solution.is_file():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
-
-
-def hand_out_solution(exercise_id: str, *, show: bool, copy: Path | None) -> int:
-    """Print the solution, or copy it to a file that is not there yet; 1 when it has to be earned first."""
-    exercise = load_exercise(exercise_id)
-    source = exercise.solution
-    _require_solution(exercise)
-    records, trouble = progress.read_progress()
-    note(trouble)
-    known = records.get(exercise.id, progress.ProgressRecord())
-    if not known.passed and not show:
-        note(_not_yet(exercise, known))
-        return 1
-    if copy is None:
-        print(source.read_text(encoding="utf-8"), end="")
-        return 0
-    target = copy / source.name if copy.is_dir() else copy
-    try:
-        environment.files.write_new(target, source.read_bytes())
-    except FileExistsError:
-        raise GradingError(f"{target} already exists and is not overwritten. Name another file.") from None
-    except OSError as problem:
-        raise GradingError(f"{target} could not be written: {problem.strerror}.") from None
-    print(f"The solution of {exercise.id} is in {shorten_path(target)}.")
-    return 0
+    known = progress.read_progress()[0].get(exercise.id, progress.ProgressRecord())
+    return exercise.solution.read_text(encoding="utf-8"), "" if known.passed else _not_yet(exercise, known)
 
 
 def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:

@@ -55,7 +55,7 @@ def test_an_edition_carries_it_without_its_solution_and_students_are_graded(
     assert student.run("copy").returncode == 0
     own = edition / "my-course" / "exercises" / ID / "add_three.py"
     own.write_text("changed")
-    assert student.run("reset", ID, "--yes").returncode == 0
+    assert student.run("reset", ID).returncode == 0
     assert own.read_text() == outside_exercises.STARTER
 
 

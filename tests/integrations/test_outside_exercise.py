@@ -47,7 +47,7 @@ def test_a_notebook_has_its_types_grades_it_and_gives_hints(tmp_path: Path) -> N
 @pytest.mark.usefixtures("mine")
 def test_the_commands_of_a_learner_know_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     begun = tmp_path / "begun"
-    assert main(["reset", ID, str(begun), "--yes"]) == 0
+    assert main(["reset", ID, str(begun)]) == 0
     assert (begun / "add_three.py").read_text() == STARTER
     assert main(["solution", ID]) == 1
     capsys.readouterr()

@@ -62,6 +62,6 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
     assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
     assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page
     assert re.search(r"\(exercises/temperature_service/temperature_service.ipynb\) \| 8 of 10 \| 2 \| done \|", page)
-    assert "  00_welcome: 3 of 3" in course_list.format_list(course_list.list_rows()[0], "utf-8")
+    assert "  00_welcome: 3 of 3" in course_list.format_list(course_list.list_rows()[0])
     for link in re.findall(r"\]\(([^)]+)\)", page):
         assert (REPOSITORY / link).is_file(), link

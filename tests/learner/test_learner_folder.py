@@ -129,11 +129,11 @@ def test_the_folder_in_a_clone_is_the_learners_and_git_ignores_it(clone: Course)
     assert cell_of(folder / LESSON)["source"] == ["mine"]
     # Commands find the learner's files from anywhere in the clone.
     assert f"{LEARNER_FOLDER}/exercises/{TEMPERATURE}" in clone.run("list").stdout
-    assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert clone.run("reset", TEMPERATURE).returncode == 0
     assert (folder / PROGRAM).read_bytes() == (clone.root / PROGRAM).read_bytes()
     exercise_notebook = (folder / PROGRAM).with_suffix(".ipynb")
     exercise_notebook.unlink()
-    assert clone.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert clone.run("reset", TEMPERATURE).returncode == 0
     assert json.loads(exercise_notebook.read_text())["metadata"]["language_info"] == IPythonKernel.language_info
     assert f"grading {LEARNER_FOLDER}/{PROGRAM}" in clone.run("grade", TEMPERATURE).stderr
 

@@ -78,7 +78,7 @@ def test_in_a_copy_all_commands_work_on_the_learners_files(learner: Learner) -> 
     assert f"Next: {TEMPERATURE}, in ros2-course/exercises/{TEMPERATURE}" in learner.run("list").stdout
     assert learner.run("grade", TEMPERATURE, str(mine / PROGRAM)).returncode == 1
     assert "Hint 2 of" in learner.run("hint", TEMPERATURE).stdout
-    done = learner.run("reset", TEMPERATURE, "--yes", cwd=learner.home / "ros2-course" / "notebooks")
+    done = learner.run("reset", TEMPERATURE, cwd=learner.home / "ros2-course" / "notebooks")
     assert done.returncode == 0, done.stderr
     assert (mine / PROGRAM).read_bytes() == starter
     assert (mine / f"{TEMPERATURE}.backup-1.py").read_text() == MINE
@@ -98,10 +98,10 @@ def test_files_anywhere_are_found_from_where_one_stands_or_by_their_name(learner
     assert learner.run("reset", TEMPERATURE, str(mine)).returncode == 0
     assert {file.name for file in mine.iterdir()} == {PROGRAM, f"{TEMPERATURE}.ipynb"}
     learner.write(mine / PROGRAM, MINE)
-    assert learner.run("reset", TEMPERATURE, "--yes", cwd=mine).returncode == 0
+    assert learner.run("reset", TEMPERATURE, cwd=mine).returncode == 0
     assert (mine / f"{TEMPERATURE}.backup-1.py").read_text() == MINE
     other = learner.write(learner.home / "try.py", MINE)
-    assert learner.run("reset", TEMPERATURE, str(other), "--yes").returncode == 0
+    assert learner.run("reset", TEMPERATURE, str(other)).returncode == 0
     assert other.read_bytes() == (mine / PROGRAM).read_bytes()
     assert (learner.home / "try.backup-1.py").read_text() == MINE
     wrong = learner.run("reset", TEMPERATURE, "notes.txt")

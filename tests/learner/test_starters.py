@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import pty
 import shutil
-import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
@@ -45,21 +43,6 @@ def keep(course: Course, **entry: object) -> None:
     course.progress.write_text(json.dumps({"format_version": 1, "exercises": {TEMPERATURE: entry}}))
 
 
-def answer(course: Course, typed: str, *arguments: str) -> tuple[int, str]:
-    """Run the command on a terminal, type, and return its exit code and what it printed."""
-    keyboard, terminal = pty.openpty()
-    try:
-        os.write(keyboard, typed.encode())
-        done = subprocess.run(
-            course.command(*arguments), cwd=course.root, env=course.environ(), stdin=terminal, capture_output=True,
-            text=True, timeout=60, check=False,
-        )  # fmt: skip
-    finally:
-        os.close(keyboard)
-        os.close(terminal)
-    return done.returncode, done.stdout
-
-
 def test_an_untouched_exercise_is_left_alone(course: Course, file: Path) -> None:
     before = sorted(file.parent.iterdir())
     done = course.run("reset", TEMPERATURE)
@@ -72,7 +55,7 @@ def test_the_starter_comes_back_and_each_version_is_kept_beside_it(course: Cours
     starter = file.read_bytes()
     for number in (1, 2):
         file.write_text(MINE * number)
-        done = course.run("reset", TEMPERATURE, "--yes")
+        done = course.run("reset", TEMPERATURE)
         assert done.returncode == 0, done.stderr
         assert f"{TEMPERATURE}.backup-{number}.py" in done.stdout
         assert file.read_bytes() == starter
@@ -85,19 +68,9 @@ def test_a_file_that_was_removed_comes_back(course: Course, file: Path) -> None:
     notebook = file.with_suffix(".ipynb")
     starter = notebook.read_bytes()
     notebook.unlink()
-    assert course.run("reset", TEMPERATURE, "--yes").returncode == 0
+    assert course.run("reset", TEMPERATURE).returncode == 0
     assert notebook.read_bytes() == starter
     assert not list(file.parent.glob("*.backup-*"))
-
-
-@pytest.mark.parametrize(("typed", "code", "changed"), [("y\n", 0, True), ("n\n", 1, False), ("\n", 1, False)])
-def test_on_a_terminal_it_asks_first(course: Course, file: Path, typed: str, code: int, changed: bool) -> None:
-    file.write_text(MINE)
-    returned, shown = answer(course, typed, "reset", TEMPERATURE)
-    assert returned == code
-    assert "Go on? [y/N]" in shown
-    assert f"{TEMPERATURE}.backup-1.py" in shown
-    assert (file.read_text() == MINE) is not changed
 
 
 def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,7 +80,7 @@ def test_a_backup_that_cannot_be_written_leaves_the_file(file: Path, monkeypatch
     file.write_text(MINE)
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(GradingError, match="No space left"):
-        handouts.reset_exercise(TEMPERATURE, yes=True, forget=False, place=file)
+        handouts.reset_exercise(TEMPERATURE, forget=False, place=file)
     assert file.read_text() == MINE
 
 
