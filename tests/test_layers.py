@@ -60,15 +60,15 @@ BUDGETS = {
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
     "course_kit/environment": 914,  # the ROS of 2026: the profiles of Fast DDS 3
-    "course_kit/cli": 1420,  # doctor about rclpy 7.1.9 and later releases; the tutor
-    "course_kit/lab": 6599,
+    "course_kit/cli": 1419,  # doctor about rclpy 7.1.9 and later releases; the tutor
+    "course_kit/lab": 6596,
     "course_kit/reader": 850,  # the files of the capstone, out of a zip or a notebook
     "course_kit/grading": 11330,  # with the capstone
     "course_kit/launch": 2019,  # with respawn, and programs that are forked
     "course_kit/graders": 2402,
-    "course_kit/learner": 1440,  # with the steps of the lessons and the page of progress
+    "course_kit/learner": 1437,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 3190,  # with the second day and the corridor of the capstone
-    "course_kit/integrations": 1390,  # the capstone, %check, %solution, the second day; 150 for the tutor
+    "course_kit/integrations": 1387,  # the capstone, %check, %solution, the second day; 150 for the tutor
     "course_kit/dev": 787,  # with the steps of the lessons
     "tests": 40690,  # with those of the tutor and the capstone
 }
