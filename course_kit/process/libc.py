@@ -7,7 +7,7 @@ import errno
 import os
 import signal
 
-_PR_SET_PDEATHSIG, _PR_GET_PDEATHSIG, _PR_SET_NAME, _PR_SET_CHILD_SUBREAPER = 1, 2, 15, 36
+_PR_SET_PDEATHSIG, _PR_SET_NAME, _PR_SET_CHILD_SUBREAPER = 1, 15, 36
 _libc = ctypes.CDLL(None, use_errno=True)
 
 
@@ -44,15 +44,6 @@ def die_with_parent(parent: int = 0, number: signal.Signals = signal.SIGKILL) ->
 def adopt_orphans() -> None:
     """Become the parent of every descendant whose own parent ends (PR_SET_CHILD_SUBREAPER)."""
     call_prctl(_PR_SET_CHILD_SUBREAPER, 1, what="CHILD_SUBREAPER")
-
-
-def explain_lock_failure() -> str:
-    """Why this process cannot settle anything with others, as the system says it; empty where it can."""
-    try:
-        call_prctl(_PR_GET_PDEATHSIG, ctypes.byref(ctypes.c_int()), what="PDEATHSIG")
-    except OSError as problem:
-        return problem.strerror or str(problem)
-    return ""
 
 
 def set_name(name: str) -> None:

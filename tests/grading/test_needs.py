@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import subprocess
 import sys
@@ -15,7 +14,7 @@ from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.pool import start_pool
 from course_kit.grading.sandbox import isolation, machine, needs
-from course_kit.process import libc, tree
+from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
 from tests.unprivileged import as_somebody, give, reachable_folder
@@ -133,17 +132,6 @@ def test_without_files_in_memory_it_grades_all_the_same() -> None:
     done = run([sys.executable, "-c", without + COMMAND, "grade", EXERCISE, str(SOLUTION), "--format", "json"])
     assert done.returncode == 0, done.stderr
     assert '"score": 10.0' in done.stdout
-
-
-def test_a_system_that_refuses_prctl_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def stand_in_that_refuses(*_arguments: object, what: str) -> int:
-        raise OSError(errno.EPERM, os.strerror(errno.EPERM), what)
-
-    assert needs.lacking(Limits(), guest=True) == ""
-    monkeypatch.setattr(libc, "call_prctl", stand_in_that_refuses)
-    said = needs.lacking(Limits(), guest=True)
-    assert said.startswith("This system does not allow prctl (Operation not permitted), by which the grader")
-    assert said.endswith("seccomp profile does, then grade again.")
 
 
 def test_a_full_disk_is_found_before_a_submission_meets_it(tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ import pytest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import reader
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.reader import contract
@@ -244,14 +243,3 @@ def test_another_name_text_or_exercise_is_another_reading(program: Path, tmp_pat
             assert known.read(after, EXERCISE).source == "answers = {}\n"
             assert not known.summarize(after, EXERCISE).found
     assert asked == ["asked for", "any", "any", "any", "asked for"]
-
-
-def test_a_class_may_be_larger_than_what_is_remembered(
-    program: Path, asked: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(reader, "_MOST_CHARACTERS", 0)
-    program.write_text(SOLUTION)
-    with Reader() as known, Copy(program) as copy:
-        known.summarize(copy, EXERCISE)
-        assert known.read(copy, EXERCISE).source == SOLUTION
-    assert asked == ["asked for", "any"]

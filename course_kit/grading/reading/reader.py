@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import course_kit
 from course_kit.grading.errors import GradingError
@@ -43,7 +43,6 @@ _LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
 _GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
 _END_S = 2.0
 _TRIES = 2  # a reader that another program has ended gets a successor
-_MOST_CHARACTERS = 64 << 20  # of all programs together that are remembered; 10,000 ordinary ones have 20 million
 
 
 class ReadingStoppedError(Exception):
@@ -62,43 +61,32 @@ class FileSummary:
     program: Submission | None = None  # where it was asked for, or is what the exercise asks for
 
 
-class _Memory:
-    """What has been read, by the file's name and bytes and the exercise."""
-
-    def __init__(self) -> None:
-        self._known: dict[tuple[str, str, str], FileSummary] = {}
-        self._characters = 0
-
-    def find(self, copy: Copy, exercise: Exercise) -> FileSummary | None:
-        return self._known.get((copy.name, copy.digest, exercise.id))
-
-    def keep(self, copy: Copy, exercise: Exercise, summary: FileSummary) -> None:
-        if summary.program is not None and self._characters < _MOST_CHARACTERS:
-            self._known[copy.name, copy.digest, exercise.id] = summary
-            self._characters += len(summary.program.source)
+Memory: TypeAlias = dict[tuple[str, str, str], FileSummary]
+"""What was read, by the file's name and bytes and the exercise."""
 
 
 class Reader(Closable):
     """The process, which runs from the first file on; for one thread at a time."""
 
-    def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: _Memory | None = None) -> None:
+    def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: Memory | None = None) -> None:
         self._stopped = stopped
-        self.memory = memory or _Memory()
+        self.memory: Memory = {} if memory is None else memory  # of what has been read
         self._process: Child | None = None
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        summary = self.memory.find(copy, exercise) or self._ask(copy, exercise, whatever=True, compared=False)
+        summary = self.memory.get(_key(copy, exercise)) or self._ask(copy, exercise, whatever=True, compared=False)
         if summary.program is None:
             raise UnreadableError(summary.unreadable)
         return summary.program
 
     def summarize(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> FileSummary:
         """What a file holds, with its program if the exercise asks for it or `whatever` it is; that is remembered."""
-        known = self.memory.find(copy, exercise)
+        known = self.memory.get(_key(copy, exercise))
         if known is None:
             known = self._ask(copy, exercise, whatever=whatever, compared=True)
-            self.memory.keep(copy, exercise, known)
+            if known.program is not None:
+                self.memory[_key(copy, exercise)] = known
         return known
 
     def close(self) -> None:
@@ -183,6 +171,10 @@ class Reader(Closable):
             return status == 0
         advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"
         raise UnreadableError(f"{copy.name} cannot be read: {why}. {advice} in a shorter, simpler program.")
+
+
+def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
+    return copy.name, copy.digest, exercise.id
 
 
 def _file_in_memory() -> BinaryIO:

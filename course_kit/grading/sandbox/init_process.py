@@ -143,11 +143,11 @@ class _Watch:
     def _takes_too_much(self, everything: list[int], usage: tree.Usage) -> bool:
         """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
         allowed = self._limits.memory_mb * _MB
-        sockets = memory.count_sockets() if self._own_network else 0
-        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + memory.most_of_sockets(sockets)
+        sockets = memory.bytes_of_sockets() if self._own_network else 0
+        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + sockets
         if usage.memory + beside <= allowed:
             return False
-        return memory.measure_memory(everything, _PATIENCE_S) + memory.measure_sockets(sockets) > allowed
+        return memory.measure_memory(everything, _PATIENCE_S) + sockets > allowed
 
     def _everything(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else.

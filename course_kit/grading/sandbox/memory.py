@@ -1,8 +1,8 @@
 """Memory that processes and sockets take from the machine, counted as exactly as /proc tells (proc(5)).
 
-What was sent and nobody has received lies in the kernel, and in no process (socket(7)). It is counted where a
-submission has a network to itself. The kernel tells it of UDP alone. Any other socket counts with as much as it can
-hold, which is its usual buffers: `seccomp` grants no larger ones, and TCP has no others there (`bound_tcp_buffers`).
+What was sent and nobody has received lies in the kernel, and in no process (socket(7)). Where a submission has a
+network to itself, each socket counts with as much as it can hold, which is its usual buffers: `seccomp` grants no
+larger ones, and TCP has no others there (`bound_tcp_buffers`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ AREAS_AT_MOST = 65530 * AREA
 _BESIDE_PAGES = ("VmPTE:", "VmSwap:")  # the tables of pages, and what was swapped out
 _USUAL = 212992  # bytes: the usual buffer of a socket in one direction (net.core.rmem_default and wmem_default)
 _MOST = 4 * _USUAL  # where somebody has given all sockets of a machine larger ones, a few sockets are no offence
-_UDP = ("/proc/net/udp", "/proc/net/udp6")
 _TCP = ("/proc/sys/net/ipv4/tcp_rmem", "/proc/sys/net/ipv4/tcp_wmem")
 
 
@@ -79,10 +78,8 @@ def _read_number(path: str, words: str = "", unknown: int = 0) -> int:
 
 
 # Read at first: not every kernel shows it in a network namespace.
-_RECEIVED = _read_number("/proc/sys/net/core/rmem_default", unknown=_USUAL)
-_SENT = _read_number("/proc/sys/net/core/wmem_default", unknown=_USUAL)
-_OF_UDP = _RECEIVED + _SENT
-_OF_OTHERS = 2 * min(max(_SENT, _USUAL), _MOST)
+_BUFFERS = [_read_number(f"/proc/sys/net/core/{name}_default", unknown=_USUAL) for name in ("rmem", "wmem")]
+_OF_A_SOCKET = 2 * min(max(_USUAL, *_BUFFERS), _MOST)
 
 
 def bound_tcp_buffers() -> None:
@@ -91,24 +88,6 @@ def bound_tcp_buffers() -> None:
         Path(path).write_text(f"4096 65536 {_USUAL}", encoding="ascii")
 
 
-def count_sockets() -> int:
-    """How many sockets this network namespace has: closed ones of which nobody has received all are among them."""
-    return _read_number("/proc/net/sockstat", "sockets: used ")
-
-
-def most_of_sockets(sockets: int) -> int:
-    """Bytes that so many sockets can hold."""
-    return sockets * max(_OF_UDP, _OF_OTHERS)
-
-
-def measure_sockets(sockets: int) -> int:
-    """Bytes that the sockets of this network namespace count with, so many as `count_sockets` has said."""
-    queued = [line.split()[4].split(":") for path in _UDP for line in _rows(path)]
-    of_udp = sum(int(sent, 16) + int(received, 16) for sent, received in queued)
-    return of_udp + _OF_OTHERS * max(0, sockets - len(queued))
-
-
-def _rows(path: str) -> list[str]:
-    with suppress(OSError):
-        return Path(path).read_text(encoding="ascii").splitlines()[1:]
-    return []
+def bytes_of_sockets(sockets: int | None = None) -> int:
+    """Bytes that so many sockets can hold, or those of this network namespace, closed ones that are not empty, too."""
+    return _OF_A_SOCKET * (_read_number("/proc/net/sockstat", "sockets: used ") if sockets is None else sockets)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import limits
 from course_kit.grading.sandbox import machine
-from course_kit.process import libc, tree
+from course_kit.process import tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,11 +73,6 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
         return (
             f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
             "submission's processes. Grade in a container or a virtual machine."
-        )
-    if why := libc.explain_lock_failure():
-        return (
-            f"This system does not allow prctl ({why}), by which the grader keeps hold of a submission's processes. "
-            f"Allow it, as Docker's own seccomp profile does{_AGAIN}"
         )
     if not _PROC.exists():
         return (
