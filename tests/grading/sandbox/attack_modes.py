@@ -109,7 +109,7 @@ def _grade_each(
         job = replace(job, isolation=found, user=user)
         sys.stdout.flush()
         if os.fork() == 0:
-            outcome = Supervisor(job, handle).run()
+            outcome = Supervisor(job, handle, file_view.view_of_program(), grader_process.main).run()
             print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()

@@ -13,6 +13,7 @@ from course_kit.grading.model import limits
 from course_kit.grading.model.job import Job
 from course_kit.grading.sandbox import supervisor
 from course_kit.grading.sandbox.channel import Channel
+from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.launcher import Launcher
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
     grader_process.send({"do": "done", "timings": {}, "problem": ""})
     launcher, end = Launcher.pair()  # nobody is asked to start anything
     try:
-        return StandInWarden(JOB, launcher)._serve(ours)
+        return StandInWarden(JOB, launcher, FileView(), lambda *_: None)._serve(ours)
     finally:
         launcher.close()
         end.close()
