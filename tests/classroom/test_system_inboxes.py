@@ -22,9 +22,9 @@ def test_every_student_and_every_file_is_in_the_table(tmp_path: Path, system: st
     found = collecting.collect_submissions(inbox.source, (SERVICE,), tmp_path / "handed_in")
     assert found.layout == inbox.layout
     rows = table.intake_rows(found)
-    assert {row.student: (row.file, row.why) for row in rows if row.student} == inbox.chosen
+    assert {row.student: (row.source, row.why) for row in rows if row.student} == inbox.chosen
     assert len(inbox.chosen) == CLASS_SIZE
-    others = {row.file: row.why for row in rows if not row.student}
+    others = {row.source: row.why for row in rows if not row.student}
     tools = {path for path in others if others[path] in ("a folder of a tool", "a file of a tool")}
     assert {path: why for path, why in others.items() if path not in tools} == {
         path: why for path, why in inbox.left.items() if path not in tools
@@ -33,5 +33,5 @@ def test_every_student_and_every_file_is_in_the_table(tmp_path: Path, system: st
     assert {row.student for row in rows if row.late} == inbox.late
     assert (found.dropped, found.missing, found.odd) == ((), (), ())
     assert all((found.root / entry.source).is_file() for entry in found.entries)
-    assert len({row.file for row in rows}) == len(rows), "every file once"
-    assert all(row.file == one_line(row.file) for row in rows)
+    assert len({row.source for row in rows}) == len(rows), "every file once"
+    assert all(row.source == one_line(row.source) for row in rows)

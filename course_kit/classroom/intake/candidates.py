@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.text.sanitize import one_line
@@ -54,20 +54,14 @@ class Candidate:
     is_starter: bool  # whether its program is one that the course gave out
     fits: bool  # whether it holds what the exercise asks for, or may do without: a program that uses rclpy
     odd: str = ""  # what in it somebody should look at
+    why: str = ""  # of the one that was chosen the reason, in words
+    worry: str = ""  # of that one why somebody should look at the choice; empty when there is no doubt
 
 
-@dataclass(frozen=True)
-class Choice:
-    """What was chosen."""
-
-    best: Candidate  # the file
-    why: str  # the reason, in words
-    others: dict[str, str]  # of each other candidate why it was not chosen, by path
-    worry: str  # why somebody should look at it; empty when there is no doubt
-
-
-def choose_candidate(candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]) -> Choice:
-    """Choose one."""
+def choose_candidate(
+    candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]
+) -> tuple[Candidate, dict[str, str]]:
+    """Choose one; with it, by their paths, why each of the others was not chosen."""
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
     reasons = {one.file.path: _lost(one, best, _first_difference(ranks, best, one)) for one in others}
@@ -89,7 +83,7 @@ def choose_candidate(candidates: Sequence[Candidate], exercise: Exercise, files:
     if beside := _imported(best, files):
         why = f"{why}; it imports {beside}, and only one file is graded"
         worries.append(f"it imports {beside}, and only one file is graded")
-    return Choice(best, why, reasons, "; ".join(worries))
+    return replace(best, why=why, worry="; ".join(worries)), reasons
 
 
 Rank = tuple[bool, bool, tuple[int, ...], bool, int, str]

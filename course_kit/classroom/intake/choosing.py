@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.intake.candidates import Choice
     from course_kit.classroom.intake.layouts import Unit
     from course_kit.classroom.intake.listing import Item, Left
     from course_kit.classroom.intake.sources import OpenedSources
@@ -76,7 +75,7 @@ class Chooser:
             self.odd.append((student, odd))
         files, problems = self._files(units)
         reasons = {file.path: file.problem for file in files if file.problem}
-        choices: list[tuple[Exercise, Choice]] = []
+        choices: list[tuple[Exercise, Candidate, dict[str, str]]] = []
         lost = []
         considered: dict[str, set[str]] = {}  # paths, by exercise
         for exercise in self._exercises:
@@ -84,23 +83,24 @@ class Chooser:
             considered[exercise.id] = {one.file.path for one in found}
             if not found:
                 continue
-            choice = candidates.choose_candidate(found, exercise, files)
-            best = choice.best.file
+            choice, not_chosen = candidates.choose_candidate(found, exercise, files)
+            best = choice.file
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")
                 why = f"{best.path} would have been used, but cannot be read"
                 reasons.update((one.file.path, why) for one in found if not one.file.problem)
                 continue
-            choices.append((exercise, choice))
-            used = ((path, f"{why}; {best.path} was used instead") for path, why in choice.others.items())
+            choices.append((exercise, choice, not_chosen))
+            used = ((path, f"{why}; {best.path} was used instead") for path, why in not_chosen.items())
             reasons.update((path, why) for path, why in used if path not in reasons)
-        chosen = {choice.best.file.path for _, choice in choices}
+        chosen = {choice.file.path for _, choice, _ in choices}
         entries = []
-        for exercise, choice in choices:
+        for exercise, choice, not_chosen in choices:
             of_others = [paths for other, paths in considered.items() if other != exercise.id]
             beside = [file.path for file in files if file.unit.exercise in ("", exercise.id)]
-            rest = sorted(set(beside).difference(chosen, choice.others, *of_others))
-            entries.append(self._entry(student, exercise, choice, rest, chosen))
+            rest = sorted(set(beside).difference(chosen, not_chosen, *of_others))
+            reasons_here = {path: why for path, why in not_chosen.items() if path not in chosen}
+            entries.append(self._entry(student, exercise, choice, reasons_here, rest))
         taken = {entry.source for entry in entries}
         reasons = {**dict.fromkeys(self._unseen, _NO_TIME), **reasons}
         not_taken = [(one.path, reasons.get(one.path, _NONE_OF_THESE)) for one in files if one.path not in taken]
@@ -175,8 +175,10 @@ class Chooser:
             return listing.StudentFiles((), problem=problem)
         return archive.unpack_students_zip(self._root, file.item)
 
-    def _entry(self, student: str, exercise: Exercise, choice: Choice, rest: list[str], chosen: set[str]) -> Entry:
-        file = choice.best.file
+    def _entry(
+        self, student: str, exercise: Exercise, choice: Candidate, reasons: dict[str, str], rest: list[str]
+    ) -> Entry:
+        file = choice.file
         unit = file.unit
         platform = _platform_of(unit)
         inside = file.path[len(unit.item.path) + 1 :]
@@ -185,7 +187,6 @@ class Chooser:
             platform[ASSIGNMENT] = one_line(assignment)
             if stamp := read_stamp(self._root / unit.item.path / assignment / STAMP):
                 platform[SUBMITTED_AT] = one_line(stamp)
-        reasons = {path: why for path, why in choice.others.items() if path not in chosen}
         others = _others(reasons, rest)
         name = one_line(unit.name)
         return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports.texts import csv_text, lines_of_table
+from course_kit.classroom.records import Entry
 from course_kit.environment import write_atomically
 from course_kit.text.sanitize import one_line
 
@@ -20,54 +21,25 @@ _NOTHING = "nothing was handed in for it"
 _WIDEST = (28, 24, 60, 90, 60)  # columns of the text
 
 
-@dataclass(frozen=True)
-class IntakeRow:
-    """One file, or the lack of one; without a student it is a file that nobody's submission is."""
-
-    student: str = ""  # who
-    name: str = ""  # their own name, where it is known
-    exercise: str = ""  # for which exercise
-    file: str = ""  # what was chosen; empty when there is nothing
-    why: str = ""  # why it was chosen, or why nothing was
-    also: str = ""  # what else was there
-    late: bool = False  # whether the platform marked it as late
-    worry: str = ""  # why somebody should look at it
-
-
-def intake_rows(found: Intake) -> list[IntakeRow]:
-    """The rows: students in order, then what belongs to no submission."""
+def intake_rows(found: Intake) -> list[Entry]:
+    """The rows: students in order, then without a student what belongs to no submission."""
     names = {entry.student: entry.name for entry in (*found.entries, *found.others)}
     dropped = dict(found.dropped)
     absent = {one.student: one.name for one in found.roster.absent} if found.roster else {}
-    table = [
-        IntakeRow(
-            entry.student,
-            entry.name,
-            entry.exercise,
-            one_line(entry.source),
-            entry.why,
-            "; ".join(entry.others),
-            entry.late,
-            entry.worry,
-        )
-        for entry in found.entries
-    ]
-    table += [
-        IntakeRow(student, names.get(student, ""), exercise, why=dropped.get(student, _NOTHING), worry="not graded")
+    rows = [replace(entry, source=one_line(entry.source)) for entry in found.entries]
+    rows += [
+        Entry(student, exercise, "", names.get(student, ""), why=dropped.get(student, _NOTHING), worry="not graded")
         for student, exercise in found.missing
         if student not in absent
     ]
-    table += [IntakeRow(student, name, why="not handed in") for student, name in absent.items()]
-    table.sort(key=lambda row: (row.student, row.exercise))
-    return table + [IntakeRow(file=one_line(path), why=one_line(reason)) for path, reason in found.left]
+    rows += [Entry(student, "", "", name, why="not handed in") for student, name in absent.items()]
+    rows.sort(key=lambda row: (row.student, row.exercise))
+    return rows + [Entry("", "", one_line(path), why=one_line(reason)) for path, reason in found.left]
 
 
 def write_intake(found: Intake, out: Path) -> Path:
     """Write the table as CSV into a run's output folder."""
-    body = [
-        (row.student, row.name, row.exercise, row.file, row.why, row.also, "yes" if row.late else "", row.worry)
-        for row in intake_rows(found)
-    ]
+    body = [_cells_of(row) for row in intake_rows(found)]
     write_atomically(out / FILE, csv_text([HEADER, *body], mark=True), durable=False)
     return out / FILE
 
@@ -75,11 +47,20 @@ def write_intake(found: Intake, out: Path) -> Path:
 def format_intake(found: Intake) -> str:
     """The table for a terminal: students only, long cells cut."""
     header = ("student", "exercise", "file", "why", "also handed in")
-    body = [(_who(row), row.exercise, row.file or "-", row.why, row.also) for row in intake_rows(found) if row.student]
+    body = [
+        (_who(row), row.exercise, row.source or "-", row.why, "; ".join(row.others))
+        for row in intake_rows(found)
+        if row.student
+    ]
     return "\n".join(lines_of_table([list(map(_cut, row, _WIDEST)) for row in (header, *body)]))
 
 
-def _who(row: IntakeRow) -> str:
+def _cells_of(row: Entry) -> tuple[str, ...]:
+    also, late = "; ".join(row.others), "yes" if row.late else ""
+    return row.student, row.name, row.exercise, row.source, row.why, also, late, row.worry
+
+
+def _who(row: Entry) -> str:
     return f"{row.student} ({row.name})" if row.name and row.name != row.student else row.student
 
 
