@@ -227,13 +227,7 @@ class Approximation:
 
 
 def differences(wanted: Any, got: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """The fields that are not as expected: path, what was wanted, what came.
-
-    Args:
-        wanted: a dict of fields, a value, or a function that says whether a value is right.
-        got: a message, or a field of one.
-        path: of the field.
-    """
+    """The fields that are not as expected: path, what was wanted, what came."""
     if isinstance(wanted, dict):
         for name, value in wanted.items():
             yield from differences(value, getattr(got, name), f"{path}.{name}" if path else name)
@@ -268,16 +262,7 @@ def describe_wanted(wanted: Any) -> str:
 
 
 def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message:
-    """A message with the fields that somebody has written.
-
-    Args:
-        message_type: its class.
-        given: a message, a dict of fields, the value of its only field, or None.
-        fields: more of them.
-
-    Raises:
-        BadFieldError: a field is not there, or takes no such value.
-    """
+    """A message with the fields that somebody has written."""
     if isinstance(given, message_type):
         return given
     names = list(message_type.get_fields_and_field_types())

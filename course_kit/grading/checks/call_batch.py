@@ -31,11 +31,7 @@ def call_many(
     within_s: float,
     seen: Evidence,
 ) -> list[Message]:
-    """Send all requests, one of each client at a time, and return the responses in their order.
-
-    Raises:
-        Failed: not all were answered in time, with service.blocks when they came one by one but too slowly.
-    """
+    """Send all requests, one of each client at a time, and return the responses in their order."""
     with explained(context, seen, exits.of_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), within_s, step_s=_STEP_S)
         turn = context.record.sent(seen.sent)

@@ -78,11 +78,7 @@ class Check:
 
 
 def in_order(checks: Sequence[Check]) -> list[Check]:
-    """The checks such that each comes after those it depends on, otherwise as declared.
-
-    Raises:
-        ValueError: two have the same id, a dependency is missing, or they depend on each other in a circle.
-    """
+    """The checks such that each comes after those it depends on, otherwise as declared."""
     names = [one.id for one in checks]
     if doubles := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"two checks are called {doubles[0]}")
@@ -100,11 +96,7 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
 
 
 def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
-    """The checks of one part, whose ids begin with its name (`door`: `door_locked`), and those they depend on.
-
-    Raises:
-        GradingError: there are none.
-    """
+    """The checks of one part, whose ids begin with its name (`door`: `door_locked`), and those they depend on."""
     chosen = {one.id for one in checks if f"{one.id}_".startswith(f"{part}_")}
     if not chosen:
         raise GradingError(f"No check begins with '{part}_'. There are: {', '.join(one.id for one in checks)}.")
@@ -115,19 +107,12 @@ def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
 
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckResult]:
-    """Run the checks in order of dependence, yielding each result as soon as it is known.
-
-    A check that fails or times out leaves the others to be graded. After one that breaks there is no grade, and nothing
-    more is run.
-
-    Raises:
-        GradingError: a check says that this cannot be graded here.
-    """
+    """Run the checks in order of dependence, yielding each result as soon as it is known."""
     passed: set[str] = set()
     titles = {one.id: one.title for one in checks}
     broken = ""
     for one in in_order(checks):
-        if broken:
+        if broken:  # then there is no grade
             yield CheckResult(
                 one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".'
             )

@@ -66,19 +66,12 @@ _DEFAULT = QoSProfile(
 
 @dataclass(frozen=True)
 class WantedEndpoint:
-    """One of them.
+    """One of them."""
 
-    Attributes:
-        kind: what the program has: "service", "action", "publisher" or "subscription".
-        name: its full name.
-        interface: its class.
-        program: the file whose node has it, of several programs.
-    """
-
-    kind: str
-    name: str
-    interface: Any
-    program: str = ""
+    kind: str  # what the program has: "service", "action", "publisher" or "subscription"
+    name: str  # its full name
+    interface: Any  # its class
+    program: str = ""  # the file whose node has it, of several programs
 
     @classmethod
     def from_record(cls, record: Record) -> WantedEndpoint:
@@ -118,13 +111,8 @@ class WantedEndpoint:
 
 
 def expect_server(context: CheckContext, server: WantedEndpoint) -> Evidence:
-    """A service or an action is on the graph, with its type, and its program is there to be asked.
-
-    That tells a server from a program that offers a service and ends at once, however fast each is discovered.
-
-    Raises:
-        Failed: it is not; with start.*, name.*, type.interface or limit.*.
-    """
+    """A service or an action is on the graph, with its type, and its program is there to be asked."""
+    # Its program has to be there to be asked, too: one that offers a service and ends at once is no server.
     expected = f"the {server.kind} {server.name} of type {server.type}"
     node, clock = context.grader_node, context.clock()
 
@@ -146,11 +134,7 @@ def expect_server(context: CheckContext, server: WantedEndpoint) -> Evidence:
 
 
 def expect_topics(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
-    """A program that was just started publishes and subscribes to these, and a default reliable endpoint connects.
-
-    Raises:
-        Failed: something is missing or does not fit; with start.*, topic.silent, type.interface or topic.qos.
-    """
+    """A program that was just started publishes and subscribes to these, and a default reliable endpoint connects."""
     clock, node = context.clock(), context.grader_node
     evidence = Evidence("", f"a node with {ends[0].name}")
 
@@ -181,11 +165,7 @@ def has_settled(context: CheckContext, clock: FairClock) -> bool:
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
-    """A node of this full name is on the graph, after `ensure` has had the program running.
-
-    Raises:
-        Failed: it is not; with name.node.
-    """
+    """A node of this full name is on the graph, after `ensure` has had the program running."""
     expected = f"a node called {name}"
     with explained(context, Evidence("", expected), exits.of_call, ENDED):
         ensure()
@@ -197,11 +177,7 @@ def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) ->
 
 
 def first_node(context: CheckContext) -> str:
-    """The full name of the program's only node, or of its first one by the alphabet.
-
-    Raises:
-        Failed: no node is there.
-    """
+    """The full name of the program's only node, or of its first one by the alphabet."""
     if not context.wait_until(lambda: bool(context.grader_node.nodes()), _NODE_S, step_s=GRAPH_STEP_S):
         raise Failed(Evidence("", "a node", "no node is on the graph"), "Your program runs, but it has no node.")
     return context.grader_node.nodes()[0]
@@ -214,12 +190,7 @@ def explain_other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> 
 
 
 def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
-    """Why no node has appeared, although the program runs.
-
-    Args:
-        context: the context of the check.
-        wanted: the full name of what a node was to bring: a service, an action, itself.
-    """
+    """Why no node has appeared, although the program runs."""
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.doing(context)
@@ -258,11 +229,7 @@ def list_names(names: Sequence[str], what: str) -> str:
 
 
 def greet(context: CheckContext) -> None:
-    """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that.
-
-    Raises:
-        SubmissionEndedError: the program has ended.
-    """
+    """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that."""
     node = context.grader_node
     offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
     if offers:
@@ -275,14 +242,8 @@ def greet(context: CheckContext) -> None:
 
 
 def is_answered(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
-    """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile.
-
-    On a loaded machine the middleware drops a response as long as the server's process has not noticed the client
-    (rmw_fastrtps waits 0.1 s for that).
-
-    Raises:
-        SubmissionEndedError: the program has ended.
-    """
+    """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile."""
+    # On a loaded machine rmw_fastrtps drops a response while the server's process has not noticed the client.
     sent, clock = client.send(request), context.clock()
 
     def has_come() -> bool:

@@ -13,17 +13,11 @@ MOST = 0.8  # however busy the machine: after five times the patience a wait is 
 
 
 class Used(NamedTuple):
-    """What some threads have had of the machine's processors so far.
+    """What some threads have had of the machine's processors so far, in seconds."""
 
-    Attributes:
-        cpu_s: seconds of computing, all of them together.
-        waited_s: seconds the one that suffered most was ready to run and others had the processors.
-        hidden_s: seconds of computing that nobody knows of, at most.
-    """
-
-    cpu_s: float = 0.0
-    waited_s: float = 0.0
-    hidden_s: float = 0.0
+    cpu_s: float = 0.0  # of computing, all of them together
+    waited_s: float = 0.0  # in which the one that suffered most was ready to run and others had the processors
+    hidden_s: float = 0.0  # of computing that nobody knows of, at most
 
     def plus(self, cpu_s: float, waited_s: float, hidden_s: float = 0.0) -> Used:
         """The same and more."""
@@ -39,19 +33,12 @@ class Used(NamedTuple):
 
 
 class State(NamedTuple):
-    """How things stand at one moment.
-
-    Attributes:
-        submission: what the submission has used.
-        grader: what the grader has used.
-        busy_s: seconds the machine's processors have worked for anybody; None where that is not known.
-        helpers_waited_s: seconds the threads that bring the grader its messages were ready to run, as in `Used`.
-    """
+    """How things stand at one moment."""
 
     submission: Used
     grader: Used
-    busy_s: float | None = None
-    helpers_waited_s: float = 0.0
+    busy_s: float | None = None  # seconds the machine's processors have worked for anybody; None where it is not known
+    helpers_waited_s: float = 0.0  # of the threads that bring the grader its messages, as in `Used`
 
 
 class Recent:

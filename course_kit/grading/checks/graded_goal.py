@@ -230,11 +230,7 @@ class GradedGoal:
         raise Failed(replace(evidence, got=got), why, code, breaks=breaks)
 
     def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
-        """Wait until the server has said yes or no.
-
-        Raises:
-            Failed: it has not; with the reason if it can be established.
-        """
+        """Wait until the server has said yes or no."""
         nudged = False
 
         def decided() -> bool:
@@ -252,15 +248,7 @@ class GradedGoal:
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
-        """Wait for the result.
-
-        Args:
-            seconds: the patience, fairly counted.
-            expected: what a right end is, in words.
-
-        Raises:
-            Failed: none came; with the reason if it can be established.
-        """
+        """Wait for the result."""
         result = self._result
         if result is None:
             result = self._result = self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
@@ -289,11 +277,7 @@ class GradedGoal:
         raise Failed(evidence, message, diagnosis)
 
     def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
-        """The feedback of a goal that has ended, once no more comes.
-
-        Args:
-            complete: whether it looks complete; if not, it is waited for longer.
-        """
+        """The feedback of a goal that has ended, once no more comes."""
         if self._all_heard:
             return self.feedback
         count, clock = -1, self._context.clock()
@@ -314,20 +298,11 @@ class GradedGoal:
         expected: str,
         *,
         complete: Callable[[list[ReceivedFeedback]], bool] = lambda _: True,
+        # The part of the work that a message says is left. Then one has to be of the middle third, of the time or of
+        # the work: on a busy machine a message comes late.
         part_left: Callable[[Message], float] | None = None,
     ) -> list[ReceivedFeedback]:
-        """So many messages have come while it ran, not all at once.
-
-        Args:
-            at_least: so many.
-            expected: in words.
-            complete: whether the messages look complete; if not, more are waited for.
-            part_left: the part of the work that one says is left; then one has to be of the middle third, of the time
-                or of the work: on a busy machine a message comes late.
-
-        Raises:
-            Failed: they have not, with action.no_feedback or action.late_feedback.
-        """
+        """So many messages have come while it ran, not all at once."""
         heard = self.wait_for_last_feedback(lambda messages: len(messages) >= at_least and complete(messages))
         if len(heard) < at_least:
             count = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
@@ -362,17 +337,7 @@ class GradedGoal:
         return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
 
     def require_status(self, ended: Ended, status: int, evidence: Evidence, breaks: str = "") -> None:
-        """See that it has ended with a status, and without an exception.
-
-        Args:
-            ended: how it has ended.
-            status: that it has to have, see action_msgs/msg/GoalStatus.
-            evidence: what was seen of it.
-            breaks: as in `accepted_by`.
-
-        Raises:
-            Failed: it has not; with the reason.
-        """
+        """See that it has ended with a status, and without an exception."""
         process, job = self.process(), self._context.job
         cause = goals.of_exception(process, job)
         if ended.status != status:
@@ -402,10 +367,7 @@ class GradedGoal:
 
 
 def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:
-    """Whether feedback, each with when it came and the part of the work that was left, took a good part of a goal.
-
-    One belongs to the middle third, of that time or of the work.
-    """
+    """Whether feedback, each with when it came and the part of the work that was left, took a good part of a goal."""
     if not heard:
         return False
     first, last, late = min(heard)[0], max(heard)[0], over - _TOO_LATE * (over - began)

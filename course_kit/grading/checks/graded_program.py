@@ -60,10 +60,7 @@ class GradedProgram:
         return int(answer["domain"])
 
     def run_to_end(self, time_is_up: Callable[[], bool]) -> ProcessStatus:
-        """Start it and wait until it has ended, by itself or because the time is up.
-
-        What it has put into the job's variable is in the notes of the result, as `values.describe` puts it.
-        """
+        """Start it and wait until it has ended, by itself or because the time is up."""
         self.start((), {}, {})
         while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
             if time_is_up():

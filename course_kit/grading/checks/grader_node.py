@@ -128,11 +128,7 @@ class GraderNode:
         return int(self._context.get_domain_id())
 
     def spin_once(self, timeout_s: float) -> None:
-        """Take in what has come, or wait for something at most `timeout_s` seconds.
-
-        Raises:
-            Failed: what has come is too large to be taken in, with limit.memory.
-        """
+        """Take in what has come, or wait for something at most `timeout_s` seconds."""
         if not self._context.ok():
             raise ExternalShutdownException
         try:
@@ -146,13 +142,7 @@ class GraderNode:
             raise Failed(evidence, message, "limit.memory") from None
 
     def client(self, interface: ServiceType, name: str, number: int = 0) -> ServiceClient:
-        """The client `number` of a service; made on first use and kept, so that it is connected the next time.
-
-        Args:
-            interface: the service's class.
-            name: its full name.
-            number: to have several clients of one service.
-        """
+        """The client `number` of a service; made on first use and kept, so that it is connected the next time."""
         key = (name, number)
         if key not in self._clients:
             self._clients[key] = ServiceClient(self.node, interface, name)
@@ -164,14 +154,7 @@ class GraderNode:
         return self.inbox_of(BoundedInbox, interface, topic, DEPTH)
 
     def inbox_of(self, kind: type[AnyInbox], interface: MessageType, topic: str, qos: QoSProfile | int) -> AnyInbox:
-        """The inbox that has taken every message on a topic since the first use.
-
-        Args:
-            kind: its class, one for each topic.
-            interface: the messages' class.
-            topic: the topic's full name.
-            qos: a profile, or the depth of the default one.
-        """
+        """The inbox that has taken every message on a topic since the first use."""
         if topic not in self._inboxes:
             self._inboxes[topic] = made = kind()
             self._receiver.add_inbox(made.subscribe(self.node, interface, topic, qos, quiet=True), made)

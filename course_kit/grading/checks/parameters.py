@@ -80,11 +80,7 @@ class RemoteParameters:
         return next(iter(self._ask(parameters.set_each(messages))), SetParametersResult())
 
     def expect_served(self) -> Evidence:
-        """The node, of a program that was just started, is up and answers when it is asked for its parameters.
-
-        Raises:
-            Failed: it does not; with start.*, name.node, limit.* or parameter.*.
-        """
+        """The node, of a program that was just started, is up and answers when it is asked for its parameters."""
         context, expected = self._context, f"a node called {self.node}"
         clock = context.clock()
 
@@ -135,11 +131,7 @@ def describe_result(result: SetParametersResult) -> str:
 
 
 def require_proper_answer(result: SetParametersResult, evidence: Evidence) -> None:
-    """A refusal is the learner's own, not rclpy's for a callback that returned something else.
-
-    Raises:
-        Failed: with parameter.bad_callback.
-    """
+    """A refusal is the learner's own, not rclpy's for a callback that returned something else."""
     if exceptions.INVALID_RESULT in result.reason:
         message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
         raise Failed(evidence, message, "parameter.bad_callback")
