@@ -47,7 +47,7 @@ def add_to(verbs: Any) -> None:
         "submissions",
         type=Path,
         nargs="+",
-        help="a folder or zip from your learning platform; for one class several, or a folder of zips",
+        help="a folder or zip from your learning platform; you may give several, or a folder of zips",
     )
     parser.add_argument(
         "--exercise",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _TOOLS = ("check", "lock", "notebooks", "site")
 _KINDS = {
     "service": "an exercise in which a node answers requests",
-    "action": "one in which a node reaches goals",
+    "action": "one in which a node carries out goals",
     "parameters": "one in which a node is set by parameters",
     "topic": "one in which a node answers messages with messages",
 }
@@ -59,8 +59,8 @@ def _add_release(verbs: Verbs) -> None:
         "release",
         help="make the student edition: the course without its answers",
         epilog=(
-            "This grades every program in it, and takes a minute or two. Exit code: 0 if it was made, 1 if a program "
-            "in it scores more than its exercise's starter, 2 if it could not be made."
+            "The command grades every program in the edition, which takes a minute or two. Exit code: 0 if the edition "
+            "was made, 1 if a program in it scores more than its exercise's starter, 2 if it could not be made."
         ),
     )
     release.add_argument("target", help="a new folder, or a file that ends in .zip")
@@ -78,8 +78,8 @@ def _add_seeds(verbs: Verbs) -> None:
         epilog="Students who already have a seed in FILE keep it. Run the command again when somebody joins the class.",
     )
     seeds.add_argument("roster", type=Path, help="the class list, as for class --roster")
-    seeds.add_argument("--layout", default="", help="of the submissions, as for class: decides how students are named")
-    seeds.add_argument("--out", type=Path, metavar="FILE", help="the list; printed when left out")
+    seeds.add_argument("--layout", default="", help="how your platform names students; as for class")
+    seeds.add_argument("--out", type=Path, metavar="FILE", help="write the list to FILE; if left out, print it")
     seeds.set_defaults(run=_seeds)
 
 
@@ -131,12 +131,12 @@ def _add_bundle(verbs: Verbs) -> None:
         description="Download the packages of the lock into DIR. `./course lab --find-links DIR` then sets the course "
         "up without a network, on any x86-64 Linux.",
     )
-    bundle.add_argument("folder", type=Path, metavar="DIR", help="made if missing; what is in it stays")
+    bundle.add_argument("folder", type=Path, metavar="DIR", help="the folder, made if missing; its files stay")
     bundle.add_argument(
         "--python",
         action="append",
         metavar="VERSION",
-        help="the Python of the classroom, such as 3.12, or `all`; repeatable; this one if left out",
+        help="the Python of the classroom, such as 3.12, or `all`; repeatable. If left out, this Python",
     )
     bundle.add_argument("--test", action="store_true", help="what ./course test needs, too")
     bundle.set_defaults(run=_bundle)
@@ -270,9 +270,9 @@ def _add_prove(verbs: Verbs) -> None:
     )
     parser.add_argument("exercise", metavar="EXERCISE")
     parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="what the checks draw from (1)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="the seed of the checks' random values (1)")
     parser.add_argument(
-        "--workers", type=int, metavar="N", help="gradings at a time (default: what this machine can take)"
+        "--workers", type=int, metavar="N", help="number of gradings at once (default: what suits this machine)"
     )
     parser.set_defaults(run=_prove)
 

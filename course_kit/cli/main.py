@@ -75,7 +75,7 @@ def build_parser() -> argparse.ArgumentParser:
         one.add_argument(
             _EXERCISES,
             metavar="DIR",
-            help="also use the exercises in DIR, or DIR itself if it is one; repeatable; as does COURSE_EXERCISES",
+            help="also use the exercises in DIR, or the exercise DIR; repeatable. COURSE_EXERCISES does the same",
         )
     return parser
 

@@ -80,7 +80,7 @@ def case_file(exercise_id: str, seed: int | None = None) -> str:
 
 def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the verb to the command line's parser."""
-    parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one test case a check")
+    parser = verbs.add_parser("otter", help="print an exercise's test file for Otter-Grader, one case for each check")
     parser.add_argument("exercise", help="the exercise's id")
     parser.add_argument(
         "--seed", type=int, help="seed for the random values, and for the questions if the exercise has any"

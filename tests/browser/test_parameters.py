@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.pictures import photograph
+
 if TYPE_CHECKING:
     from playwright.sync_api import Locator
 
@@ -70,8 +72,7 @@ def test_the_sliders_of_lesson_three_set_what_the_plot_shows(lab: JupyterLab) ->
     expect(sliders.locator("[data-name='serial_number']")).to_contain_text(
         "read-only: it keeps the value it got at the start"
     )
-    sliders.scroll_into_view_if_needed()
-    lab.picture("lesson_three_refused")
+    photograph(lab, sliders, "lesson_three_refused")
 
     # A change made elsewhere moves the slider.
     lab.replace_cell_that_begins("%ros2 param set /oven", "%ros2 param set /oven target 35.0")
