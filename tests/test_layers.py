@@ -63,9 +63,10 @@ STILL_ABOVE = {
     "course_kit/cli": 1419,  # doctor about rclpy 7.1.9 and later releases; the tutor
     "course_kit/lab": 6596,
     "course_kit/reader": 850,  # the files of the capstone, out of a zip or a notebook
-    "course_kit/grading": 11144,  # with the capstone
+    "course_kit/authoring": 2733,  # submissions of several files
+    "course_kit/grading": 11262,  # with the capstone
     "course_kit/launch": 2019,  # with respawn, and programs that are forked
-    "course_kit/graders": 2402,
+    "course_kit/graders": 3040,  # with the capstone
     "course_kit/learner": 1437,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 3190,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1387,  # the capstone, %check, %solution, the second day; 150 for the tutor

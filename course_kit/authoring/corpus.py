@@ -3,6 +3,8 @@
 They lie in the checkout: `exercises/` and `solutions/`, right programs in `tests/grading/correct/`, one wrong program
 for each diagnosis in `tests/broken/`, and in `tests/slips/` right programs with one thing changed. An exercise of
 another folder has them beside it, in `proof/`: `correct/`, `broken/` and `slips.toml`.
+
+Where a submission has several files, a right program is a folder with those that differ from the solution.
 """
 
 from __future__ import annotations
@@ -31,8 +33,9 @@ class ProofSubmission:
     exercise: str  # the exercise's id
     kind: str  # starter, solution, variant (right in another style), broken (named after its diagnosis) or slip
     name: str  # the file's name without its ending, or the slip's
-    path: Path  # the file; of a slip the right program it is made from
+    path: Path  # the file or folder; of a slip the right program it is made from
     changes: tuple[tuple[str, str], ...] = ()  # what a slip replaces by what
+    files: tuple[Path, ...] = ()  # where a submission has several, all of them
     # the checks a slip fails, each with its diagnosis, None where none is established
     failed: frozenset[tuple[str, str | None]] = frozenset()
     says: str = ""  # a fact that the messages of a slip's failed checks name
@@ -42,15 +45,19 @@ class ProofSubmission:
 
     def text(self) -> str:
         """The program to grade."""
-        text = self.path.read_text(encoding="utf-8")
+        return self.texts()[self.path.name]
+
+    def texts(self) -> dict[str, str]:
+        """The files to grade, by name."""
+        texts = {path.name: path.read_text(encoding="utf-8") for path in self.files or (self.path,)}
         for old, new in self.changes:
-            if text.count(old) != 1:
+            if (count := sum(text.count(old) for text in texts.values())) != 1:
                 raise GradingError(
-                    f"{self.told_in}: the slip {self.name} replaces a text that occurs {text.count(old)} times in "
+                    f"{self.told_in}: the slip {self.name} replaces a text that occurs {count} times in "
                     f"{self.path}, not once: {old.strip()!r}."
                 )
-            text = text.replace(old, new)
-        return text
+            texts = {name: text.replace(old, new) for name, text in texts.items()}
+        return texts
 
 
 @dataclass(frozen=True)
@@ -86,13 +93,17 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
     """The sets of one exercise of the checkout `root`, or of one that was added."""
     own = root / "exercises" / exercise_id
     exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
-    starters = exercise.starter, exercise.notebook
-    found = [ProofSubmission(exercise.id, "starter", name, exercise.folder / name) for name in starters]
-    if exercise.solution.is_file():
-        found.append(ProofSubmission(exercise.id, "solution", exercise.solution.name, exercise.solution))
+    notebook, folder = exercise.folder / exercise.notebook, exercise.folder
+    starter = folder if exercise.files else folder / exercise.starter
+    found = [
+        ProofSubmission(exercise.id, "starter", starter.name, starter, files=_files(exercise, folder)),
+        ProofSubmission(exercise.id, "starter", notebook.name, notebook),
+    ]
     correct, broken, table = folders_of(exercise, root)
+    right = [("solution", exercise.solution.name, exercise.solution)] if exercise.solution.exists() else []
+    right += [("variant", path.stem, path) for path in sorted(correct.glob("*" if exercise.files else "*.py"))]
+    found += [ProofSubmission(exercise.id, *one, files=_files(exercise, one[-1])) for one in right]
     slips, breaks = _slips(exercise, correct, table)
-    found += [ProofSubmission(exercise.id, "variant", path.stem, path) for path in sorted(correct.glob("*.py"))]
     for path in sorted(broken.glob("*.py")):
         found.append(ProofSubmission(exercise.id, "broken", path.stem, path, breaks=breaks.pop(path.stem, ())))
     if breaks:
@@ -100,8 +111,18 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
     found += slips
     for one in found:
         if one.changes:
-            one.text()
+            one.texts()
     return Corpus(exercise, tuple(found))
+
+
+def _files(exercise: Exercise, folder: Path) -> tuple[Path, ...]:
+    """All files of a folder of the exercise, or of a right program, where a submission has several."""
+    if not exercise.files:
+        return ()
+    if folder == exercise.folder:
+        return tuple(folder / name for name in exercise.files)
+    found = {path.name: path for place in (exercise.solution, folder) for path in sorted(place.iterdir())}
+    return tuple(path for name, path in found.items() if name.endswith((".py", ".yaml")))
 
 
 def _slips(exercise: Exercise, correct: Path, file: Path) -> tuple[list[ProofSubmission], dict[str, tuple[str, ...]]]:
@@ -115,17 +136,18 @@ def _slips(exercise: Exercise, correct: Path, file: Path) -> tuple[list[ProofSub
         slips = []
         for name, entry in table.items():
             where = f"in the slip {name}, "
-            base = correct / f"{entry['base']}.py" if "base" in entry else exercise.solution
-            slips.append(_slip(exercise.id, name, base, entry, file))
+            ending = "" if exercise.files else ".py"
+            base = correct / f"{entry['base']}{ending}" if "base" in entry else exercise.solution
+            slips.append(_slip(exercise, name, base, entry, file))
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
         what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
         raise GradingError(f"{file} cannot be used: {where}{what}.") from problem
     return slips, breaks
 
 
-def _slip(exercise_id: str, name: str, base: Path, entry: dict[str, Any], file: Path) -> ProofSubmission:
+def _slip(exercise: Exercise, name: str, base: Path, entry: dict[str, Any], file: Path) -> ProofSubmission:
     return ProofSubmission(
-        exercise_id,
+        exercise.id,
         "slip",
         name,
         base,
@@ -135,4 +157,5 @@ def _slip(exercise_id: str, name: str, base: Path, entry: dict[str, Any], file: 
         breaks=tuple(entry.get("breaks", ())),
         seed=entry.get("seed"),
         told_in=file,
+        files=_files(exercise, base),
     )

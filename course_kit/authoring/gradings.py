@@ -47,6 +47,11 @@ class Gradings(Closable):
 
     def request_for(self, submission: ProofSubmission, seed: int) -> GradingRequest | Report:
         """How to grade a submission of a proof set; the report of one that cannot be read."""
+        if submission.files:
+            with tempfile.TemporaryDirectory(dir=self._folder.name) as folder:
+                for name, text in submission.texts().items():
+                    Path(folder, name).write_text(text, encoding="utf-8")
+                return self.request_for_program(submission.exercise, Path(folder), seed)
         program = submission.text() if submission.changes else submission.path
         return self.request_for_program(submission.exercise, program, seed)
 
@@ -61,7 +66,7 @@ class Gradings(Closable):
             path = Path(self._folder.name) / f"{exercise_id}.py"
             path.write_text(program, encoding="utf-8")
         try:
-            with Copy(path) as copy:
+            with Copy(path, several=bool(exercise.files)) as copy:
                 text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
             return unreadable(exercise, path.name, str(problem))

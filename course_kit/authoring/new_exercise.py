@@ -80,13 +80,16 @@ def refresh_exercise(exercise: Exercise) -> list[Path]:
 
     Of an exercise that is not the course's own, title, points and starter are written into the notebook, too.
     """
-    program, notebook = exercise.folder / exercise.starter, exercise.folder / exercise.notebook
-    before = {path: path.read_text(encoding="utf-8") for path in (program, notebook)}
-    starter, cells = task_text.fill_starter(before[program], exercise), before[notebook]
-    if exercise_folders.is_added(exercise.folder):
-        starter = _titled(starter, exercise)
-        cells = _renewed_notebook(cells, exercise, starter)
-    after = {program: starter, notebook: task_text.fill_notebook(cells, exercise)}
+    programs = [exercise.folder / name for name in exercise.files or (exercise.starter,) if name.endswith(".py")]
+    notebook = exercise.folder / exercise.notebook
+    before = {path: path.read_text(encoding="utf-8") for path in (*programs, notebook)}
+    after = {path: task_text.fill_starter(before[path], exercise, path.name) for path in programs}
+    cells = before[notebook]
+    if exercise_folders.is_added(exercise.folder) and not exercise.files:
+        (program,) = programs
+        after[program] = _titled(after[program], exercise)
+        cells = _renewed_notebook(cells, exercise, after[program])
+    after[notebook] = task_text.fill_notebook(cells, exercise)
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])

@@ -42,13 +42,25 @@ def group_by_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
     return cells
 
 
-def fill_starter(text: str, exercise: Exercise) -> str:
+def sentences_of(exercise: Exercise, file: str) -> Sequence[Sentence]:
+    """What stands in a starter: of several each has its own cell, and the launch file all that no program has."""
+    if not exercise.files:
+        return exercise.sentences
+    cells, own = group_by_cell(exercise.sentences), {one.partition(".")[0] for one in exercise.files}
+    if file != exercise.launch_file:
+        return cells[file.partition(".")[0]]
+    own.remove(file.partition(".")[0])
+    return [one for cell, sentences in cells.items() if cell not in own for one in sentences]
+
+
+def fill_starter(text: str, exercise: Exercise, file: str = "") -> str:
     """A starter's program with the sentences of its exercise in its docstring."""
+    name = file or exercise.starter
     before, *rest = text.split(_QUOTES, 2)
     if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
-        raise GradingError(f"{exercise.starter} does not begin with a docstring, into which its task belongs.")
-    block = format_sentences(exercise.sentences, width=_WIDTH)
-    docstring = replace_block(rest[0], block, f"the docstring of {exercise.starter}")
+        raise GradingError(f"{name} does not begin with a docstring, into which its task belongs.")
+    block = format_sentences(sentences_of(exercise, name), width=_WIDTH)
+    docstring = replace_block(rest[0], block, f"the docstring of {name}")
     return _QUOTES.join([before, docstring, rest[1]])
 
 

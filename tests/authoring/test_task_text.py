@@ -30,8 +30,14 @@ def words(text: str) -> list[str]:
 @pytest.mark.parametrize("name", EXERCISES)
 def test_starter_carries_the_whole_task(name: str) -> None:
     exercise = load_exercise(name)
-    docstring = ast.get_docstring(ast.parse((exercise.folder / exercise.starter).read_text())) or ""
-    assert " ".join(words(task_text.format_sentences(exercise.sentences, width=100))) in " ".join(words(docstring))
+    told = set()
+    for file in exercise.files or (exercise.starter,):
+        if file.endswith(".py"):
+            sentences = task_text.sentences_of(exercise, file)
+            docstring = ast.get_docstring(ast.parse((exercise.folder / file).read_text())) or ""
+            assert " ".join(words(task_text.format_sentences(sentences, width=100))) in " ".join(words(docstring))
+            told.update(one.id for one in sentences)
+    assert told == {one.id for one in exercise.sentences}
 
 
 @pytest.mark.parametrize("name", EXERCISES)
@@ -48,9 +54,13 @@ def test_notebook_carries_the_whole_task_in_this_order(name: str) -> None:
 @pytest.mark.parametrize("name", EXERCISES)
 def test_nothing_is_left_to_write(name: str) -> None:
     exercise = load_exercise(name)
-    for file, put in ((exercise.starter, task_text.fill_starter), (exercise.notebook, task_text.fill_notebook)):
-        before = (exercise.folder / file).read_text()
-        assert words(put(before, exercise)) == words(before), f"run ./course new exercise {name} --refresh"
+    for file in (*(exercise.files or (exercise.starter,)), exercise.notebook):
+        before = after = (exercise.folder / file).read_text()
+        if file == exercise.notebook:
+            after = task_text.fill_notebook(before, exercise)
+        elif file.endswith(".py"):
+            after = task_text.fill_starter(before, exercise, file)
+        assert words(after) == words(before), f"run ./course new exercise {name} --refresh"
 
 
 def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:

@@ -80,9 +80,9 @@ SYMPTOMS = {  # the words in which an untouched drill is told the cause
     "two_at_once": "accepted a second goal while the first was running",
     "good_but_aborted": "returned without saying how the goal ended",
 }
-# Graded by a conversation: which check a fault costs first can hang on what was drawn, so that is for `--all`; that it
-# costs points, and a right program none, is for each run.
-CONVERSATIONS = ("temperature_service", "move_robot", "robot_parameters")
+# Graded by a conversation, or of several programs: which check a fault costs first can hang on what was drawn, or which
+# program is late, so that is for `--all`; that it costs points, and a right program none, is for each run.
+CONVERSATIONS = ("temperature_service", "move_robot", "robot_parameters", "delivery_robot")
 VERDICTS = ROOT / "tests" / "frozen" / "verdicts.txt"
 LONGEST_GRADER = 60  # lines, in TOML and in Python together
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 END_S = 10.0
 PROMPT_S = 1.0
-_STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED}
+_STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED, "ABORTED": ABORTED}
 _GOOD_PART = 0.4  # of the time of a goal, from the first to the last feedback
 _TOO_LATE = 0.1  # of the time of a goal, before its end, for what tells of its middle
 _QUIET_S = 0.025  # feedback is complete when none came for so long after the result, fairly counted
@@ -162,7 +162,7 @@ class GradedGoal:
         """It ends with this status, and a result with these fields.
 
         Args:
-            status: SUCCEEDED or CANCELED.
+            status: SUCCEEDED, CANCELED or ABORTED.
             within_s: how long the end is waited for.
             breaks: as in `accepted_by`.
             fields: of the result, as `Answer.expect` takes them.

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription
 
+    from course_kit.grading.checks.offered_service import OfferedService
     from course_kit.ros.messages import Message, MessageType, ServiceType
     from course_kit.ros.topic import Endpoint
 
@@ -56,7 +57,7 @@ class BoundedInbox(Inbox):
 
 
 class _Receiver:
-    """Takes in what comes for the clients and inboxes of a node, by a wait set.
+    """Takes in what comes for the clients, inboxes and services of a node, by a wait set.
 
     An rclpy executor does it as well, at about five times the computing: it makes a timer, a wait set and a task for
     each turn, and a grading is a thousand turns. With ten clients of one service each is woken by every response.
@@ -66,6 +67,7 @@ class _Receiver:
         self._context = context
         self._clients: dict[int, ServiceClient] = {}  # by the handle's address, as the wait set names what is ready
         self._inboxes: dict[int, tuple[Subscription, Inbox]] = {}
+        self._services: dict[int, OfferedService] = {}
         self._nothing = rclpy_implementation.GuardCondition(context.handle)  # a wait set must not be empty
         self._wait_set: rclpy_implementation.WaitSet | None = None
 
@@ -77,6 +79,16 @@ class _Receiver:
     def add_inbox(self, subscription: Subscription, inbox: Inbox) -> None:
         """Receive the messages of a subscription."""
         self._inboxes[subscription.handle.pointer] = (subscription, inbox)
+        self._wait_set = None
+
+    def add_service(self, offered: OfferedService) -> None:
+        """Receive the requests for a service."""
+        self._services[offered.rclpy_service.handle.pointer] = offered
+        self._wait_set = None
+
+    def remove_service(self, offered: OfferedService) -> None:
+        """Receive no more of them."""
+        del self._services[offered.rclpy_service.handle.pointer]
         self._wait_set = None
 
     def receive(self, timeout_s: float) -> None:
@@ -93,10 +105,12 @@ class _Receiver:
             if header is not None:  # else the response was for another client of the same service
                 with suppress(KeyError):  # a second answer to the same request
                     client.get_pending_request(header.request_id.sequence_number).set_result(response)
+        for pointer in ready.get_ready_entities("service"):
+            self._services[pointer].take()
 
     def _wait(self, timeout_s: float) -> rclpy_implementation.WaitSet:
         if self._wait_set is None:
-            sizes = len(self._inboxes), 1, 0, len(self._clients), 0, 0
+            sizes = len(self._inboxes), 1, 0, len(self._clients), len(self._services), 0
             self._wait_set = rclpy_implementation.WaitSet(*sizes, self._context.handle)
         wait_set = self._wait_set
         wait_set.clear_entities()
@@ -105,6 +119,8 @@ class _Receiver:
             wait_set.add_subscription(subscription.handle)
         for client in self._clients.values():
             wait_set.add_client(client.rclpy_client.handle)
+        for offered in self._services.values():
+            wait_set.add_service(offered.rclpy_service.handle)
         wait_set.wait(int(timeout_s * 1e9))
         return wait_set
 
@@ -169,6 +185,15 @@ class GraderNode:
                 interface, topic, DEPTH, event_callbacks=NO_PUBLISHER_EVENTS
             )
         return self._publishers[topic]
+
+    def add_service(self, offered: OfferedService) -> None:
+        """Receive the requests for a service, until it is removed."""
+        self._receiver.add_service(offered)
+
+    def remove_service(self, offered: OfferedService) -> None:
+        """Offer it no more."""
+        self._receiver.remove_service(offered)
+        self.node.destroy_service(offered.rclpy_service)
 
     def publishers(self, topic: str) -> list[Endpoint]:
         """Who else publishes on a topic."""

@@ -38,6 +38,7 @@ class CheckFields(TypedDict, total=False):
         proves: ids of the sentences of the exercise.
         after: ids of checks that have to pass before.
         deadline_s: seconds for all its waiting together.
+        afresh: after it has failed the program is started again, for the state that may be left behind.
     """
 
     check_id: Required[str]
@@ -46,10 +47,16 @@ class CheckFields(TypedDict, total=False):
     proves: Required[Sequence[str]]
     after: Sequence[str]
     deadline_s: float
+    afresh: bool
 
 
 def check(
-    *, points: float, after: Sequence[str] = (), proves: Sequence[str] = (), deadline_s: float = DEADLINE_S
+    *,
+    points: float,
+    after: Sequence[str] = (),
+    proves: Sequence[str] = (),
+    deadline_s: float = DEADLINE_S,
+    afresh: bool = False,
 ) -> Callable[[Callable[[GradedNode], object]], Check]:
     """Decorator that makes a function a check: it talks with a node, and passes when nothing it expects fails.
 
@@ -60,6 +67,7 @@ def check(
         after: ids of checks without which it makes no sense: it is skipped unless they passed.
         proves: ids of the sentences of the exercise that it proves.
         deadline_s: seconds for all its waiting together.
+        afresh: as in `CheckFields`.
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
@@ -74,8 +82,8 @@ def check(
 
     def declare(talk: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
-        fields = {"points": points, "after": after, "proves": proves, "deadline_s": deadline_s}
-        return make_check(talk, check_id=talk.__name__, title=title, **fields)  # type: ignore[arg-type] # of four types
+        fields = {"points": points, "after": after, "proves": proves, "deadline_s": deadline_s, "afresh": afresh}
+        return make_check(talk, check_id=talk.__name__, title=title, **fields)  # type: ignore[arg-type] # of five types
 
     return declare
 
@@ -93,7 +101,12 @@ def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFie
         raise ValueError(f"the check {check_id} needs points above 0")
 
     def run(context: CheckContext) -> Evidence:
-        seen = talk(GradedNode(context))
+        try:
+            seen = talk(GradedNode(context))
+        except Failed:
+            if declared.get("afresh"):
+                context.spoil()
+            raise
         if isinstance(seen, Evidence):
             return seen
         sent, got = context.record.last_exchange()

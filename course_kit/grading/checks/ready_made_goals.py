@@ -188,16 +188,9 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
 
 def _make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
     """A check after whose failure the program is started afresh: a goal may still run."""
-
-    def run(node: GradedNode) -> None:
-        try:
-            talk(node)
-        except Failed:
-            node.context.spoil()
-            raise
-
     declared.setdefault("deadline_s", _DEADLINE_S)
-    return make_check(run, **declared)
+    declared.setdefault("afresh", True)
+    return make_check(talk, **declared)
 
 
 def _require_some_accepted(node: GradedNode, action: str, goal: GradedGoal, others: Sequence[dict[str, Any]]) -> None:

@@ -7,6 +7,7 @@ from course_kit.grading.checks.check import Check, Evidence, Failed
 from course_kit.grading.checks.conversation import CheckPart, Model, conversation
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
+from course_kit.grading.checks.offered_service import OfferedService, offer_service, withdraw_service
 from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,
@@ -32,6 +33,7 @@ __all__ = [
     "GradedGoal",
     "GradedNode",
     "Model",
+    "OfferedService",
     "check",
     "conversation",
     "draw_between",
@@ -43,6 +45,7 @@ __all__ = [
     "goal_refused",
     "goal_succeeds",
     "node_name",
+    "offer_service",
     "parameter_acts",
     "parameter_declared",
     "parameter_refuses",
@@ -52,4 +55,5 @@ __all__ = [
     "topic_answers",
     "topic_rate",
     "topic_silent",
+    "withdraw_service",
 ]

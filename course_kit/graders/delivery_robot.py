@@ -1,0 +1,408 @@
+"""The capstone: three programs, each by itself, and then the graph that the launch file makes of them.
+
+Alone, a program meets the grader in place of the others: as its door, its battery, its carrier.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from contextlib import suppress
+from typing import Any
+
+from course_interfaces.action import Deliver
+from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Bool, Float64
+from std_srvs.srv import SetBool
+
+from course_kit.graders import _delivery as robot
+from course_kit.graders._delivery import CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
+from course_kit.grading.checks.exchange_log import in_one_line
+from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
+from course_kit.grading.checks.parameters import describe_values
+from course_kit.grading.checks.ready_made import expect_rate
+from course_kit.grading.checks.vocabulary import (
+    Approximation,
+    Check,
+    Evidence,
+    Failed,
+    GradedNode,
+    check,
+    offer_service,
+    withdraw_service,
+)
+
+INTERFACES = (BatteryState, Bool, Float64, SetBool, Deliver, *PARAMETER_SERVICES)
+LAUNCH_FILE = "delivery.launch.py"
+SPEED = 4.5  # m/s, by the launch argument
+LAUNCHED: dict[str, dict[str, Any]] = {  # as the text wants it in robot.yaml
+    "/battery": {"capacity_m": 20.0, "publish_hz": 10.0, "low_fraction": 0.2},
+    "/door": {"locked": False, "opening_s": 0.3},
+    "/carrier": {"room_names": ["kitchen", "office", "lab"], "room_distances_m": [0.4, 0.8, 1.0],
+                 "door_timeout_s": 2.0, "speed_mps": SPEED},
+}  # fmt: skip
+NAN, INF = math.nan, math.inf
+INVALID = {"capacity_m": (0.0, -1.0, NAN, INF), "publish_hz": (0.5, 51.0, 0.0, NAN), "low_fraction": (-0.01, 1.01, NAN)}
+VALID = (("low_fraction", 0.0), ("low_fraction", 1.0), ("publish_hz", 1.0), ("publish_hz", 50.0))
+robot_check = functools.partial(check, deadline_s=25.0, afresh=True)
+
+
+# --- the battery
+
+
+@robot_check(points=0.5, proves=["nodes", "topic_battery", "topic_distance", "topic_docked", "capacity_m", "publish_hz",
+                                 "low_fraction", "start"])  # fmt: skip
+def battery_up(node: GradedNode) -> None:
+    """battery.py alone: the node battery, its topics and its parameters."""
+    robot.have_running(node, "battery.py")
+    robot.require_graph(node, {"/battery": {"capacity_m": 100.0, "publish_hz": 5.0, "low_fraction": 0.2}})
+
+
+@robot_check(points=1.0, after=["battery_up"], proves=["rate"])
+def battery_rate(node: GradedNode) -> Evidence:
+    """battery.py alone: it publishes at publish_hz, also after a change."""
+    robot.have_running(node, "battery.py")
+    hertz = node.context.random.uniform(15.0, 25.0)
+    node.set({"publish_hz": hertz}, of="/battery").accepted()
+    seen = expect_rate(node, STATE, 1.0 / hertz, (0.75 / hertz, 1.25 / hertz))
+    with suppress(Failed):
+        node.set({"publish_hz": 50.0}, of="/battery")  # for the checks below, which who cannot loses no points for
+    return seen
+
+
+@robot_check(points=2.5, after=["battery_up"], proves=["full", "falls", "first_distance", "restart", "capacity_change"])
+def battery_falls(node: GradedNode) -> None:
+    """battery.py alone: it is full at the start, and falls by what the robot drives."""
+    robot.have_running(node, "battery.py")
+    node.send(DOCKED, data=True)
+    robot.calm(node)
+    robot.expect_state(node, "A battery that was just started is full.", percentage=Approximation(1.0, absolute=CLOSE))
+    node.send(DOCKED, data=False)
+    robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
+    metres, more = node.context.random.uniform(2.0, 4.0), node.context.random.uniform(2.0, 4.0)
+    why = "The first message only says where the counting begins."
+    robot.drive_so_far(node, 7.0, 0.0, why)
+    robot.drive_so_far(node, 7.0 + metres, metres / 100.0, why)
+    why = "The charge falls by the metres driven since the message before, divided by capacity_m."
+    robot.drive_so_far(node, 7.0 + metres + more, more / 100.0, why)
+    node.set({"capacity_m": 50.0}, of="/battery").accepted()
+    robot.drive_so_far(
+        node, 12.0 + metres + more, 0.1, "capacity_m was 50.0 before these 5 m were driven, not earlier."
+    )
+    why = "A smaller number comes from a carrier that was started again: nothing was driven, and counting begins there."
+    robot.drive_so_far(node, 0.5, 0.0, why)
+    robot.drive_so_far(node, 5.5, 0.1, why)
+    robot.drive_so_far(node, 500.0, 1.0, "It is never below 0.0.")
+
+
+@robot_check(points=1.0, after=["battery_up"], proves=["charges", "status"])
+def battery_charges(node: GradedNode) -> None:
+    """battery.py alone: at the dock it charges."""
+    robot.have_running(node, "battery.py")
+    for metres in (600.0, 690.0):  # whatever it makes of that, it is not full then
+        node.send(DISTANCE, data=metres)
+    inbox = node.inbox(STATE)
+    for _ in range(3):  # a busy machine is now and then late
+        node.send(DOCKED, data=True)
+        robot.expect_state(node, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
+        first, began = inbox.messages[-1].percentage, inbox.times[-1]
+        node.context.wait_until(lambda start=began: inbox.times[-1] >= start + 0.4, PATIENCE_S)  # type: ignore[misc]
+        rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
+        node.send(DOCKED, data=False)
+        left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
+        robot.calm(node)
+        robot.expect_state(node, "It rises only at the dock.", percentage=Approximation(left, absolute=CLOSE))
+        evidence = Evidence(f"{DOCKED}: true", "percentage rises by 0.05 to 0.2 a second", f"by {rate:.3f}")
+        if right := 0.05 <= rate <= 0.2:  # noqa: PLR2004 - as the text says
+            break
+    robot.require(right, evidence, "At the dock the battery charges by about 0.1 a second.")
+
+
+@robot_check(points=1.5, after=["battery_up"], proves=["refused", "reason", "capacity_m", "publish_hz", "low_fraction"])
+def battery_refuses(node: GradedNode) -> None:
+    """battery.py alone: an invalid value of a parameter is refused, a valid one is not."""
+    robot.have_running(node, "battery.py")
+    for name, values in INVALID.items():
+        before = node.get(name, of="/battery")
+        for value in values:
+            change = node.set({name: value}, of="/battery")
+            change.refused()
+            if name not in change.result.reason:
+                code = "validation.no_reason"
+                change.fail(f"The reason does not name {name}.", expected=f"a reason with {name}", diagnosis=code)
+        if node.get(name, of="/battery") != before:
+            change.fail(f"{name} has changed all the same.", expected=f"still {describe_values(before)}")
+    for name, value in VALID:
+        node.set({name: value}, of="/battery").accepted()
+
+
+# --- the door
+
+
+@robot_check(points=0.5, proves=["nodes", "service_door", "locked", "opening_s", "scripts", "start"])
+def door_up(node: GradedNode) -> None:
+    """door.py alone: the node door, its service and its parameters."""
+    robot.have_running(node, "door.py")
+    robot.require_graph(node, {"/door": {"locked": False, "opening_s": 0.5}})
+
+
+@robot_check(points=1.5, after=["door_up"], proves=["opens", "closes"])
+def door_opens(node: GradedNode) -> None:
+    """door.py alone: it opens after opening_s, and closes at once."""
+    robot.have_running(node, "door.py")
+    for seconds in (0.55, 0.05):
+        node.set({"opening_s": seconds}, of="/door").accepted()
+        answer = node.call(OPEN, data=True).expect(success=True)
+        answer.not_before(seconds)
+        answer.within(seconds + SHOWN_S)
+    node.call(OPEN, data=False).expect(success=True).within(SHOWN_S)
+
+
+@robot_check(points=1.5, after=["door_up"], proves=["refuses", "says_why", "unlocked", "closes"])
+def door_locked(node: GradedNode) -> None:
+    """door.py alone: while it is locked it refuses to open, and says why."""
+    robot.have_running(node, "door.py")
+    node.set({"opening_s": 0.05, "locked": True}, of="/door").accepted()
+    answer = node.call(OPEN, data=True)
+    answer.refused(what="a request to open, although the door is locked")
+    answer.within(SHOWN_S)
+    node.call(OPEN, data=False).expect(success=True)
+    node.set({"locked": False}, of="/door").accepted()
+    node.call(OPEN, data=True).expect(success=True, why="The door is not locked any more.")
+
+
+@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
+def door_free(node: GradedNode) -> None:
+    """door.py alone: while it opens, everybody else is answered."""
+    robot.have_running(node, "door.py")
+    context, client = node.context, node.context.grader_node.client(SetBool, OPEN, 1)
+    context.wait_until(client.is_ready, PATIENCE_S)
+    for opening_s, head_start_s in ((0.4, 0.1), (3.0, 1.0)):  # the second where a busy machine has spoiled the first
+        node.set({"opening_s": opening_s, "locked": False}, of="/door").accepted()
+        opened = client.send(SetBool.Request(data=True))
+        context.wait_until(opened.answered, head_start_s)
+        node.call(OPEN, data=False).expect(success=True)
+        node.set({"locked": True}, of="/door").accepted()
+        node.call(OPEN, data=True).refused()
+        in_time = not opened.answered()
+        context.wait_until(opened.answered, opening_s + PATIENCE_S)
+        node.set({"locked": False}, of="/door").accepted()
+        if right := in_time and opened.answered() and opened.response().success:
+            break
+    sent = "a request to open; meanwhile requests to close and to open, and a change of locked"
+    evidence = Evidence(sent, "all others answered while the door opens", "the door was open before they were answered")
+    robot.require(in_time, evidence, "While your node waits for the door, nobody else is answered.", "service.blocks")
+    evidence = Evidence("a request to open, then locked=True", "the door opens", "it did not")
+    robot.require(right, evidence, "Whoever asked before the door was locked gets it opened.")
+
+
+# --- the carrier
+
+
+@robot_check(points=0.5, proves=["nodes", "action_deliver", "topic_battery", "topic_distance", "topic_docked",
+                                 "room_names", "room_distances_m", "speed_mps", "door_timeout_s",
+                                 "scripts"])  # fmt: skip
+def carrier_up(node: GradedNode) -> None:
+    """carrier.py alone: the node carrier, its action, its topics and its parameters."""
+    robot.enter(node)
+    robot.require_graph(node, {"/carrier": {**robot.BUILDING, "door_timeout_s": PATIENCE_S}})
+
+
+@robot_check(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
+def carrier_delivers(node: GradedNode) -> None:
+    """carrier.py alone: it asks the door, drives, and says how far."""
+    door = robot.enter(node)
+    for room in ("attic", "cellar"):
+        goal = robot.ask_for_delivery(node, room, door)
+        robot.calm(node)
+        robot.require_said(node, goal, DISTANCE, node.context.memory["driven"])
+        evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
+        robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
+        robot.open_door(door)
+        robot.require_arrival(node, goal, room)
+
+
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["tells_phase", "tells_remaining", "tells_battery"])
+def carrier_feedback(node: GradedNode) -> None:
+    """carrier.py alone: feedback tells the phase, the way that is left, and the battery."""
+    goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
+    robot.calm(node)
+    early, metres = [one.feedback for one in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
+    robot.open_door(offer_service(node, OPEN, SetBool))
+    robot.require_arrival(node, goal, "hall")
+    messages = goal.wait_for_last_feedback(
+        lambda many: bool(many) and many[-1].feedback.distance_remaining <= robot.END_M
+    )
+    heard = [one.feedback for one in messages]
+    left, driving = [one.distance_remaining for one in heard], [one for one in heard if one.phase == robot.DRIVING]
+    got = (
+        f"{len(heard)} messages, {len(driving)} of them with {robot.DRIVING}: {'; '.join(map(in_one_line, heard[:3]))}"
+    )
+    for right, expected in (
+        (
+            early and all(one.phase == robot.DOOR for one in early),
+            f"phase={robot.DOOR} as long as the door has not answered",
+        ),
+        (len(driving) > 5 * metres / robot.ALONE_MPS - 1, f"phase={robot.DRIVING} five times a second on the way"),
+        (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
+        (left == sorted(left, reverse=True), "distance_remaining that never grows"),
+        (all(abs(one.battery - robot.CHARGE) < CLOSE for one in heard), f"battery={robot.CHARGE}, as {STATE} said"),
+    ):
+        robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
+
+
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
+def carrier_rejects(node: GradedNode) -> None:
+    """carrier.py alone: unknown rooms are rejected, and all but the dock while the battery is low."""
+    robot.enter(node)
+    for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
+        node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
+    robot.tell_battery(node, robot.LOW)
+    clock = node.context.clock()
+    while (goal := node.goal(DELIVER, room="attic")) and not clock.past(SHOWN_S):
+        goal.wait_for_answer("the goal rejected")
+        if not goal.accepted:
+            break
+        robot.require_arrival(node, goal, "attic")
+    goal.rejected(what="a delivery, although the battery is low")
+    robot.deliver(node, "dock")
+    robot.tell_battery(node, robot.GOOD)
+    robot.require_some_delivery(node, "hall", SHOWN_S)
+
+
+@robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
+def carrier_one_goal(node: GradedNode) -> None:
+    """carrier.py alone: one goal at a time, also of two in the same instant."""
+    door = robot.enter(node)
+    goal = robot.ask_for_delivery(node, "hall", door)
+    robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
+    robot.open_door(door)
+    node.context.wait_until(lambda: any(one.feedback.phase == robot.DRIVING for one in goal.feedback), PATIENCE_S)
+    robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
+    robot.require_arrival(node, goal, "hall")
+    for room in ("dock", "hall", "dock", "hall"):  # which callback comes first is a matter of chance
+        door.answer = None
+        goal = robot.require_one(node, node.goal(DELIVER, room=room), node.goal(DELIVER, room=room))
+        robot.open_door(door)
+        robot.require_arrival(node, goal, room)
+
+
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort"])
+def carrier_refused(node: GradedNode) -> None:
+    """carrier.py alone: a door that refuses ends the delivery, with the reason."""
+    door, words = robot.enter(node), f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
+    door.answer = SetBool.Response(success=False, message=words)
+    robot.require_aborted(node, node.goal(DELIVER, room="attic").accepted_by(), SHOWN_S, words)
+    robot.open_door(door)
+    robot.deliver(node, "attic")
+
+
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops"])
+def carrier_cancel(node: GradedNode) -> None:
+    """carrier.py alone: a delivery is cancelled at the door and on the way; the next one works."""
+    door, start = robot.enter(node), node.context.memory["at"]
+    goal = robot.ask_for_delivery(node, "tower", door)
+    robot.require_distance(node, goal, goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False), 0.0)
+    robot.open_door(door)
+    goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - start - 0.15
+    node.context.wait_until(lambda: any(one.feedback.distance_remaining < far for one in goal.feedback), PATIENCE_S)
+    ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
+    node.context.memory["at"] = start + ended.result.distance
+    robot.require_distance(node, goal, ended, max(0.15, ended.result.distance))
+    robot.deliver(node, "attic")
+
+
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
+def carrier_silent(node: GradedNode) -> None:
+    """carrier.py alone: without an answer of the door the delivery is given up in time."""
+    door = robot.enter(node, door_timeout_s=0.4)
+    robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.4 + robot.GIVES_UP_S, after_s=0.35)
+    robot.open_door(door)
+    robot.require_some_delivery(node, "hall", PATIENCE_S)
+
+
+# --- all together
+
+
+def have_launched(node: GradedNode) -> None:
+    """Have the launch file running, with all that it starts."""
+    robot.have_running(node, LAUNCH_FILE, f"speed:={SPEED}")
+
+
+@robot_check(points=1.5, proves=["launch", "argument", "yaml_battery", "yaml_door", "yaml_carrier", "nodes"])
+def delivery_graph(node: GradedNode) -> None:
+    """delivery.launch.py: three nodes, all connections, the values of robot.yaml, and the speed."""
+    have_launched(node)
+    robot.require_graph(node, LAUNCHED)
+
+
+@robot_check(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])
+def delivery_whole(node: GradedNode) -> None:
+    """All together: a delivery, for which the battery falls."""
+    have_launched(node)
+    robot.expect_state(
+        node, "The battery does not hear that the robot stands at the dock.", power_supply_status=robot.CHARGING
+    )
+    node.set({"capacity_m": 2.0}, of="/battery").accepted()
+    node.set({"opening_s": 0.05}, of="/door").accepted()
+    for room in ("kitchen", "office"):
+        robot.require_some_delivery(node, room, PATIENCE_S)
+    why = "The battery has to fall by the 0.8 m that the carrier has driven, divided by capacity_m, which is 2.0."
+    fallen = Approximation(0.65, absolute=0.1)  # until it hears that the robot has left the dock it charges
+    robot.expect_state(node, why, power_supply_status=robot.DISCHARGING, percentage=fallen)
+
+
+@robot_check(points=1.5, after=["delivery_whole"], proves=["follow", "health", "within_1_s"])
+def delivery_follows(node: GradedNode) -> None:
+    """All together: what is changed in one node the others follow."""
+    have_launched(node)
+    node.set({"locked": True}, of="/door").accepted()
+    words = node.call(OPEN, data=True).response.message
+    robot.require_aborted(node, node.goal(DELIVER, room="lab").accepted_by(), PATIENCE_S, words)
+    node.set({"locked": False}, of="/door").accepted()
+    node.set({"low_fraction": 1.0}, of="/battery").accepted()
+    robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
+    robot.calm(node)
+    node.goal(DELIVER, room="lab").rejected(what="a delivery, although the battery is low")
+    node.set({"low_fraction": 0.2}, of="/battery").accepted()
+
+
+@robot_check(points=1.0, after=["delivery_whole"], proves=["cancel_together"])
+def delivery_cancel(node: GradedNode) -> None:
+    """All together: a delivery is cancelled while the door opens."""
+    have_launched(node)
+    robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
+    node.set({"opening_s": 0.1}, of="/door").accepted()
+    robot.require_some_delivery(node, "lab", PATIENCE_S)
+
+
+@robot_check(points=1.5, after=["delivery_whole"], proves=["killed", "settings"])
+def delivery_killed(node: GradedNode) -> None:
+    """All together: the door dies while it opens; the delivery is given up, and the carrier lives on."""
+    have_launched(node)
+    node.set({"door_timeout_s": 0.5}, of="/carrier").accepted()
+    goal = robot.deliver_at_door(node)
+    if not node.kill("door.py"):  # the door lives in a process with others: then ours dies
+        node.context.spoil()
+        goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.5))
+        withdraw_service(node, OPEN)
+    robot.require_aborted(node, goal, 0.5 + robot.GIVES_UP_S)
+    node.get("door_timeout_s", of="/carrier")
+
+
+@robot_check(points=1.0, after=["delivery_killed"], proves=["back"])
+def delivery_back(node: GradedNode) -> None:
+    """All together: when there is a door again, the next delivery works."""
+    alone = node.context.memory["runs"][0] != LAUNCH_FILE
+    offer_service(node, OPEN, SetBool, success=True, message="open")
+    robot.require_some_delivery(node, "cellar" if alone else "kitchen", 5.0)
+    node.context.spoil()
+
+
+CHECKS: list[Check] = [
+    battery_up, battery_rate, battery_falls, battery_charges, battery_refuses,
+    door_up, door_opens, door_locked, door_free,
+    carrier_up, carrier_delivers, carrier_feedback, carrier_rejects,
+    carrier_one_goal, carrier_refused, carrier_cancel, carrier_silent,
+    delivery_graph, delivery_whole, delivery_follows, delivery_cancel, delivery_killed, delivery_back,
+]  # fmt: skip
