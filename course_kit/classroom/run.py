@@ -19,7 +19,6 @@ from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
-from course_kit.environment.files import remove_half_written
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.text.sanitize import one_line
@@ -158,7 +157,6 @@ class ClassRun:
 
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
-        remove_half_written(self.plan.out, besides=[WORKSPACE])
         self._records.remove_pages_alone()
         for path in self._records.without(self.intake.entries, [one.id for one in self.plan.exercises]):
             record = self._records.supersede(path)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import re
 import secrets
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Iterator
+    from pathlib import Path
 
 _LONGEST = 40  # characters of a name within that of its temporary file: a name has at most 255 bytes
-_HALF_WRITTEN = re.compile(r"\..+-[0-9a-f]{16}\.tmp", re.DOTALL)
 
 
 def write_atomically(
@@ -36,17 +34,6 @@ def write_atomically(
             temporary.replace(path)
     except OSError as problem:  # whose file name may be one that nobody knows
         raise OSError(problem.errno, problem.strerror or str(problem), str(path)) from problem
-
-
-def remove_half_written(folder: Path, besides: Collection[str] = ()) -> None:
-    """Take away what `write_atomically` leaves where its process is killed; nobody may write there meanwhile."""
-    for inner, folders, names in os.walk(folder):
-        if Path(inner) == folder:
-            folders[:] = [name for name in folders if name not in besides]
-        for name in names:
-            if _HALF_WRITTEN.fullmatch(name):
-                with suppress(OSError):
-                    Path(inner, name).unlink()
 
 
 def write_new(path: Path, content: bytes) -> None:

@@ -143,6 +143,7 @@ class MessageHooks:
         self.direct: WeakSet[Client] = WeakSet()  # whose answers are handed over on the thread that takes them
         self.own_nodes: set[Node] = set()  # of the lab itself
         self.clients: WeakSet[Client] = WeakSet()  # that have asked
+        self.on_failure: Callable[[Service, int, BaseException], None] = lambda *_: None  # with the request's number
         self.on_delivery: set[Callable[[Subscription], None]] = set()
         self.spans = CallbackSpans(events)
 
@@ -184,7 +185,22 @@ class MessageHooks:
         patches.set(Client, "call_async", call_async_seen)
         patches.set(Publisher, "publish", publish_seen)
 
-    def take_service(self, service: Service, on_failure: Callable[[Service, int, BaseException], None]) -> Work | None:
+    def hook_taking(self, patches: Patches, executors: type[Executor]) -> None:
+        """Have executors of a class take by way of these hooks."""
+        original: Any = executors._take_timer  # noqa: SLF001 - the only place that has the timer and its work
+
+        def take_client(executor: Executor, client: Client) -> Work | None:  # a function, so that it becomes a method
+            return self.take_client(executor, client)
+
+        def take_timer(executor: Executor, timer: Timer) -> Work | None:
+            return self.take_timer(executor, timer, original(executor, timer))
+
+        patches.set(executors, "_take_timer", take_timer)
+        patches.set(executors, "_take_client", take_client)
+        patches.set(executors, "_take_service", lambda _, service: self.take_service(service))
+        patches.set(executors, "_take_subscription", lambda _, subscription: self.take_subscription(subscription))
+
+    def take_service(self, service: Service) -> Work | None:
         """Take a request and return the work of answering it, as `Executor._take_service` does."""
         try:
             with service.handle:
@@ -210,7 +226,7 @@ class MessageHooks:
                 raise
             except BaseException as error:
                 self._emit("callback_failed", service, failure_text(error), sequence)
-                on_failure(service, sequence, error)
+                self.on_failure(service, sequence, error)
                 raise
 
         return self._reported(answer, service, "service")

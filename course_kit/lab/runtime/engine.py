@@ -20,7 +20,7 @@ from course_kit.lab.recording.action_hooks import ActionHooks, hook_execution
 from course_kit.lab.recording.hooks import MessageHooks
 from course_kit.lab.runtime import execution, nodes
 from course_kit.lab.runtime.describe import actions_of
-from course_kit.lab.runtime.executor import ExecutorThread
+from course_kit.lab.runtime.executor import ExecutorThread, LabExecutor
 from course_kit.lab.runtime.failures import Failures, Turn, where_is
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat
@@ -54,7 +54,7 @@ class Engine:
         self._noted: set[str] = set()
         self._notebook = notebook
         self.failures = Failures(output, notebook.locate, self.hooks)
-        self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self.hooks, self.failures, found)
+        self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self.failures, found)
         self.executor = self.executor_thread.executor
         self.executions = execution.Executions(self.executor, output)
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
@@ -73,7 +73,9 @@ class Engine:
             execution.keep_replies(patches)
         self.nodes.watch(patches)
         if self.found.has(compat.RECORDING):
+            self.hooks.on_failure = lambda *failed: self.failures.request_failed(self.executor.turn, *failed)
             self.hooks.hook_sending(patches)
+            self.hooks.hook_taking(patches, LabExecutor)
         if self.found.has(compat.DEFAULT_CONTEXT):
             # Nodes that pass no context, and rclpy.ok(), use the default one.
             patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)

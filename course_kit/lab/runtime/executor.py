@@ -32,14 +32,9 @@ from course_kit.ros import compat
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rclpy.client import Client
     from rclpy.node import Node
-    from rclpy.service import Service
-    from rclpy.subscription import Subscription
-    from rclpy.task import Future, Task
-    from rclpy.timer import Timer
+    from rclpy.task import Task
 
-    from course_kit.lab.recording.hooks import MessageHooks, Work
     from course_kit.lab.runtime.failures import Failures
     from course_kit.ros.compat import Compatibility
 
@@ -113,11 +108,6 @@ class LabExecutor(Executor):
         handler, entity, node = found
         self._run_handler(handler, Turn(entity, node, time.monotonic()))
 
-    def spin_once_until_future_complete(self, future: Future, timeout_sec: Any = None) -> None:
-        """Part of the Executor interface; the lab's thread never waits for a future."""
-        del future
-        self.spin_once(timeout_sec)
-
     def _spin_safely(self, timeout: float | None = None) -> None:
         try:
             self.spin_once(timeout)
@@ -170,43 +160,16 @@ class LabExecutor(Executor):
             self._failures.callback_crashed(error, turn)
 
 
-class RecordingExecutor(LabExecutor):
-    """Takes what arrives by way of `hooks`, which reports it."""
-
-    def __init__(self, context: Context, hooks: MessageHooks, failures: Failures) -> None:
-        super().__init__(context, failures)
-        self._hooks = hooks
-
-    def _take_service(self, srv: Service) -> Work | None:
-        return self._hooks.take_service(srv, self._request_failed)
-
-    def _request_failed(self, service: Service, sequence: int, error: BaseException) -> None:
-        self._failures.request_failed(self.turn, service, sequence, error)
-
-    def _take_client(self, client: Client) -> Work | None:
-        return self._hooks.take_client(self, client)
-
-    def _take_subscription(self, sub: Subscription) -> Work | None:
-        return self._hooks.take_subscription(sub)
-
-    def _take_timer(self, tmr: Timer) -> Work | None:
-        work: Work | None = super()._take_timer(tmr)
-        return self._hooks.take_timer(self, tmr, work)
-
-
 class ExecutorThread:
     """Owns the context, the executor and the thread."""
 
-    def __init__(self, ros_arguments: list[str], hooks: MessageHooks, failures: Failures, found: Compatibility) -> None:
+    def __init__(self, ros_arguments: list[str], failures: Failures, found: Compatibility) -> None:
         # Where the default context cannot be replaced by ours, ours is that one.
         self.context = Context() if found.has(compat.DEFAULT_CONTEXT) else rclpy.get_default_context()
         rclpy.init(
             args=[*ros_arguments, *_ARGUMENTS], context=self.context, signal_handler_options=SignalHandlerOptions.NO
         )
-        records = found.has(compat.RECORDING)
-        self.executor: LabExecutor = (
-            RecordingExecutor(self.context, hooks, failures) if records else LabExecutor(self.context, failures)
-        )
+        self.executor = LabExecutor(self.context, failures)
         self._thread = threading.Thread(target=self.executor.run, name="ros-lab", daemon=True)
         self._thread.start()
 

@@ -27,9 +27,7 @@ from course_kit.process.libc import die_with_parent
 if TYPE_CHECKING:
     from types import FrameType
 
-    from rclpy.client import Client
     from rclpy.node import Node
-    from rclpy.timer import Timer
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.recording.events import Event
@@ -130,22 +128,9 @@ def _record(patches: Patches, reports: Reports) -> None:
         from course_kit.lab.recording.action_hooks import hook_execution
 
         hook_execution(patches, hooks)
-    if not found.has(compat.RECORDING):
-        return
-
-    def take_client(executor: Executor, client: Client) -> Any:  # a function, so that it becomes a method
-        return hooks.take_client(executor, client)
-
-    take_timer: Any = Executor._take_timer  # noqa: SLF001 - the only place that has the timer and its work
-
-    def take_timer_seen(executor: Executor, timer: Timer) -> Any:
-        return hooks.take_timer(executor, timer, take_timer(executor, timer))
-
-    hooks.hook_sending(patches)
-    patches.set(Executor, "_take_timer", take_timer_seen)
-    patches.set(Executor, "_take_service", lambda _, service: hooks.take_service(service, lambda *_: None))
-    patches.set(Executor, "_take_client", take_client)
-    patches.set(Executor, "_take_subscription", lambda _, subscription: hooks.take_subscription(subscription))
+    if found.has(compat.RECORDING):
+        hooks.hook_sending(patches)
+        hooks.hook_taking(patches, Executor)
 
 
 def _role(nodes: list[Node]) -> str:
