@@ -1,4 +1,4 @@
-"""Has `pytest --nbval` run the notebooks as `course-kit dev notebooks` does."""
+"""Has `pytest --nbval` run the notebooks as `./course test` does."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]  # noqa: SLF001 - argparse has no other name for it
 
-_TOOLS = ("check", "lock", "notebooks", "site")
+_TOOLS = ("check", "lock", "site")
 _KINDS = {
     "service": "an exercise in which a node answers requests",
     "action": "one in which a node carries out goals",
@@ -250,10 +250,10 @@ def _present(words: Sequence[str]) -> int:
 
 def _dev(options: argparse.Namespace) -> int:
     from course_kit.authoring import check
-    from course_kit.dev import lock, notebooks
+    from course_kit.dev import lock
     from course_kit.dev.site import command as site
 
-    mains = (check.main, lock.main, notebooks.main, site.main)
+    mains = (check.main, lock.main, site.main)
     return dict(zip(_TOOLS, mains, strict=True))[options.tool](options.rest)
 
 

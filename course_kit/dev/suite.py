@@ -14,7 +14,6 @@ import sys
 from pathlib import Path
 
 from course_kit import environment
-from course_kit.dev import notebooks
 
 # Tests wait for nodes about as long as they compute. Files stay together, for their fixtures are dear, and begin in the
 # order of `tests/sizes.py`, long ones first: xdist by itself begins those with few tests last, the longest among them.
@@ -45,7 +44,7 @@ def main(arguments: list[str]) -> int:
         chromium = None if size == QUICK else find_or_install_browser()
         environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
         if not chosen:
-            lessons = Path("notebooks").glob(FIRST_LESSONS) if size == QUICK else notebooks.list_with_outputs(Path())
+            lessons = Path("notebooks").glob(FIRST_LESSONS) if size == QUICK else list_with_outputs(Path())
             chosen = [*SIDE_BY_SIDE, "--nbval", "tests", *sorted(map(str, lessons))]
         codes = [run_pytest([*MARKS.get(size, []), *chosen], environ)]
         if size == ALL:
@@ -56,6 +55,13 @@ def main(arguments: list[str]) -> int:
     except KeyboardInterrupt:  # pytest, which got it too, has said so
         return 130
     return next((code for code in codes if code), 0)
+
+
+def list_with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
+    """The notebooks of a course whose outputs are stored: its lessons, demos and drills."""
+    folders = ("notebooks", "exercises/drills") if drills else ("notebooks",)
+    found = [path for folder in folders for path in (course / folder).rglob("*.ipynb")]
+    return sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
 
 
 def _run_sessions(*names: str) -> int:

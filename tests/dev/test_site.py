@@ -19,7 +19,7 @@ from playwright.sync_api import sync_playwright
 
 from course_kit import interfaces, lab, panels
 from course_kit.authoring import corpus
-from course_kit.dev import notebooks, suite
+from course_kit.dev import suite
 from course_kit.dev.site import command
 from tests.browser.learner import CHROMIUM_FLAGS
 from tests.browser.pictures import require_no_findings
@@ -108,7 +108,7 @@ def faults_of_links(pages: Pages) -> list[str]:
 @pytest.mark.timeout(400)
 def test_the_site_has_every_page_and_every_link_in_it_leads_somewhere(site: Path, pages: Pages) -> None:
     drills = sorted((REPOSITORY / "exercises/drills").glob("*/*.ipynb"))
-    names = [path.relative_to(REPOSITORY) for path in [*notebooks.list_with_outputs(REPOSITORY, drills=False), *drills]]
+    names = [path.relative_to(REPOSITORY) for path in [*suite.list_with_outputs(REPOSITORY, drills=False), *drills]]
     names += [Path("exercises", one, f"{one}.ipynb") for one in corpus.all_exercises(REPOSITORY)]
     names += [Path("course_kit", f"{name}.md") for name in GUIDES]
     missing = [name for name in names if site / name.with_suffix(".html") not in pages]

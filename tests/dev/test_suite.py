@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.dev import notebooks, suite
+from course_kit.dev import suite
 from tests.background import IN_BACKGROUND
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -33,5 +33,5 @@ def test_notebooks_run_among_the_tests(size: list[str], monkeypatch: pytest.Monk
     monkeypatch.setattr(suite, "find_or_install_browser", lambda: None)
     monkeypatch.chdir(REPOSITORY)
     assert suite.main(size) == 0
-    lessons = Path("notebooks").glob("0[123]_*") if size else notebooks.list_with_outputs(Path())
+    lessons = Path("notebooks").glob("0[123]_*") if size else suite.list_with_outputs(Path())
     assert [runs[0][runs[0].index("--nbval") + 1 :]] == [["tests", *map(str, sorted(lessons))]]

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import nbformat
 
 from course_kit import environment
-from course_kit.dev import notebooks
+from course_kit.dev import suite
 from course_kit.grading import GradingError
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import export
@@ -119,7 +119,7 @@ def gather_pages(root: Path, folder: Path) -> None:
         if page.name != _FRONT_END:
             _write(folder / page.relative_to(_PAGES), _filled_in(page.read_text("utf-8"), root, lists))
     for path in [
-        *notebooks.list_with_outputs(root, drills=False),
+        *suite.list_with_outputs(root, drills=False),
         *(path for found in lists.values() for path in found),
     ]:
         _write(folder / path.relative_to(root), nbformat.writes(for_reading(nbformat.read(path, as_version=4))))

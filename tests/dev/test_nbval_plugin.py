@@ -1,4 +1,4 @@
-"""`course-kit dev notebooks`: it needs nbval, which learners do not have, and says so."""
+"""What nbval compares of a notebook, and which notebooks it runs."""
 
 from __future__ import annotations
 
@@ -11,19 +11,9 @@ import nbformat
 import pytest
 
 from course_kit import environment
-from course_kit.dev import notebooks
+from course_kit.dev import suite
 
 ROOT = environment.checkout_folder() or Path()
-
-
-def test_without_nbval_it_says_where_that_comes_from(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(notebooks, "find_spec", lambda name: None if name == "nbval" else pytest.fail(name))
-    assert notebooks.main([]) == 2
-    said = capsys.readouterr().err
-    assert "nbval" in said
-    assert "run ./course test" in said
 
 
 PICTURE = """import os
@@ -46,7 +36,7 @@ def test_of_a_picture_the_words_are_compared_and_its_html_is_not(words: str, cod
     path = Path(folder.name, "picture.ipynb")
     nbformat.write(nbformat.v4.new_notebook(cells=[cell]), path)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *notebooks.NBVAL, str(path)],
+        [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", str(path)],
         env=environment.child_environment(ROS_DOMAIN_ID=str(domain)),
         cwd=ROOT,
         capture_output=True,
@@ -60,6 +50,6 @@ def test_of_a_picture_the_words_are_compared_and_its_html_is_not(words: str, cod
 
 def test_lessons_and_drills_are_compared_and_exercises_are_not() -> None:
     root = environment.checkout_folder() or Path()
-    found = {path.relative_to(root).parts[:2] for path in notebooks.list_with_outputs(root)}
+    found = {path.relative_to(root).parts[:2] for path in suite.list_with_outputs(root)}
     assert found >= {("notebooks", "01_services.ipynb"), ("exercises", "drills")}
     assert ("exercises", "move_robot") not in found
