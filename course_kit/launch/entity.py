@@ -6,13 +6,10 @@ import inspect
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_kit.launch.errors import LaunchError, calling_place
 from course_kit.ros.names import did_you_mean
-
-if TYPE_CHECKING:
-    from course_kit.launch.service import LaunchService
 
 
 class LaunchEntity:
@@ -55,10 +52,10 @@ class LaunchContext:
     namespace: str = ""
     parameters: dict[str, object] = field(default_factory=dict)
     declared: set[str] = field(default_factory=set)
-    running: LaunchService | None = None
+    running: Any = None  # the LaunchService, which knows all of these
 
     @property
-    def service(self) -> LaunchService:
+    def service(self) -> Any:
         if self.running is None:
             raise LaunchError("This can only be done while a launch file runs.")
         return self.running

@@ -61,7 +61,7 @@ def of_files(*names: str) -> str:
     return "\n".join((_HERE / name).read_text(encoding="utf-8") for name in names)
 
 
-class Shown:
+class WordedWidget:
     """A widget that has words, too."""
 
     widget: Widget
@@ -92,7 +92,7 @@ class Shown:
 _LIVE: weakref.WeakValueDictionary[str, Panel] = weakref.WeakValueDictionary()  # by what a page calls their widgets
 
 
-class Panel(Shown):
+class Panel(WordedWidget):
     """A widget for one thing on the ROS graph, which ends with the lab."""
 
     def __init__(self, *subject: Hashable) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import anywidget
 import traitlets
 
-from course_kit.panels.base import Shown, drawn, of_files
+from course_kit.panels.base import WordedWidget, drawn, of_files
 from course_kit.quiz import guesses
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class GuessForm(anywidget.AnyWidget):
     summary = traitlets.Unicode().tag(sync=True)
 
 
-class GuessPanel(Shown):
+class GuessPanel(WordedWidget):
     """One question, or several below each other. It needs no node, and stays when the lab ends."""
 
     widget: GuessForm
