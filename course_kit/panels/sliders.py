@@ -76,7 +76,7 @@ def slider_step(limits: Range, *, whole: bool) -> float:
     return float(f"{step:.6g}") if math.isclose(count, round(count), rel_tol=1e-6) else exact
 
 
-def page_value(value: Any) -> Any:
+def format_value(value: Any) -> Any:
     """A value as the page holds it: text, so that no digit is lost; a bool as it is."""
     if isinstance(value, bool):
         return value
@@ -237,7 +237,7 @@ class ParameterSliders(Panel):
         # The lock is held while it is sent, so that an older state never comes after a newer one.
         with self._lock, self.widget.hold_sync():
             self.widget.entries = [entry(self._descriptors[name]) for name in self._values]
-            self.widget.values = {name: page_value(value) for name, value in self._values.items()}
+            self.widget.values = {name: format_value(value) for name, value in self._values.items()}
             self.widget.outcomes = dict(self._outcomes)
 
     def _end(self) -> None:

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from course_kit import lab, panels
-from course_kit.panels.sliders import page_value, slider_step
+from course_kit.panels.sliders import format_value, slider_step
 from course_kit.ros.parameters import Range
 from tests.waiting import wait_until
 
@@ -94,7 +94,7 @@ def test_what_is_moved_or_typed_sets_the_real_parameter(name: str, text: Any, va
     panel = panels.parameter_sliders("/robot")
     wish(panel, name, text, token=7)
     assert in_force(name) == value
-    assert panel.widget.values[name] == page_value(value)
+    assert panel.widget.values[name] == format_value(value)
     assert panel.widget.outcomes[name] == {"state": "set", "text": "", "token": 7}
 
 
@@ -120,7 +120,7 @@ def test_a_refusal_is_shown_with_its_reason_and_the_value_in_force_stays(name: s
     assert outcome["state"] == "refused"
     assert reason in outcome["text"]
     assert panel.widget.values == before
-    assert page_value(in_force(name)) == before[name]
+    assert format_value(in_force(name)) == before[name]
 
 
 def test_a_node_that_has_gone_is_said_beside_the_widget() -> None:
