@@ -1,8 +1,7 @@
-"""From the command to the verdict, and where the time goes: `python benchmarks/time_to_verdict.py`.
+"""From the command to the verdict: `python benchmarks/time_to_verdict.py`.
 
-First whole `course-kit grade` commands, interpreter start included, beside the smallest program that could do it: a
-Python that imports rclpy and ends. Then the same gradings by a worker that has just been started, as the command has
-one, split into phases.
+Whole `course-kit grade` commands, interpreter start included, beside the smallest program that could do it: a Python
+that imports rclpy and ends.
 """
 
 from __future__ import annotations
@@ -15,11 +14,8 @@ from pathlib import Path
 
 from measure import interleaved
 
-from course_kit import grading
-
 ROOT = Path(__file__).resolve().parent.parent
 ROUNDS = 7
-PHASES = ("worker", "start", "discovery", "checks", "teardown")
 AIMS_S = {"temperature_service": 1.5, "move_robot": 4.0, "robot_parameters": 4.0, "pattern_choice": None}
 SUBMISSIONS = {
     f"{name}, {kind}": (name, ROOT / folder / name / f"{name}.py", aim_s if kind == "solution" else None)
@@ -44,15 +40,5 @@ def print_commands() -> None:
         print(f"  {title:<32} {middle:>6.2f} s {f'{low:.2f}..{high:.2f} s':>15}  {verdict}")
 
 
-def print_phases() -> None:
-    heads = "".join(f"{name:>11}" for name in PHASES)
-    print(f"\nWhere the time goes, seconds, median of {ROUNDS}\n\n  {'':<32}{heads}")
-    for title, (name, path, _) in SUBMISSIONS.items():
-        found = [grading.grade(name, path).timings for _ in range(ROUNDS)]
-        spent = [statistics.median(times.get(f"{phase}_s", 0.0) for times in found) for phase in PHASES]
-        print(f"  {title:<32}" + "".join(f"{seconds:>11.2f}" for seconds in spent))
-
-
 if __name__ == "__main__":
     print_commands()
-    print_phases()

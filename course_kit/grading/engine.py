@@ -148,9 +148,7 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
     if require_isolation:
         found.require()
     isolation = _told(found, job.mode)
-    waited_s = time.monotonic() - began
     outcome = worker.grade(job)
-    outcome["timings"]["worker_s"] = waited_s
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
     report = _report(exercise, shown, outcome, isolation, began)
@@ -193,7 +191,6 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: 
         stderr=outcome["stderr"],
         problem=problem,
         isolation=isolation,
-        timings=outcome["timings"],
     )
 
 

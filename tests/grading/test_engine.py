@@ -127,7 +127,7 @@ def test_field_checks_are_on_whatever_the_user_has_set(monkeypatch: pytest.Monke
 def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcomes = {"a": "passed", "b": "error", "c": "skipped"}
     results = [asdict(CheckResult(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
-    outcome = {"results": results, "problem": "", "stdout": "", "stderr": "", "timings": {}}
+    outcome = {"results": results, "problem": "", "stdout": "", "stderr": ""}
     report = engine._report(load_exercise(EXERCISE), "shown", outcome, "", time.monotonic())
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)
     assert report.problem == 'The grading did not finish: it stopped at the check "B". about b'

@@ -29,7 +29,6 @@ _STEP_S = 0.02  # how often a condition is looked at beside each message: lookin
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
 _LOST_S = 2.0  # for an answer of a node that no executor runs any more; it may be on its way
 _WATCH_S = 0.05  # how often it is asked whether the submission lives, while an answer is waited for
-PHASES = ("start", "discovery")  # where time goes beside checking: the program's making, and its way onto the graph
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
 
 
@@ -58,7 +57,6 @@ class CheckContext:
         self.memory: dict[str, Any] = {}
         self.conversations: dict[type, Any] = {}
         self.deadline_s = 0.0
-        self.spent = dict.fromkeys(PHASES, 0.0)  # seconds
         self._grader_node: GraderNode | None = None
         self._spoiled = False
         self._clock: FairClock | None = None
@@ -104,7 +102,6 @@ class CheckContext:
         """
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
-        began = time.monotonic()
         self.close()
         self._spoiled = False
         self.memory.clear()
@@ -115,7 +112,6 @@ class CheckContext:
             start = f"start {program}".rstrip() + (f" with {' '.join(arguments)}" if arguments else "")
             self.record.sent(start, "message")
         self._grader_node = GraderNode(self.program.start(arguments, files or {}, variables or {}))
-        self.spent["start"] += time.monotonic() - began
 
     def close(self) -> None:
         """Take the grader's node off the graph."""
@@ -229,16 +225,12 @@ class CheckContext:
         Raises:
             SubmissionEndedError: the submission has ended meanwhile.
         """
-        began = time.monotonic()
 
         def is_over() -> bool:
             return condition() or (self.has_computed_enough() and not self.grader_node.nodes())
 
-        try:
-            self.wait_until(is_over, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
-            return condition()
-        finally:
-            self.spent["discovery"] += time.monotonic() - began
+        self.wait_until(is_over, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
+        return condition()
 
     def _require_running(self) -> None:
         try:

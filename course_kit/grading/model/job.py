@@ -141,5 +141,4 @@ class GradingOutcome(TypedDict):
     stdout: str  # first and last 4 kB of what the submission printed
     stderr: str  # the same of its errors
     problem: str  # why the grading came to no end; empty when it did
-    timings: Record  # where the time went, see `Report.timings`
     again: bool  # whether it may go better the next time, because something was killed that should not be

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.text.console import in_points
@@ -73,10 +73,6 @@ class Report:
     isolation: str = ""  # what kept the submission apart from the machine, in one line
     part: str = ""  # the part that was graded alone, whose points are its full marks; empty for all
     practice: bool = False  # whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points
-    # where the time went, in seconds: worker_s until a worker was ready, start_s for making the sandbox and the
-    # grader's node, discovery_s until the program was found on the graph, checks_s, teardown_s, total_s (but the
-    # worker's); checks has for each check when it was done
-    timings: Record = field(default_factory=dict)
 
     @property
     def verdict(self) -> str:

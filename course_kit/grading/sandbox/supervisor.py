@@ -67,7 +67,6 @@ class Supervisor:
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
         self._results: list[Record] = []
-        self._extra: Record = {}
         self._fault = ""
         self._killed_before = memory.count_oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
@@ -84,7 +83,6 @@ class Supervisor:
             self._profile = expect_few_participants()
         probe_end = self._start_probe()
         problem = self._serve(probe_end)
-        stopping = time.monotonic()
         self._stop()
         tree.end_descendants()
         return {
@@ -92,18 +90,8 @@ class Supervisor:
             "stdout": self._totals[0].text(),
             "stderr": self._totals[1].text(),
             "problem": problem or self._fault,
-            "timings": self._timings(stopping),
             "again": self._again,
         }
-
-    def _timings(self, stopping: float) -> Record:
-        """Where the time went, in seconds; what came before the grader process ran counts as start."""
-        now = time.monotonic()
-        grader_process = sum(spent for name, spent in self._extra.items() if name.endswith("_s"))
-        times = {"teardown_s": now - stopping, "total_s": now - self._began}
-        if "start_s" in self._extra:
-            self._extra["start_s"] += stopping - self._began - grader_process
-        return {**self._extra, **times}
 
     def _start_probe(self) -> Channel:
         ours, theirs = Channel.pair()
@@ -126,7 +114,6 @@ class Supervisor:
                     continue
                 message = grader_process.receive(_ANSWER_S)
                 if message["do"] == "done":
-                    self._extra = message["timings"]
                     return str(message["problem"])
                 answer = self._obey(message)
                 if answer is not None:

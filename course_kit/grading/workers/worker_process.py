@@ -204,7 +204,7 @@ def _run(job: Job, launcher: Launcher, view: FileView) -> GradingOutcome:
 
 def _broken_off(problem: str, *, again: bool = True) -> GradingOutcome:
     """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
-    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "timings": {}, "again": again}
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "again": again}
 
 
 def _outcome(supervisor: Channel, parent: Channel) -> GradingOutcome:

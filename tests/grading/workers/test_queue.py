@@ -77,7 +77,7 @@ def problem_of(line: tuple[Channel, Channel], launches: int) -> str:
     ours, grader_process = line
     for _ in range(launches):
         grader_process.send({"do": "launch", "arguments": [], "files": {}, "variables": {}})
-    grader_process.send({"do": "done", "timings": {}, "problem": ""})
+    grader_process.send({"do": "done", "problem": ""})
     launcher, end = Launcher.pair()  # nobody is asked to start anything
     try:
         return StandInWarden(JOB, launcher, FileView(), lambda *_: None)._serve(ours)
