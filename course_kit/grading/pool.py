@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
 
 _TRIES = 2
-_PER_CORE = 6  # a grading mostly waits: for answers, and for a program that is silent or asleep
+_PER_CORE = 4  # a grading mostly waits: for answers, and for a program that is silent or asleep
 _AWAKE_PER_CORE = 2  # the others wake when they are needed
 _EACH = 50 << 20  # bytes of memory that a grading of an ordinary submission takes
 _ROOM = 4  # times as much has to be free as they take together: a submission may need more

@@ -60,7 +60,7 @@ def test_a_middleware_that_works_and_does_not_suit_the_courses_types_is_told(mon
 
 
 def test_a_grade_does_not_depend_on_the_users_middleware(monkeypatch: pytest.MonkeyPatch) -> None:
-    from course_kit.grading.workers.warm_process import variables_of
+    from course_kit.grading.workers.worker import variables_of
 
     monkeypatch.setattr(middleware, "choose_middleware", lambda: "")  # as in a sourced ROS that has it
     monkeypatch.setenv("RMW_IMPLEMENTATION", MISSING)

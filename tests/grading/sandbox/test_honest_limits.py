@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from course_kit import grading
-from course_kit.grading.workers.warm_process import _PASSED_ON, _PASSED_ON_PREFIXES
+from course_kit.grading.workers.worker import _PASSED_ON, _PASSED_ON_PREFIXES
 from tests.grading.conftest import ROOT
 
 if TYPE_CHECKING:
