@@ -64,7 +64,7 @@ STILL_ABOVE = {
     "course_kit/lab": 6562,
     "course_kit/reader": 850,  # the files of the capstone, out of a zip or a notebook
     "course_kit/authoring": 2733,  # submissions of several files
-    "course_kit/grading": 11262,  # with the capstone
+    "course_kit/grading": 11210,  # with the capstone
     "course_kit/launch": 2019,  # with respawn, and programs that are forked
     "course_kit/graders": 3040,  # with the capstone
     "course_kit/learner": 1437,  # with the steps of the lessons and the page of progress
