@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import zipfile
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -157,3 +159,20 @@ def write(place: Path) -> Path:
     (made / "exercise.toml").write_text(_TOML)
     (made / "checks.py").write_text(_CHECKS)
     return made
+
+
+def notebook(**changed: str | None) -> str:
+    """The same as a notebook: a cell for each file."""
+    texts = {name: changed.get(name.replace(".", "_"), text) for name, text in FILES.items()}
+    cells = [
+        {"cell_type": "code", "source": f"%%submission {ID} {name}\n{text}"} for name, text in texts.items() if text
+    ]
+    return json.dumps({"cells": cells})
+
+
+def zipped(place: Path, **changed: str | None) -> Path:
+    """The same as a zip archive, within a folder, as file managers pack it."""
+    with zipfile.ZipFile(place, "w") as archive:
+        for path in write_files(place.with_suffix(""), **changed).iterdir():
+            archive.write(path, f"{place.stem}/{path.name}")
+    return place

@@ -131,7 +131,7 @@ def read_submission(  # noqa: PLR0913 - what a submission is read for
     """Read a submission; never fails, as there is a report for whatever was handed in."""
     path = root / entry.source
     try:
-        with Copy(path) as copy:
+        with Copy(path, several=bool(exercise.files)) as copy:
             one = ClassSubmission(entry, exercise, seed, copy.digest, copy.size)
             if known is not None and one.has_result(known):
                 return one

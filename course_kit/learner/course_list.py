@@ -194,7 +194,7 @@ def next_step(passed: str, root: Path | None = None) -> str:
 
 def _comparison(exercise: Exercise | None) -> str:
     """How to see our solution, where there is one; a student edition has none."""
-    if exercise is None or not exercise.solution.is_file():
+    if exercise is None or not exercise.solution.exists():
         return ""
     where = f" --exercises {shlex.quote(str(exercise.folder))}" if exercise_folders.is_added(exercise.folder) else ""
     return f" Compare yours with ours: {environment.course_command()} solution {exercise.id}{where}"

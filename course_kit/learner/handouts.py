@@ -142,8 +142,8 @@ def changed_files(exercise: Exercise, place: Path | None = None) -> list[Changed
 def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     """Where each starter file belongs, by its name: both in a folder, or the one that a file's ending says."""
     if place.is_dir() or not place.suffix:
-        return {name: place / name for name in (exercise.starter, exercise.notebook)}
-    for name in (exercise.starter, exercise.notebook):
+        return {name: place / name for name in exercise.starters}
+    for name in exercise.starters:
         if place.suffix == Path(name).suffix:
             return {name: place}
     raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
@@ -194,10 +194,12 @@ def show_solution(exercise_id: str, *, anyway: bool) -> int:
 
 def _solution(exercise: Exercise) -> tuple[str, str]:
     """The text, and why it is not to be seen yet."""
-    if not exercise.solution.is_file():
+    if not exercise.solution.exists():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     known = progress.read_progress()[0].get(exercise.id, progress.ProgressRecord())
-    return exercise.solution.read_text(encoding="utf-8"), "" if known.passed else _not_yet(exercise, known)
+    texts = [f"# --- {name}\n{(exercise.solution / name).read_text(encoding='utf-8')}" for name in exercise.files]
+    text = "\n".join(texts) if texts else exercise.solution.read_text(encoding="utf-8")
+    return text, "" if known.passed else _not_yet(exercise, known)
 
 
 def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:

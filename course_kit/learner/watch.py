@@ -31,9 +31,9 @@ def watch_file(exercise_id: str, path: Path | None = None) -> int:
     """Grade at once and after each save, until Ctrl-C, which is the way to end it: 0."""
     exercise = load_exercise(exercise_id)
     path = workspace.choose_own(exercise, "watch")[0] if path is None else path
-    if path.is_dir():
+    if path.is_dir() and not exercise.files:
         raise GradingError(f"{path} is a folder. Name the .py or .ipynb file in it.")
-    if not path.is_file():
+    if not path.exists():
         raise GradingError(f"There is no file {path}.")
     best: Report | None = None
     before: Report | None = None
@@ -75,13 +75,13 @@ def wait_for_saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -
         before = now
 
 
-def _signature(path: Path) -> tuple[int, int, int] | None:
+def _signature(path: Path) -> list[tuple[int, int, int]] | None:
     """What differs after each save: the time, the size, or with editors that rename the file itself."""
     try:
-        status = path.stat()
+        seen = [one.stat() for one in (sorted(path.iterdir()) if path.is_dir() else [path])]
     except OSError:
         return None
-    return status.st_mtime_ns, status.st_size, status.st_ino
+    return [(one.st_mtime_ns, one.st_size, one.st_ino) for one in seen]
 
 
 def verdict_card(report: Report, before: Report | None) -> str:

@@ -241,7 +241,9 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
         raise no_files_of(exercise, verb)
     program, notebook = folder / exercise.starter, folder / exercise.notebook
     if not (program.is_file() and notebook.is_file()):
-        return (notebook if notebook.is_file() else program), ""
+        only = folder if exercise.files else program
+        return (notebook if notebook.is_file() else only), ""
+    program = folder if exercise.files else program
     with Reader() as readings:
         seen = {path: _glance(readings, path, exercise) for path in (program, notebook)}
     given = starter_identities(exercise) | {""}  # nobody has begun with these, nor with an empty program
@@ -250,7 +252,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
         other = program if best == notebook else notebook
-        unfinished = f"does not hold {exercise.class_name or exercise.variable}"
+        unfinished = f"does not hold {exercise.asks_for}"
         lacks = "is the starter still" if len(changed) == 1 else unfinished
         return best, f", because {other.name} {lacks}"
     if not changed:
@@ -264,7 +266,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
 
 def _glance(readings: Reader, path: Path, exercise: Exercise) -> FileSummary:
     """What a file looks like; one that cannot be read is graded if it is all there is, and the report says why."""
-    with suppress(UnreadableError, GradingError), Copy(path, whole=False) as copy:
+    with suppress(UnreadableError, GradingError), Copy(path, whole=False, several=bool(exercise.files)) as copy:
         return readings.summarize(copy, exercise)
     return FileSummary()
 
@@ -296,5 +298,5 @@ def _places(here: Path, exercise: Exercise) -> Iterator[Path]:
 
 def _has_one(folder: Path, exercise: Exercise) -> bool:
     with suppress(OSError):  # a folder of somebody else's
-        return (folder / exercise.starter).is_file() or (folder / exercise.notebook).is_file()
+        return any((folder / name).is_file() for name in exercise.starters)
     return False

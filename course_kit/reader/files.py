@@ -33,10 +33,11 @@ def read_files(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str]) 
         return _of_archive(name, file, exercise, wanted)
     if text.kind_of_file(name) == text.NOTEBOOK:
         return _of_notebook(name, file.read(), exercise)
-    return {name: _read(name, file.read())}
+    return {name: read_file(name, file.read())}
 
 
-def _read(name: str, data: bytes) -> Read:
+def read_file(name: str, data: bytes) -> Read:
+    """What is in one file."""
     try:
         source = text.read_text(name, text.decode_text(name, data))
     except text.UnreadableTextError as problem:
@@ -82,7 +83,7 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
             )
-        return {_last(one): _read(_last(one), archive.read(one)) for one in members[:MOST_FILES]}
+        return {_last(one): read_file(_last(one), archive.read(one)) for one in members[:MOST_FILES]}
     except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
         if isinstance(problem, text.UnreadableTextError):
             raise
@@ -115,4 +116,4 @@ def _last(path: str) -> str:
 
 def join_sources(read: Mapping[str, Read]) -> str:
     """All that could be read, one file below the other."""
-    return "\n".join(f"# {name}\n{one[0]}" for name, one in read.items() if not isinstance(one, str))
+    return "\n".join(f"# {name}\n{one[0]}" for name, one in sorted(read.items()) if not isinstance(one, str))

@@ -115,20 +115,22 @@ def _all_of(descriptor: int) -> bytes:
 
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:
     """Whether a file holds what is asked for; why it cannot be read; or its program, and what that is compared by."""
-    problem, source = "", ""
+    problem = source = compared = ""
     places: list[tuple[int, int]] = []
     several: dict[str, files.Read] = {}
     try:
         if wish.get("files"):
             several = files.read_files(name, file, wish["exercise"], wish["files"])
             source = files.join_sources(several)
+            compared = files.join_sources({one: several[one] for one in wish["files"] if one in several})
         else:
             source, places = text.read_program(name, file, wish["exercise"])
+            compared = source
     except text.UnreadableTextError as error:
         problem = str(error)
     seen = {
         "found": not several.keys().isdisjoint(wish["files"]) if several else _asked_for(name, file, source, wish),
-        "identity": fingerprints.program_identity(source) if source and wish["compared"] else "",
+        "identity": fingerprints.program_identity(compared) if compared and wish["compared"] else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }

@@ -9,7 +9,8 @@ import pytest
 
 from course_kit.classroom.intake import archive, collecting
 from course_kit.grading import GradingError
-from course_kit.grading.model.exercise import Exercise, load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
+from tests import several_files
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -215,3 +216,24 @@ def test_what_will_hardly_get_a_point_is_among_what_to_look_at(
     [entry] = collect(tmp_path / "in").entries
     assert entry.worry.startswith(worry)
     assert bool(entry.worry) == bool(worry)
+
+
+def test_a_folder_a_notebook_a_zip_and_a_repository_of_a_student_are_one_submission_each(tmp_path: Path) -> None:
+    exercise, handed_in = read_exercise(several_files.write(tmp_path)), tmp_path / "in"
+    several_files.write_files(handed_in / "ann", gate_py="print(1)")
+    several_files.write_files(handed_in / "ben" / "src" / "mine", guard_py=None, gate_py="print(2)")
+    (handed_in / "ben" / ".git").mkdir()
+    (handed_in / "ben" / ".git" / "config").write_text("[core]")
+    (handed_in / "cem").mkdir()
+    (handed_in / "cem" / "answer.ipynb").write_text(several_files.notebook(gate_py="print(3)"))
+    (handed_in / "dee").mkdir()
+    several_files.zipped(tmp_path / "dee.zip", gate_py="print(4)").rename(handed_in / "dee" / "answer.zip")
+    found = collect(handed_in, exercise, layout="folders")
+    assert {entry.student: entry.source for entry in found.entries} == {
+        "ann": "ann",
+        "ben": "ben/src/mine",
+        "cem": "cem/answer.ipynb",
+        "dee": "dee/answer.zip.contents/dee",
+    }
+    assert {entry.student: entry.worry for entry in found.entries if entry.worry} == {"ben": "missing: guard.py"}
+    assert dict(found.left) == {"ben/.git": "a folder of a tool"}

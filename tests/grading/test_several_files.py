@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
+from course_kit.grading.model.exercise import read_exercise
+from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.reader import Reader
 from tests import several_files
 from tests.several_files import ID
 
@@ -50,3 +53,20 @@ def test_what_the_launch_file_starts_is_explained_by_its_own_file_and_line(
     report = grade(several_files.write_files(tmp_path / "yours", pair_launch_py="import nix"))
     together = next(check for check in report.checks if check.id == "pair")
     assert "pair.launch.py, line 1: No module named 'nix'." in together.message
+
+
+def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
+    exercise = read_exercise(several_files.write(tmp_path))
+    (tmp_path / "it.ipynb").write_text(several_files.notebook(guard_py=None))
+    packed = several_files.zipped(tmp_path / "it.zip", guard_py=None)
+    alone = tmp_path / "it" / "gate.py"
+    with Reader() as reader:
+        read = []
+        for path in (tmp_path / "it", packed, tmp_path / "it.ipynb", alone):
+            with Copy(path, several=True) as copy:
+                read.append(reader.read(copy, exercise))
+    folder, archive, cells, one = ({name: text.source.strip() for name, text in each.files.items()} for each in read)
+    assert folder == archive == cells
+    assert sorted(folder) == ["gate.py", "pair.launch.py", "pair.yaml"]
+    assert one == {"gate.py": folder["gate.py"]}
+    assert read[2].files["pair.yaml"].where(2) == "cell 3, line 3"

@@ -65,7 +65,7 @@ class ProgramTexts(Closable):
 
     def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
         """The fingerprints of any file that is read as a submission for an exercise."""
-        with suppress(UnreadableError, GradingError), Copy(path) as copy:
+        with suppress(UnreadableError, GradingError), Copy(path, several=bool(exercise.files)) as copy:
             return self._reader.summarize(copy, exercise, whatever=True)
         return FileSummary()
 
@@ -82,8 +82,9 @@ class ProgramTexts(Closable):
 
     def _read(self, record: GradeRecord) -> list[str]:
         if self._root is not None and record.entry.exercise not in self._elsewhere:
-            with suppress(UnreadableError, GradingError), Copy(self._root / record.entry.source) as copy:
-                return self._reader.read(copy, self._exercises[record.entry.exercise]).source.split("\n")
+            exercise, path = self._exercises[record.entry.exercise], self._root / record.entry.source
+            with suppress(UnreadableError, GradingError), Copy(path, several=bool(exercise.files)) as copy:
+                return self._reader.read(copy, exercise).source.split("\n")
         return []
 
 
@@ -127,7 +128,7 @@ def find_lookalikes(book: Gradebook, texts: ProgramTexts | None = None) -> LookA
     groups: list[Group] = []
     compared = unread = 0
     for exercise in book.exercises:
-        if not exercise.class_name:
+        if exercise.variable:
             continue
         programs = list(_programs(book.records_of(exercise.id), exercise, texts))
         groups += _groups(programs)
@@ -135,7 +136,7 @@ def find_lookalikes(book: Gradebook, texts: ProgramTexts | None = None) -> LookA
         compared += long_enough
         unread += len(programs) - long_enough
     groups.sort(key=lambda group: (-group[0].similarity, -len(group), group[0].first.entry.student))
-    left_out = tuple(exercise.title for exercise in book.exercises if not exercise.class_name)
+    left_out = tuple(exercise.title for exercise in book.exercises if exercise.variable)
     return LookAlikes(tuple(groups), compared, unread, left_out)
 
 
@@ -151,7 +152,7 @@ def _programs(
         same[_file(record)].append(record)
     starters = starter_identities(exercise)
     given: frozenset[int] = frozenset()
-    for name in (exercise.starter, exercise.notebook) if texts.are_at_hand else ():
+    for name in ("" if exercise.files else exercise.starter, exercise.notebook) if texts.are_at_hand else ():
         given |= texts.of_file(exercise.folder / name, exercise).prints
     for group in same.values():
         found = texts.fingerprints(group[0])

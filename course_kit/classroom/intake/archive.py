@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.intake.listing import FILE, FOLDER, LINK, OTHER, Item, StudentFiles, look_through, move_item
 from course_kit.grading.errors import GradingError
 from course_kit.process import Closable
+from course_kit.reader.files import YAML
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -248,7 +249,7 @@ def unpack_students_zip(root: Path, item: Item) -> StudentFiles:
     try:
         with Archive(root / item.path, root / folder, NAMES_OF_ONE) as archive:
             found = look_through(archive, Item("", FOLDER))
-            wanted = [one for one in found.files if one.is_program or len(found.files) == 1]
+            wanted = [one for one in found.files if one.is_program or one.name.endswith(YAML) or len(found.files) == 1]
             problems = archive.fetch(wanted)
             lost = [*found.unseen, *archive.lost]
     except GradingError as problem:

@@ -74,8 +74,8 @@ def choose_candidate(
             worries.append(f"only its name was better than that of {others[0].file.path}")
     asked_for = [one.file.path for one in others if one.glance.found and not one.is_starter]
     if asked_for and not best.glance.found and not best.file.problem:
-        worries.append(f"{asked_for[0]} holds {exercise.class_name or exercise.variable}, and this one does not")
-    if not best.file.item.is_program:
+        worries.append(f"{asked_for[0]} holds {exercise.asks_for}, and this one does not")
+    if not (best.file.item.is_program or exercise.files):
         worries.append("it is neither a .py nor an .ipynb file")
     if best.is_starter:
         why = f"{why}; it is the starter, unchanged"
@@ -145,7 +145,7 @@ def _fit(one: Candidate, exercise: Exercise) -> str:
     if one.sureness == CALLED_ALIKE:
         return "the exercise's name is in its name"
     if one.sureness == BY_CONTENT:
-        return f"it holds {exercise.class_name or exercise.variable}"
+        return f"it holds {exercise.asks_for}"
     return "the only program" if one.file.item.is_program else "the only file"
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.classroom.intake import archive, candidates, listing
 from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
+from course_kit.classroom.intake.listing import Item
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
 from course_kit.grading.errors import GradingError
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Item, Left
+    from course_kit.classroom.intake.listing import Left
     from course_kit.classroom.intake.sources import OpenedSources
     from course_kit.grading.reading.reader import Reader
 
@@ -57,6 +58,7 @@ class Chooser:
         self._may_unpack = opened.is_copy
         self._exercises = exercises
         self._starters = {one.id: starter_identities(one) for one in exercises}
+        self._named = {name for one in exercises for name in one.files}
         self.entries: list[Entry] = []
         self.left: Left = []
         self.missing: list[tuple[str, str]] = []
@@ -97,13 +99,14 @@ class Chooser:
         entries = []
         for exercise, choice, not_chosen in choices:
             of_others = [paths for other, paths in considered.items() if other != exercise.id]
-            beside = [file.path for file in files if file.unit.exercise in ("", exercise.id)]
-            rest = sorted(set(beside).difference(chosen, not_chosen, *of_others))
+            for_it = [file for file in files if file.unit.exercise in ("", exercise.id) and file.folder not in chosen]
+            rest = sorted({file.path for file in for_it}.difference(chosen, not_chosen, *of_others))
             reasons_here = {path: why for path, why in not_chosen.items() if path not in chosen}
             entries.append(self._entry(student, exercise, choice, reasons_here, rest))
         taken = {entry.source for entry in entries}
         reasons = {**dict.fromkeys(self._unseen, _NO_TIME), **reasons}
-        not_taken = [(one.path, reasons.get(one.path, _NONE_OF_THESE)) for one in files if one.path not in taken]
+        rest = [one.path for one in files if taken.isdisjoint((one.path, one.folder))]
+        not_taken = [(path, reasons.get(path, _NONE_OF_THESE)) for path in rest]
         self._leave(student, not_taken, "they belong to none of these exercises")
         handed_in = {entry.exercise for entry in entries}
         self.missing += [(student, exercise.id) for exercise in self._exercises if exercise.id not in handed_in]
@@ -131,7 +134,7 @@ class Chooser:
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.unit.exercise] == 1 or file.item.name == STAMP
+            if file.item.is_program or of_exercise[file.unit.exercise] == 1 or file.item.name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files] + opened, problems
@@ -199,7 +202,9 @@ class Chooser:
 
     def _candidates(self, files: list[File], exercise: Exercise) -> Iterator[Candidate]:
         for_it = [file for file in files if file.unit.exercise in ("", exercise.id)]
-        programs = [file for file in for_it if file.item.is_program]
+        if exercise.files:
+            for_it = _as_one(for_it, exercise)
+        programs = [file for file in for_it if may_be_submission(file.item, exercise)]
         told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
         seen = {file.path: self._glance(file, exercise) for file in programs or for_it}
@@ -214,6 +219,8 @@ class Chooser:
             fits = glance.found or (is_script and file.called.removesuffix(".py") not in imported)
             is_starter = glance.identity in self._starters[exercise.id]
             odd = self._odd(file, exercise, glance, fits=fits)
+            if glance.program and (lacks := [one for one in exercise.files if one not in glance.program.files]):
+                odd = f"missing: {', '.join(lacks)}"
             changed = _changed(self._root / file.path)
             yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
 
@@ -225,8 +232,8 @@ class Chooser:
         if glance.identity:
             for other in _others_of_course(exercise):
                 if self._glance(file, other).found:
-                    return f"it holds {other.class_name or other.variable}, which {other.id} asks for"
-            return "" if fits else f"it does not hold {exercise.class_name or exercise.variable}"
+                    return f"it holds {other.asks_for}, which {other.id} asks for"
+            return "" if fits else f"it does not hold {exercise.asks_for}"
         with suppress(OSError):
             if not path.lstat().st_size:
                 return "it is empty"
@@ -235,13 +242,13 @@ class Chooser:
         return "no program can be read in it"
 
     def _glance(self, file: File, exercise: Exercise) -> FileSummary:
-        if file.problem or file.item.kind != listing.FILE or not file.item.is_program:
+        if file.problem or file.item.kind == listing.OTHER or not may_be_submission(file.item, exercise):
             return FileSummary()
         if time.monotonic() > self._look_until:
             self._unseen.add(file.path)
             return FileSummary()
         try:
-            copy = Copy(self._root / file.path, whole=False)
+            copy = Copy(self._root / file.path, whole=False, several=bool(exercise.files))
         except UnreadableError:
             return FileSummary()
         with copy:
@@ -251,6 +258,22 @@ class Chooser:
                 return FileSummary(found=True)  # it may be; whoever reads it next says what is wrong with it
 
 
+def _as_one(files: Sequence[File], exercise: Exercise) -> list[File]:
+    """Files of a submission of several: each folder with some of the wanted ones as one, beside what is in no such."""
+    folders = {
+        file.folder: file.unit for file in files if file.called in exercise.files and file.item is not file.unit.item
+    }
+    found = [File(Item(folder, listing.FOLDER), unit) for folder, unit in folders.items()]
+    return found + [
+        file for file in files if file.folder not in folders or text.kind_of_file(file.called) == text.NOTEBOOK
+    ]
+
+
+def may_be_submission(item: Item, exercise: Exercise) -> bool:
+    """Whether an item is of a kind that can be handed in."""
+    return item.is_program or (bool(exercise.files) and (item.is_zip or item.kind == listing.FOLDER))
+
+
 def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     """The exercises beside one, in its folder."""
     folder = exercise.folder.parent
@@ -258,10 +281,10 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
 
 
 def _sureness(file: File, exercise: Exercise, seen: FileSummary) -> int:
-    if not file.item.is_program:
+    if not may_be_submission(file.item, exercise):
         return 0
     called = _AGAIN.sub("", file.called)
-    if called.lower() in (exercise.starter.lower(), exercise.notebook.lower()):
+    if called.lower() in map(str.lower, exercise.starters):
         return NAMED
     if exercise.id in called.lower():
         return CALLED_ALIKE
@@ -300,8 +323,8 @@ def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
 
 def _changed(path: Path) -> float:
     try:
-        return path.lstat().st_mtime
-    except OSError:
+        return max(one.lstat().st_mtime for one in (path.iterdir() if path.is_dir() else [path]))
+    except (OSError, ValueError):  # it has gone, or is empty
         return 0.0
 
 

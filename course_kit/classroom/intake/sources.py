@@ -93,7 +93,7 @@ def _joined(units: list[Unit], parts: dict[str, OpenedSources], exercises: int) 
 
 
 def _open(path: Path, workspace: Path, exercises: Sequence[Exercise], stack: ExitStack, *, copied: bool) -> Download:
-    starters = frozenset(name for exercise in exercises for name in (exercise.starter, exercise.notebook))
+    starters = frozenset(name for exercise in exercises for name in exercise.starters)
     if _is_folder(path):
         folder = CopiedFolder(path, workspace) if copied else listing.Folder(path)
         return Download(folder, path.resolve().name, packed=False, starters=starters)

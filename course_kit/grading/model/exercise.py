@@ -104,6 +104,16 @@ class Exercise:
         folder = self.folder.absolute() / exercise_folders.INTERFACES
         return str(folder) if folder.is_dir() else ""
 
+    @property
+    def starters(self) -> tuple[str, ...]:
+        """The names of all files that a learner begins with."""
+        return (*(self.files or (self.starter,)), self.notebook)
+
+    @property
+    def asks_for(self) -> str:
+        """What a submission holds, in words."""
+        return self.class_name or self.variable or ", ".join(self.files)
+
     def ladder(self, topic: str) -> tuple[str, ...]:
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
         return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))

@@ -26,8 +26,7 @@ from course_kit.process import Closable
 from course_kit.process.child import INTO_STDOUT, Child
 from course_kit.process.libc import make_memory_file
 from course_kit.process.output import LastWords
-from course_kit.reader import contract, fingerprints, text
-from course_kit.reader.files import is_name
+from course_kit.reader import contract, files, fingerprints, text
 from course_kit.reader.process import TOO_MUCH_MEMORY
 from course_kit.reader.text import NOTEBOOK, kind_of_file
 
@@ -191,7 +190,7 @@ def _summary(copy: Copy, answer: bytes) -> FileSummary:
         fields = json.loads(answer)  # not by msgspec, which takes no text with half a character
         if fields.get("program"):
             fields["program"].update(name=copy.name, program=_program_name(copy.name))
-            if not all(map(is_name, fields["program"].get("files", ()))):
+            if not all(map(files.is_name, fields["program"].get("files", ()))):
                 raise ValueError("a file's name")  # noqa: TRY301 - as for all that makes no sense
         return convert_record(fields, FileSummary)
     except (ValueError, AttributeError, RecursionError):
@@ -209,13 +208,21 @@ def _program_name(name: str) -> str:
 
 def starter_identities(exercise: Exercise) -> frozenset[str]:
     """Those of the programs that an exercise begins with: whoever hands one in as it was has not begun."""
-    paths = (exercise.folder / name for name in (exercise.starter, exercise.notebook))
-    return frozenset(filter(None, (_identity_of(path, exercise.id) for path in paths)))
+    programs = exercise.folder if exercise.files else exercise.folder / exercise.starter
+    paths = (programs, exercise.folder / exercise.notebook)
+    return frozenset(filter(None, (_identity_of(path, exercise.id, exercise.files) for path in paths)))
 
 
 @lru_cache(maxsize=64)
-def _identity_of(path: Path, exercise_id: str) -> str:
+def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
     """That of a file of the course; none of one that is not there, or of a notebook without a cell to fill in."""
-    with suppress(OSError, text.UnreadableTextError), path.open("rb") as file:
-        return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
+    with suppress(OSError, text.UnreadableTextError):
+        if wanted and path.is_dir():
+            read = {name: files.read_file(name, (path / name).read_bytes()) for name in wanted}
+            return fingerprints.program_identity(files.join_sources(read))
+        with path.open("rb") as file:
+            if wanted:
+                read = files.read_files(path.name, file, exercise_id, wanted)
+                return fingerprints.program_identity(files.join_sources(read))
+            return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
     return ""

@@ -30,7 +30,7 @@ NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown
 # As `Submission.where` words it; what a learner's program says may look like it, and then marks a line too many.
-_PLACE = re.compile(r"\b(?:cell \d{1,6}, )?line \d{1,6}\b")
+_PLACE = re.compile(r"(?:\b\w[\w.-]{0,99}\.py, )?\b(?:cell \d{1,6}, )?line \d{1,6}\b")
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,11 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
         for place in dict.fromkeys(_PLACE.findall(text)):
             named.setdefault(place, []).append(title)
     found = []
-    for number, text in enumerate(program.source.rstrip("\n").split("\n")[:MOST_LINES], start=1):
-        place = program.where(number)
-        found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
-    return found
+    for name, one in program.files.items() or [("", program)]:
+        for number, text in enumerate(one.source.rstrip("\n").split("\n"), start=1):
+            place = f"{name}, {one.where(number)}" if name else one.where(number)
+            found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
+    return found[:MOST_LINES]
 
 
 def _failures(report: Report) -> list[tuple[str, str]]:
