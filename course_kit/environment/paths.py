@@ -24,7 +24,6 @@ FOLDER_VARIABLE = "COURSE_KIT_FOLDER"  # the learner's folder that JupyterLab wa
 PROGRESS_VARIABLE = "COURSE_KIT_PROGRESS"
 COPIED = ("notebooks", "exercises")  # from the course into a learner's folder
 _NAME = "ros2-course"
-_OFF = "off"
 _APPLICATION = "ros2-course-kit"
 _LOGS_KEPT = 40
 _FILES = (".dockerenv", "run/.containerenv", "run/systemd/container")  # Docker, Podman, systemd-nspawn
@@ -144,7 +143,7 @@ def own_run_dir() -> Path:
 def progress_file() -> Path | None:
     """Where what was reached is kept; None where nothing is, as for the tests: COURSE_KIT_PROGRESS is `off`."""
     chosen = os.environ.get(PROGRESS_VARIABLE, "")
-    if chosen == _OFF:
+    if chosen == "off":
         return None
     return Path(chosen) if chosen else own_run_dir() / "progress.json"
 

@@ -63,9 +63,10 @@ def guess_wrong_then_right_by_keyboard(lab: JupyterLab) -> None:
     expect(lab.page.locator(".jp-Cell:has(.ck-guess) + .jp-Cell")).to_have_class(re.compile("jp-mod-active"))
     expect(verdict).to_contain_text("Right.")
     kept = {**os.environ, "COURSE_KIT_PROGRESS": ""}
-    command = [lab.root / "course", "list"]
+    command = [lab.root / "course", "list", "--format", "json"]
     listed = subprocess.run(command, cwd=lab.root, env=kept, capture_output=True, text=True, check=True)
-    assert "00_welcome: guesses right: 0 of 3 (1 answered)" in listed.stdout
+    [score] = json.loads(listed.stdout)["questions"]
+    assert (score["lesson"], score["right"], score["count"], score["answered"]) == ("00_welcome", 0, 3, 1)
 
 
 def choose(panel: Locator, place: int) -> None:

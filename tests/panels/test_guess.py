@@ -74,6 +74,5 @@ def test_the_list_counts_first_tries(progress: Path) -> None:
     panel = panels.guess(NAME)
     panel.answer(NAME, guesses.find_question(NAME).right)
     course = Course(progress)
-    assert "01_services: guesses right: 1 of 11 (1 answered)" in course.run("list").stdout
     [score] = json.loads(course.run("list", "--format", "json").stdout)["questions"]
     assert (score["lesson"], score["right"]) == ("01_services", 1)
