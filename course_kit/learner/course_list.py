@@ -185,7 +185,7 @@ def next_step(passed: str, root: Path | None = None) -> str:
     number = next((exercise.order for exercise in exercises if exercise.id == passed), 0)
     following = next((exercise for exercise in exercises if exercise.order > number), None)
     lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
-    steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons else []
+    steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons and following else []
     if following is not None:
         steps.append(f"exercise {following.order}, {following.id}")
     way = f"Next: {'; then '.join(steps)}." if steps else "That was the last exercise."

@@ -127,7 +127,7 @@ class CorridorPicture(GoalFollower):
         self._type = Deliver
         self._journey, self._lock = Journey(), threading.Lock()
         self.widget = _CorridorWidget()
-        self._take_known_parameters()
+        self._asked: set[str] = set()
         self._follow(Deliver)
         self._hear("/parameter_events", ParameterEvent, self._take_event)
         self._hear("/docked", Bool, self._journey.take_docked)
@@ -158,11 +158,16 @@ class CorridorPicture(GoalFollower):
 
         self.at_close(Subscription(lab.current().engine, topic, message_type, keep).close)
 
-    def _take_known_parameters(self) -> None:
-        """Those of nodes that were there before us; others tell theirs."""
-        for node in sorted(_ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))):
+    def _ask_who_is_new(self) -> None:
+        """A node tells its parameters when it begins, often before anybody can hear it."""
+        there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
+        self._asked &= there
+        for node in there - self._asked:
             with contextlib.suppress(lab.LabError):  # it has gone, or is about to begin
-                self._journey.parameters.update(lab.get_parameters_blocking(node))
+                values = lab.get_parameters_blocking(node)
+                self._asked.add(node)
+                with self._lock:
+                    self._journey.parameters.update(values)
 
     def _take_event(self, event: Message) -> None:
         if event.node in _ASKED_NODES:
@@ -176,6 +181,8 @@ class CorridorPicture(GoalFollower):
             self.go(str(wish.get("room", "")))
 
     def _show(self, standing: Standing) -> None:
+        if not self._ended:
+            self._ask_who_is_new()
         said = status_line(standing, f'The delivery to "{standing.asked.room}"' if standing.asked is not None else "")
         if standing.result is not None and standing.result.message:
             said += f" Its message: {standing.result.message}."

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         ("move_robot", "Next: lesson 3, notebooks/03_parameters.ipynb; then exercise 3, robot_parameters."),
         ("robot_parameters", "Next: lesson 4, notebooks/04_choosing_a_pattern.ipynb; then exercise 4, pattern_choice."),
         ("pattern_choice", "Next: lesson 5, notebooks/05_command_line.ipynb; then exercise 5, delivery_robot."),
+        ("delivery_robot", "That was the last exercise."),
     ],
 )
 def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> None:
