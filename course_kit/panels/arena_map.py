@@ -94,9 +94,7 @@ class RobotMap(GoalFollower):
         self.send_to_one(self._type.Goal(target=Point(x=float(x), y=float(y))))
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        if wish.get("do") == "cancel":
-            self.cancel()
-        elif isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
+        if isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
             self.go(wish["x"], wish["y"])
         else:
             self._sender.say("Type a number for x and one for y.")

@@ -37,8 +37,7 @@ class Journey:
         self.at: float | None = None  # metres from the dock
         self.target = ""
         self.door = "shut"  # or "asked", or "open"
-        self.battery = math.nan
-        self.low = False
+        self.battery, self.low = math.nan, False
         self._driven = math.inf
         self._goal = b""
 
@@ -175,10 +174,7 @@ class CorridorPicture(GoalFollower):
             self._journey.parameters.update({one.name: from_message(one.value) for one in changed})
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        if wish.get("do") == "cancel":
-            self.cancel()
-        else:
-            self.go(str(wish.get("room", "")))
+        self.go(str(wish.get("room", "")))
 
     def _show(self, standing: Standing) -> None:
         if not self._ended:
@@ -201,10 +197,10 @@ class CorridorPicture(GoalFollower):
 
     def _draw(self) -> str:
         journey = self._journey
-        rooms, places = journey.rooms, {room: self._x(metres) for room, metres in journey.rooms.items()}
+        places = {room: self._x(metres) for room, metres in journey.rooms.items()}
         return drawn(
             "corridor.svg",
-            rooms=[(room, metres, places[room]) for room, metres in rooms.items() if room != _DOCK],
+            rooms=[(room, journey.rooms[room], x) for room, x in places.items() if room != _DOCK],
             dock=_LEFT,
             door_at=(_LEFT + min(filter(lambda x: x > _LEFT, places.values()), default=_LEFT + _LENGTH)) / 2,
             door=journey.state_of_door,

@@ -297,11 +297,15 @@ class GoalFollower(Panel):
 
     @abstractmethod
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        """The page wants something done."""
+        """The page wants something done, but no cancelling."""
 
     def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
         del widget, buffers
-        if not self._ended:
+        if self._ended:
+            return
+        if wish.get("do") == "cancel":
+            self.cancel()
+        else:
             self._take_wish(wish)
 
     def _end(self) -> None:
@@ -378,8 +382,6 @@ class ActionPanel(GoalFollower):
         self._form.type_in(self.widget, wish)
         if wish.get("do") == "send":
             self.send()
-        elif wish.get("do") == "cancel":
-            self.cancel()
 
     def _show(self, standing: Standing) -> None:
         progress, errors = standing.progress, self._errors
