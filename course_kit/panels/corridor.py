@@ -57,8 +57,7 @@ class Journey:
 
     def take_docked(self, message: Message) -> None:
         """The carrier says whether the robot stands at the dock, where the way begins."""
-        if message.data:
-            self.at = 0.0
+        self.at = 0.0 if message.data else self.at
 
     def take_distance(self, message: Message) -> None:
         """The carrier says how far the robot has driven since its start: it is so much nearer to its target."""
@@ -196,8 +195,7 @@ class CorridorPicture(GoalFollower):
         }
 
     def _draw(self) -> str:
-        journey = self._journey
-        places = {room: self._x(metres) for room, metres in journey.rooms.items()}
+        journey, places = self._journey, {room: self._x(metres) for room, metres in self._journey.rooms.items()}
         return drawn(
             "corridor.svg",
             rooms=[(room, journey.rooms[room], x) for room, x in places.items() if room != _DOCK],

@@ -301,11 +301,9 @@ class GoalFollower(Panel):
 
     def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
         del widget, buffers
-        if self._ended:
-            return
-        if wish.get("do") == "cancel":
+        if not self._ended and wish.get("do") == "cancel":
             self.cancel()
-        else:
+        elif not self._ended:
             self._take_wish(wish)
 
     def _end(self) -> None:
