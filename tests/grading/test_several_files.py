@@ -70,3 +70,15 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     assert sorted(folder) == ["gate.py", "pair.launch.py", "pair.yaml"]
     assert one == {"gate.py": folder["gate.py"]}
     assert read[2].files["pair.yaml"].where(2) == "cell 3, line 3"
+
+
+def test_the_programs_of_a_launch_file_share_the_memory_that_one_may_have(
+    tmp_path: Path, grade: Callable[..., grading.Report]
+) -> None:
+    large = {name: f"held = b'x' * {110 << 20}\n{several_files.FILES[name]}" for name in ("gate.py", "guard.py")}
+    report = grade(several_files.write_files(tmp_path / "mine", gate_py=large["gate.py"], guard_py=large["guard.py"]))
+    assert {check.id: check.diagnosis for check in report.checks} == {
+        "gate": None,
+        "guard": None,
+        "pair": "limit.memory",
+    }

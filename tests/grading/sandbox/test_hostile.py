@@ -14,6 +14,7 @@ import pytest
 
 from course_kit import environment, grading
 from course_kit.process import tree
+from tests import several_files
 from tests.grading.sandbox.hostile_table import Table
 
 if TYPE_CHECKING:
@@ -140,6 +141,18 @@ def test_attack_earns_nothing(attack: str, grade_source: Grade, table: Table) ->
         assert ("EVERYBODY" in report.stdout) == table.isolation.processes
         held = held if table.isolation.processes else "nothing: its parent is dead, and it with it; others were spared"
     table.add(tried, report, held)
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+def test_from_one_of_several_programs_that_a_launch_file_starts_it_earns_nothing(
+    attack: str, tmp_path: Path, worker: grading.Worker, nothing_lives: Callable[[], bool]
+) -> None:
+    made = several_files.write(tmp_path / "exercises")
+    mine = several_files.write_files(tmp_path / "mine", guard_py=ATTACKS[attack])
+    report = grading.grade(several_files.ID, mine, worker=worker, exercises=made.parent, only="pair")
+    assert report.status != "error", report.problem
+    assert [(check.status, check.points) for check in report.checks] == [("failed", 0.0)]
+    assert nothing_lives()
 
 
 def test_among_the_testers_own_processes_no_attack_kills_more_than_its_parent() -> None:
