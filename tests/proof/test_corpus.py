@@ -11,7 +11,7 @@ import pytest
 from course_kit.authoring import corpus, rules
 from course_kit.grading.model.catalogue import catalogue
 from course_kit.grading.model.exercise import load_exercise
-from tests.proof.conftest import DRILLS, EXERCISES, ROOT, SAMPLE
+from tests.proof.conftest import CONVERSATIONS, DRILLS, EXERCISES, ROOT, SAMPLE, is_compared_in_short
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -55,7 +55,7 @@ FACTS = [
     ("robot_parameters", "parameter.default", "wheel_diameter=0.2"),
     ("robot_parameters", "parameter.not_atomic", "your node refused the change, yet"),
     ("robot_parameters", "parameter.override_ignored", "the node acts on another"),
-    ("robot_parameters", "parameter.read_once", "what comes out is the same as before"),
+    ("robot_parameters", "parameter.read_once", "is the same as before"),
     ("robot_parameters", "parameter.type", "max_velocity is integer"),
     ("robot_parameters", "parameter.undeclared", "has not declared enabled"),
     ("robot_parameters", "topic.qos", "Best effort publisher and reliable subscription"),
@@ -80,16 +80,13 @@ SYMPTOMS = {  # the words in which an untouched drill is told the cause
     "two_at_once": "accepted a second goal while the first was running",
     "good_but_aborted": "returned without saying how the goal ended",
 }
-# Graded by a conversation, or of several programs: which check a fault costs first can hang on what was drawn, or which
-# program is late, so that is for `--all`; that it costs points, and a right program none, is for each run.
-CONVERSATIONS = ("temperature_service", "move_robot", "robot_parameters", "delivery_robot")
 VERDICTS = ROOT / "tests" / "frozen" / "verdicts.txt"
 LONGEST_GRADER = 60  # lines, in TOML and in Python together
 
 
 def shown(one: ProofSubmission, report: Report) -> str:
     """A verdict in one line: what has not passed, by name."""
-    if one.exercise in CONVERSATIONS and one.kind in ("broken", "slip"):
+    if is_compared_in_short(one):
         marks = "full marks" if report.score == report.max_score else "less than full marks"
         return f"{named(one)}: {report.status}, {marks}"
     passed = sum(check.status == "passed" for check in report.checks)
