@@ -75,7 +75,6 @@ SLOW = (
     "tests/graders/test_move_robot.py",
     "tests/graders/test_strange_answers.py",
     "tests/grading/checks/test_deadlines.py",
-    "tests/grading/checks/test_fairness.py",
     "tests/grading/checks/test_sending_attacks.py",
     "tests/grading/sandbox/",
     "tests/grading/test_engine.py",

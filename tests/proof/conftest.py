@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 ROOT = environment.checkout_folder() or Path()
 EXERCISES = corpus.all_exercises(ROOT)
 DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
-
-
 SAMPLE = "sample"
 ONE_IN = 6  # of the right programs beside the solutions
 SIDE_BY_SIDE = 4  # fewer than a class has: other tests run beside these
@@ -58,23 +56,19 @@ class SampleGradings(Gradings):
 
 
 def is_compared_in_short(one: corpus.ProofSubmission) -> bool:
-    """Which check a fault costs first can hang on what a conversation drew, or on which of several programs is late, so
-    that is for `--all`; that it costs points, and a right program none, is for each run.
-    """
+    """What can hang on what a conversation drew, or on which program is late, is for `--all`; that it costs is not."""
     return one.exercise in CONVERSATIONS and one.kind in ("broken", "slip")
 
 
 def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
     """A starter and the solution of each, other right programs, each diagnosis once, and a failure of each check."""
-    right = [one for each in whole for one in sorted(filter(is_right, each.submissions), key=in_no_order)]
+    every = [one for each in whole for one in sorted(each.submissions, key=lambda one: zlib.crc32(one.name.encode()))]
+    right = [one for one in every if one.kind == "variant" or (one.kind == "slip" and not one.failed)]
     told: set[str] = set()
     chosen = []
     for one in whole:
-        here = {
-            *right[::ONE_IN],
-            *one.of_kind("solution"),
-            *(each for each in one.of_kind("starter") if each.path.suffix != ".py"),
-        }
+        starters = [each for each in one.of_kind("starter") if each.path.suffix != ".py"]
+        here = {*right[::ONE_IN], *one.of_kind("solution"), *starters}
         # pattern_choice, which has no node, fails in ways of its own.
         named = [each for each in (*one.of_kind("broken"), *one.of_kind("slip")) if each.name in catalogue()]
         here.update(each for each in named if each.name not in told or each.exercise == "pattern_choice")
@@ -87,15 +81,6 @@ def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
                 seen |= checks
         chosen.append(corpus.Corpus(one.exercise, tuple(each for each in one.submissions if each in here)))
     return chosen
-
-
-def is_right(one: corpus.ProofSubmission) -> bool:
-    """Whether it is right in a way of its own."""
-    return one.kind == "variant" or (one.kind == "slip" and not one.failed and one.name not in catalogue())
-
-
-def in_no_order(one: corpus.ProofSubmission) -> int:
-    return zlib.crc32(one.name.encode())
 
 
 @pytest.fixture(
