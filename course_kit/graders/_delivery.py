@@ -142,14 +142,14 @@ def open_door(door: OfferedService) -> None:
     door.reply(door.answer)
 
 
-def require_arrival(node: GradedNode, goal: GradedGoal, room: str, speed: float = ALONE_MPS) -> None:
+def require_arrival(node: GradedNode, goal: GradedGoal, room: str) -> None:
     """A goal for which the door is open ends SUCCEEDED, after as long as the way takes."""
     memory = node.context.memory
     metres = abs(PLACES[room] - memory["at"])
-    ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / speed + SHOWN_S, delivered=True)
+    ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / ALONE_MPS + SHOWN_S, delivered=True)
     took_s = goal.clock.wall()
-    evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / speed:.2f} s or more", f"{took_s:.2f} s")
-    require(took_s >= 0.9 * metres / speed, evidence, f"That is faster than speed_mps={speed:g}.")
+    evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / ALONE_MPS:.2f} s or more", f"{took_s:.2f} s")
+    require(took_s >= 0.9 * metres / ALONE_MPS, evidence, f"That is faster than speed_mps={ALONE_MPS:g}.")
     require_distance(node, goal, ended, metres)
     memory["at"] = PLACES[room]
 
@@ -161,10 +161,10 @@ def require_distance(node: GradedNode, goal: GradedGoal, ended: Ended, metres: f
     require(abs(said - metres) <= NEAR_M, evidence, "The robot has driven another way for this goal.")
 
 
-def deliver(node: GradedNode, room: str, speed: float = ALONE_MPS) -> GradedGoal:
+def deliver(node: GradedNode, room: str) -> GradedGoal:
     """A delivery while the door opens at once."""
     goal = node.goal(DELIVER, room=room).accepted_by()
-    require_arrival(node, goal, room, speed)
+    require_arrival(node, goal, room)
     return goal
 
 
