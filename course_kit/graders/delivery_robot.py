@@ -271,13 +271,13 @@ def carrier_rejects(node: GradedNode) -> None:
 def carrier_one_goal(node: GradedNode) -> None:
     """carrier.py alone: one goal at a time, also of two in the same instant."""
     door = robot.enter(node)
-    goal = robot.ask_for_delivery(node, "hall", door)
+    goal = robot.ask_for_delivery(node, "attic", door)
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
     robot.open_door(door)
     node.context.wait_until(lambda: any(one.feedback.phase == robot.DRIVING for one in goal.feedback), PATIENCE_S)
     robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
-    robot.require_arrival(node, goal, "hall")
-    for room in ("dock", "hall", "dock", "hall"):  # which callback comes first is a matter of chance
+    robot.require_arrival(node, goal, "attic")
+    for room in ("cellar", "attic", "cellar", "attic"):  # which callback comes first is a matter of chance
         door.answer = None
         goal = robot.require_one(node, node.goal(DELIVER, room=room), node.goal(DELIVER, room=room))
         robot.open_door(door)
@@ -289,12 +289,12 @@ def carrier_refused(node: GradedNode) -> None:
     """carrier.py alone: a door that refuses ends the delivery, with the reason."""
     door, words = robot.enter(node), f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
     door.answer = SetBool.Response(success=False, message=words)
-    robot.require_aborted(node, node.goal(DELIVER, room="attic").accepted_by(), SHOWN_S, words)
+    robot.require_aborted(node, node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
     robot.open_door(door)
-    robot.deliver(node, "attic")
+    robot.deliver(node, "cellar")
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops"])
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings"])
 def carrier_cancel(node: GradedNode) -> None:
     """carrier.py alone: a delivery is cancelled at the door and on the way; the next one works."""
     door, start = robot.enter(node), node.context.memory["at"]
@@ -306,7 +306,9 @@ def carrier_cancel(node: GradedNode) -> None:
     ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.context.memory["at"] = start + ended.result.distance
     robot.require_distance(node, goal, ended, max(0.15, ended.result.distance))
-    robot.deliver(node, "attic")
+    rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
+    node.set(rooms, of="/carrier").accepted()
+    robot.deliver(node, "shed")
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
@@ -368,7 +370,7 @@ def delivery_cancel(node: GradedNode) -> None:
     robot.require_some_delivery(node, "lab", PATIENCE_S)
 
 
-@robot_check(points=1.5, after=["delivery_whole"], proves=["killed", "settings"])
+@robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
 def delivery_killed(node: GradedNode) -> None:
     """All together: the door dies while it opens; the delivery is given up, and the carrier lives on."""
     robot.have_running(node, *LAUNCH)
