@@ -65,7 +65,7 @@ STILL_ABOVE = {
     "course_kit/authoring": 2733,  # submissions of several files
     "course_kit/grading": 11228,  # with the capstone
     "course_kit/launch": 2016,  # with respawn, and programs that are forked
-    "course_kit/graders": 3040,  # with the capstone
+    "course_kit/graders": 3034,  # with the capstone
     "course_kit/learner": 1441,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 3190,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1387,  # the capstone, %check, %solution, the second day; 150 for the tutor
