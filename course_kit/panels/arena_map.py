@@ -129,7 +129,7 @@ def _line(action: str, standing: Standing) -> str:
     if standing.asked is None and not standing.note:
         return (
             f"Click on the map, or type x and y and press Go: that sends a goal to {action}. "
-            "A new robot stands at (0.0, 0.0); where this one is shows with its first feedback."
+            "A new robot starts at (0.0, 0.0). The map shows where this one is as soon as it sends feedback."
         )
     parts = [_said(standing)]
     if standing.result is not None:

@@ -120,7 +120,7 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckRes
         missing = [name for name in one.depends_on if name not in passed]
         if missing:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
-            yield CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} has to pass first.")
+            yield CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} must pass first.")
             continue
         result = replace(_run(one, context), proves=one.proves)
         if result.status == "passed":

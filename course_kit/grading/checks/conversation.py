@@ -196,7 +196,7 @@ class Conversation:
         if tally.failed is not None:
             raise tally.failed
         if not tally.done and any(each.check in (one.id, "") for each in rules_of(self.model)):
-            why = f'"{tally.hindered_by}" has to pass first.' if tally.hindered_by else "no time was left for it."
+            why = f'"{tally.hindered_by}" must pass first.' if tally.hindered_by else "no time was left for it."
             raise NotRun(why)
         got = f"{tally.done} drawn steps, each as it should be"
         return Evidence("a conversation drawn by the seed", one.title, got)
