@@ -18,7 +18,6 @@ from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
-    import random
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from std_msgs.msg import Float64
@@ -185,11 +184,6 @@ def read_status(text: str) -> tuple[str, float] | None:
         return None
 
 
-def status_line(settings: LimiterSettings) -> str:
-    """A right status line."""
-    return f"{settings.robot_name}: {settings.max_velocity!r} m/s"
-
-
 def what_is_wrong_with_status(settings: LimiterSettings, line: str) -> str:
     """What a status line does not tell, for the learner."""
     read = read_status(line)
@@ -225,13 +219,6 @@ def _same(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(one) and math.isnan(other))
 
 
-def command_of(rng: random.Random) -> tuple[str, float, list[float]]:
-    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
-    kind = rng.choice(("m/s", "of the limit"))
-    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
-    return kind, size * (1.0 if kind == "of the limit" else BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
-
-
 def twist_of(fields: list[float]) -> Twist:
     twist = Twist()
     for (of, axis), value in zip(FIELDS, fields, strict=True):
@@ -248,6 +235,7 @@ class LimiterSteps(Model):
         self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
         self.heard_at: list[float] = []  # when lines of /status have come, told at the end
         self.quiet_until = self.sent_at = 0.0  # seconds of time.monotonic()
+        self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
 
     def begin(self, node: GradedNode) -> None:
         """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
@@ -255,6 +243,7 @@ class LimiterSteps(Model):
 
     def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
         """Valid values are accepted."""
+        self.settle_status(node, values)
         if values.get("enabled") and not self.settings.enabled:
             self.require_quiet(node, _AT_ONCE_S)
         change = node.set(values, of=NODE)
@@ -333,7 +322,10 @@ class LimiterSteps(Model):
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
-        got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+        try:
+            got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+        except Failed as silence:
+            raise self.blame(node, silence, self.past[:-1], lambda model: model.drive(node, fields)) from None
         right = right_reaction(self.settings, fields)
         if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_same, right.fields, got.fields))):
             self.seen = self.settings
@@ -405,13 +397,22 @@ class LimiterSteps(Model):
         why = "Your node refused the change, yet it acts on it: what it does is different from before."
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
 
+    def watch_status(self, node: GradedNode) -> None:
+        """From now on a line of /status has to tell the settings; that is seen while other things are asked."""
+        self.lines = node.inbox(STATUS).count
+
+    def settle_status(self, node: GradedNode, values: Mapping[str, Any]) -> None:
+        """Before these values are changed: what was to be seen on /status has been."""
+        if self.lines is not None and values.keys() & {"robot_name", "max_velocity"}:
+            self.require_status(node)
+
     def require_status(self, node: GradedNode, sent: str = "") -> None:
         """A line of /status tells the settings, within a second of a change."""
+        context, inbox = node.context, node.inbox(STATUS)
+        asked, self.lines = inbox.count if self.lines is None else self.lines, None
         if self.lost & {"status", "change_status"}:
             return
-        context, inbox = node.context, node.inbox(STATUS)
-        changed = self.settings != self.start
-        asked, clock = inbox.count, context.clock()
+        changed, clock = self.settings != self.start, context.clock()
 
         def fits() -> bool:
             wanted = (self.settings.robot_name, self.settings.max_velocity)
@@ -420,7 +421,7 @@ class LimiterSteps(Model):
         if context.wait_until(fits, _LINE_S + _ACTS_S):
             context.record.came(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
             return
-        evidence = Evidence(sent, f"on {STATUS}: {status_line(self.settings)}")
+        evidence = Evidence(sent, f"on {STATUS}: {self.settings.robot_name}: {self.settings.max_velocity!r} m/s")
         if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall()):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."

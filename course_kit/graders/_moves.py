@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.grading.checks.graded_goal import Ended, GradedGoal
     from course_kit.grading.checks.vocabulary import GradedNode
 
@@ -36,14 +37,19 @@ _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so nea
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
 _PROMPT_S = 1.0  # within which the statuses of two goals have come
 _OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
+OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 
 
 class OverError(Failed):
-    """What was to be seen was over before the grader could see it: it shows nothing."""
+    """What was to be seen was over before the grader could see it: it shows nothing. No goal runs any more."""
 
 
 class HastyError(Failed):
     """A fault that might not show with the robot at its own speed: a learner's own clock keeps real time."""
+
+
+class TooFastError(HastyError):
+    """The fast robot shows nothing of it, whatever was before: it needs its own speed."""
 
 
 class ArenaPoint(NamedTuple):
@@ -115,6 +121,15 @@ def is_slow(context: CheckContext) -> bool:
     return context.job.mode == "attach" or speed_of(context).own
 
 
+def is_too_hasty(clock: FairClock, context: CheckContext, again: int) -> bool:
+    """Whether the fast robot or a busy machine may be to blame for a failure; then the robot gets its own speed."""
+    slow, speed = is_slow(context), speed_of(context)
+    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall()):  # else who knows when what was sent
+        return False
+    speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
+    return True
+
+
 def place_of(point: Any) -> ArenaPoint:
     """The place of a geometry_msgs/Point."""
     return ArenaPoint(point.x, point.y)
@@ -151,14 +166,6 @@ def metres_left(goal: GradedGoal, target: ArenaPoint) -> float:
     """How far from its target the robot was at the last feedback so far; without end where there was none."""
     heard = goal.feedback
     return math.dist(place_of(heard[-1].feedback.position), target) if heard else math.inf
-
-
-def do_again(step: Callable[[], object], start_afresh: Callable[[], object]) -> None:
-    """Do a step that may be over before it shows anything; a goal that nobody waits for may then be running."""
-    try:
-        step()
-    except OverError:
-        start_afresh()
 
 
 # --- a goal and its answer

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_interfaces.action import MoveRobot
 
@@ -35,36 +35,20 @@ from course_kit.grading.checks.vocabulary import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+
 INTERFACES = (MoveRobot,)
 VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
-OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
-STOPS, CUTS = (
-    _moves.draw_way(draw_between(1.7, 2.1)),
-    draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0),
-)  # shares; 1.0: almost too late
-SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.85, 0.85), ("second", "outside", "second", "nowhere", "second", "outside")
+STOPS = _moves.draw_way(draw_between(1.7, 2.1))
+CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
+SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "second", "nowhere", "second", "outside")
 _ASK_AGAIN_S = 0.2
-PLAIN = ("accepted", "succeeds", *_moves.ASPECTS)
-
-
-class TooFastError(HastyError):
-    """The fast robot shows nothing of it, whatever was before: it needs its own speed."""
-
-
-def judge_fairly(step: Callable[..., None]) -> Callable[..., None]:
-    """Decorator of a rule that drives, see `RobotModel.do_fairly`."""
-
-    @functools.wraps(step)
-    def do(self: RobotModel, node: GradedNode, **arguments: Any) -> None:
-        self.do_fairly(node, lambda: step(self, node, **arguments))
-
-    return do
+_LOOK_S = 0.005  # how often it is looked how far the robot is
 
 
 class RobotModel(Model):
@@ -76,6 +60,7 @@ class RobotModel(Model):
         self.cancelled = False  # a goal was, since the start
         self.targets: list[ArenaPoint] = []  # that the robot was sent to since the start
         self._recent: dict[str, Callable[[], object]] = {}  # the last steps since then, by what was special
+        self._judged: tuple[Move, int] | None = None  # the last move, and how much feedback there was then
 
     def begin(self, node: GradedNode) -> None:
         """Have the robot at its own speed where the fast one was too fast; look where a stranger's robot is."""
@@ -87,13 +72,11 @@ class RobotModel(Model):
     # --- the rules
 
     @step_rule("succeeds", way=MOVES, often=5)
-    @judge_fairly
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
-        self.judge(self.drive(node, self.target_of(way)))
+        self.move_rightly(node, self.target_of(way))
 
     @step_rule("any_z", way=MOVES)
-    @judge_fairly
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
         self.make_plain_move(node)
@@ -102,7 +85,6 @@ class RobotModel(Model):
             self.judge(self.drive(node, self.target_of(way), z, "any_z"))
 
     @step_rule("already_there", angle=ANGLE, often=2)
-    @judge_fairly
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
         self.make_plain_move(node)
@@ -116,29 +98,25 @@ class RobotModel(Model):
         _moves.judge_aspect("arrives", Move(self.at, self.at, goal, ended))
 
     @step_rule("outside")
-    @judge_fairly
     def reach_edges(self, node: GradedNode) -> None:
         """The edges belong to the arena."""
         for target in (ORIGIN, ArenaPoint(ARENA, ARENA)):
             self.make_plain_move(node)
             if self.at == target:
                 self.drive(node, place_inside(target, 1.0, 0.5))
-            length = math.dist(self.at, target)
-            goal = self.start(node, target, breaks="outside")
-            if length > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M) and node.context.job.mode != "attach":
-                self.start_afresh(node)
-            else:
-                self.special = "outside"
-                self.finish(self.at, target, goal)
+            far = math.dist(self.at, target) > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M)
+            if far and "cancel" not in self.lost and node.context.job.mode != "attach":
+                self.cancel(node, target, 0.0, breaks="outside")
+                continue
+            self.special = "outside"
+            self.drive(node, target, breaks="outside")
 
     @step_rule("outside", targets=draw_by(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
-    @judge_fairly
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
         self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
     @step_rule("not_a_number", targets=draw_by(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
-    @judge_fairly
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
         self.reject_each(node, targets, z, "this goal, which is not a place")
@@ -149,24 +127,24 @@ class RobotModel(Model):
         moment=draw_one_of(*zip(SHARES, KINDS, strict=True)),
         angle=ANGLE,
     )
-    @judge_fairly
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
         """A goal that comes while another one runs is rejected, and changes nothing."""
         share, kind = moment
-        begin, target, first = self.set_off(node, way, share)
+        self.make_plain_move(node)
+        begin, target = self.at, self.target_of(way)
+        first = self.set_off(node, target, share)
         self.special = "second_goal"
         others = {"outside": ArenaPoint(-0.5, 5.0), "nowhere": ArenaPoint(math.nan, 5.0)}
         self.reject_second(node, first, others.get(kind, place_inside(begin, 1.0, angle)))
         clock, allowed_s = node.context.clock(), _moves.allowed_s(way.length)
         while not clock.past(allowed_s):  # a robot that halts for a rejected goal halts for each
-            self.reject_second(node, first, place_inside(begin, 0.6, angle + 1.0))
-            node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
             if first.over_at is not None or _moves.metres_left(first, target) < _moves.CANCEL_UNTIL_M:
                 break
+            self.reject_second(node, first, place_inside(begin, 0.6, angle + 1.0))
+            node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
         self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair(), 1.0)))
 
     @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
-    @judge_fairly
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
         expected = "one of the two goals accepted, the other rejected"
@@ -183,20 +161,19 @@ class RobotModel(Model):
                 raise Failed(both, "The robot was free: one has to be accepted.", breaks="second_goal")
             self.special = "second_goal"
             if len(accepted) > 1:
-                both = Evidence(sent, expected, "both goals accepted")
-                _moves.require_one_at_a_time(first, second, both, node.context.wait_until)
+                self.see_one_at_a_time(node, first, second, Evidence(sent, expected, "both goals accepted"))
             target = place_inside(begin, 0.5, one if accepted[0] is first else other)
             self.targets.append(target)
             _moves.judge_aspect("arrives", self.finish(begin, target, accepted[0]))
 
     @step_rule("second_goal", way=_moves.draw_way(draw_between(1.0, 1.4)), angle=ANGLE)
-    @judge_fairly
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
         slow = _moves.is_slow(node.context)
         for _ in range(2):  # what is seen is a matter of milliseconds
-            begin, target, first = self.set_off(node, way, 0.1)
+            begin, target = self.at, self.target_of(way)
+            first = self.set_off(node, target, 0.1)
             self.special, other = "second_goal", place_inside(begin, 0.7, angle)
             self.reject_second(node, first, other)
             first.cancel()
@@ -206,9 +183,10 @@ class RobotModel(Model):
             with suppress(Failed):
                 second.wait_for_answer(expected)
             if not second.answered:
+                self.start_afresh(node)
                 raise OverError(evidence, "Here it does not matter what keeps the server from answering.")
             if second.accepted and not slow:
-                raise TooFastError(evidence, "With the robot at its own speed, this can be seen.")
+                raise _moves.TooFastError(evidence, "With the robot at its own speed, this can be seen.")
             ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
             self.note_arrival(Move(begin, target, first, ended))
             self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
@@ -217,11 +195,12 @@ class RobotModel(Model):
                 _moves.require_end_before(first, second, evidence)
 
     @step_rule("cancel", way=STOPS, share=CUTS, disturbed=draw_one_of(False, True), then=draw_one_of(None, MOVES))
-    @judge_fairly
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
-        self.cancel(node, way, share, disturbed=disturbed and share < 1.0)
-        target = self.targets[-1] if then is None else self.target_of(then)
+        self.make_plain_move(node)
+        target = self.target_of(Way(FAR_M, way.angle) if _moves.is_slow(node.context) else way)
+        self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
+        target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:
             self.judge(self.drive(node, target))
 
@@ -236,6 +215,13 @@ class RobotModel(Model):
     def drive(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> Move:
         """Drive to a target."""
         return self.finish(self.at, target, self.start(node, target, z, breaks))
+
+    def move_rightly(self, node: GradedNode, target: ArenaPoint) -> None:
+        """A move that is right in each aspect; a long one shows that what was special before it has left nothing."""
+        move = self.drive(node, target)
+        self.judge(move)
+        if move.length >= _moves.LONG_M:
+            self.special = ""
 
     def take_over(self, node: GradedNode) -> None:
         """Send a stranger's robot to the middle, as soon as it has ended what it does for somebody else."""
@@ -264,20 +250,18 @@ class RobotModel(Model):
         ended = goal.ends(within_s=within_s or _moves.allowed_s(math.dist(begin, target)), breaks="succeeds")
         return self.note_arrival(Move(begin, target, goal, ended))
 
-    def set_off(self, node: GradedNode, way: Way, share: float) -> tuple[ArenaPoint, ArenaPoint, GradedGoal]:
+    def set_off(self, node: GradedNode, target: ArenaPoint, share: float, breaks: str = "") -> GradedGoal:
         """Begin a move, and wait until feedback says that a share of it is done, or for as long as that may take."""
-        self.make_plain_move(node)
-        begin, target = self.at, self.target_of(way)
-        goal = self.start(node, target)
-        length, clock = math.dist(begin, target), node.context.clock()
+        length = math.dist(self.at, target)
+        goal = self.start(node, target, breaks=breaks)
         seconds = 1.3 * share * length / (1.0 if _moves.is_slow(node.context) else 10.0) + 0.05
 
         def is_there() -> bool:
             return goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length
 
         if share:
-            node.context.wait_until(lambda: is_there() or clock.wall() > seconds, _moves.allowed_s(length))
-        return begin, target, goal
+            node.context.wait_until(is_there, seconds, step_s=_LOOK_S)
+        return goal
 
     def reject_second(self, node: GradedNode, first: GradedGoal, target: ArenaPoint) -> None:
         """A goal is rejected while another one runs."""
@@ -286,8 +270,16 @@ class RobotModel(Model):
         if first.shown.count("under way") < 2:  # noqa: PLR2004 - more of them tell no more
             first.shown = f"{first.shown}; under way, {second.shown}"
         if second.accepted:
-            evidence = Evidence(first.shown, expected, "both goals accepted")
+            self.see_one_at_a_time(node, first, second, Evidence(first.shown, expected, "both goals accepted"))
+
+    def see_one_at_a_time(self, node: GradedNode, first: GradedGoal, second: GradedGoal, evidence: Evidence) -> None:
+        """Both goals were accepted: did they run at the same time, or was the machine too busy to say?"""
+        try:
             _moves.require_one_at_a_time(first, second, evidence, node.context.wait_until)
+        except OverError:
+            later = max(first, second, key=lambda goal: goal.began_at)
+            self.note_arrival(Move(self.at, self.at, later, later.wait_for_end(_moves.allowed_s(3.0), "SUCCEEDED")))
+            raise
 
     def note_arrival(self, move: Move) -> Move:
         """The robot is then where the result says, unless that is nowhere in the arena."""
@@ -301,31 +293,39 @@ class RobotModel(Model):
     def make_plain_move(self, node: GradedNode) -> None:
         """After something special a plain move comes first: what is wrong with it has that cause."""
         if self.special:
-            self.judge(self.drive(node, place_inside(self.at, _moves.LONG_M, 0.5)))
-            self.special = ""
+            self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))
 
     def judge(self, move: Move, *aspects: str) -> None:
         """A move is right in these aspects, or all, but for what is lost already."""
+        before, self._judged = self._judged, None
+        if before is not None and len(before[0].goal.feedback) > before[1]:  # after its result, say
+            self.judge(before[0], "progress")
         lost = {*self.lost, "progress"} if "feedback" in self.lost else self.lost
         for aspect in _moves.ASPECTS:
             if aspect not in lost and (aspect in aspects or not aspects):
                 _moves.judge_aspect(aspect, move)
+        self._judged = (move, len(move.goal.feedback))
 
-    def cancel(self, node: GradedNode, way: Way, share: float, *, disturbed: bool) -> None:
+    def cancel(
+        self, node: GradedNode, target: ArenaPoint, share: float, *, disturbed: bool = False, breaks: str = ""
+    ) -> None:
         """Set off, cancel after a share of the way, or just before it is too late, and see that the robot stops."""
-        slow, late = _moves.is_slow(node.context), share == 1.0
-        way = Way(FAR_M, way.angle) if slow else way
-        begin, target, goal = self.set_off(node, way, 1.0 - 0.42 / way.length if late else share)
-        length, breaks = math.dist(begin, target), "after_cancel" if self.cancelled else "cancel"
+        slow, late, begin = _moves.is_slow(node.context), share == 1.0, self.at
+        length = math.dist(begin, target)
+        goal = self.set_off(node, target, 1.0 - 0.42 / length if late else share, breaks)
+        breaks = "after_cancel" if self.cancelled else "cancel"
         if disturbed and "second_goal" not in self.lost:
-            self.reject_second(node, goal, place_inside(begin, 0.6, way.angle + 1.0))
+            self.reject_second(node, goal, place_inside(begin, 0.6, target.x))
         goal.shown += ", and on the way the request to cancel it"
         clock = node.context.clock(lambda: 0.0)  # an answer that came when the goal was over was not late for us alone
         try:
             goal.cancelled()
         except Failed as failed:
             failed.breaks = breaks
-            raise _moves.explain_refusal(failed, goal, target, clock.fair(), slow=slow) from None
+            explained = _moves.explain_refusal(failed, goal, target, clock.fair(), slow=slow)
+            if isinstance(explained, OverError):
+                self.start_afresh(node)
+            raise explained from None
         self.special, clock = "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, short of the target")
@@ -342,47 +342,46 @@ class RobotModel(Model):
 
     # --- at which speed, and whose fault
 
-    def do_fairly(self, node: GradedNode, act: Callable[[], object]) -> None:
+    def act(self, node: GradedNode, step: Callable[[], object]) -> None:
         """Do a step; what may be the fast robot's fault, or a busy machine's, is done again at its own speed."""
-        context, speed, over, blinded = node.context, _moves.speed_of(node.context), 0, False
-        steps = [act]
-        while True:
+        context, speed, steps = node.context, _moves.speed_of(node.context), [step]
+        over = again = 0
+        while over < _moves.OFTEN:
             clock = context.clock()
             try:
-                for step in steps[:-1]:
-                    _moves.do_again(step, lambda: self.start_afresh(node))
-                steps[-1]()
+                for before in steps[:-1]:
+                    with suppress(OverError):
+                        before()
+                step()
+                break
             except OverError:
                 over += 1
-                self.start_afresh(node)
-                if over < OFTEN:
-                    continue
             except Failed as failed:
-                if isinstance(failed, HastyError) and not blinded:
-                    slow = _moves.is_slow(context)
-                    blinded = slow and clock.grader_lost() > 0.3 * clock.wall()  # then who knows when what was sent
-                    if not slow or blinded:
-                        speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
-                        before = () if isinstance(failed, TooFastError) else self._recent.values()
-                        steps = [*before, act]
-                        self.start_afresh(node)
-                        context.record.clear()
-                        continue
+                again += 1
+                if isinstance(failed, HastyError) and _moves.is_too_hasty(clock, context, again):
+                    steps = [step] if isinstance(failed, _moves.TooFastError) else [*self._recent.values(), step]
+                    self.start_afresh(node)
+                    context.record.clear()
+                    continue
                 self.blame(node, failed)
                 context.spoil()
                 if failed.breaks not in self.lost:
-                    speed.own = speed.needed >= OFTEN  # what else there is to see, the fast robot shows
+                    speed.own = speed.needed >= _moves.OFTEN  # what else there is to see, the fast robot shows
                     raise
                 self.start_afresh(node)
-            self._recent = {**self._recent, self.special: act}
-            if speed.own and speed.needed < OFTEN:
-                speed.own = False
-                self.start_afresh(node)
-            return
+                break
+        self._recent = {**self._recent, self.special: step}
+        if speed.own and speed.needed < _moves.OFTEN:
+            speed.own = False
+            self.start_afresh(node)
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""
-        if failed.breaks not in PLAIN or failed.breaks in self.lost or not self.special:
+        if (
+            failed.breaks not in ("accepted", "succeeds", *_moves.ASPECTS)
+            or failed.breaks in self.lost
+            or not self.special
+        ):
             return
         special, targets = self.special, self.targets[-8:]
         if node.context.job.mode != "attach":
@@ -403,7 +402,8 @@ class RobotModel(Model):
         if node.context.job.mode != "attach":
             node.context.launch(variables=OWN_SPEED if _moves.speed_of(node.context).own else None)
             node.meet()
-            self.at, self.special, self.cancelled, self.targets, self._recent = ORIGIN, "", False, [], {}
+            self.at, self.special, self.cancelled, self.targets = ORIGIN, "", False, []
+            self._recent, self._judged = {}, None
 
     def target_of(self, way: Way) -> ArenaPoint:
         """Where a drawn way leads; not too near to (0, 0), which stands in a result that nobody fills in."""

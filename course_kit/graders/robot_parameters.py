@@ -8,7 +8,7 @@ import re
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
@@ -17,6 +17,7 @@ from course_kit.graders._limiter import (
     BEYOND,
     CHANGES,
     DEFAULTS,
+    FIELDS,
     LATE_S,
     NODE,
     RANGES,
@@ -24,7 +25,6 @@ from course_kit.graders._limiter import (
     TYPES,
     LimiterSettings,
     LimiterSteps,
-    command_of,
 )  # fmt: skip
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import describe_values, start_arguments
@@ -44,6 +44,9 @@ from course_kit.grading.checks.vocabulary import (
     step_rule,
 )  # fmt: skip
 from course_kit.ros.parameters import NOT_SET
+
+if TYPE_CHECKING:
+    import random
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
@@ -80,8 +83,15 @@ _WITH_NAMES = (
     {"robot_name": "half_2", "wheel_diameter": 0.0},
     {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
 )
-_ENABLED = ((False, 0.5), (False, 0.0), *((True, share) for share in (0.5, 1.0, -1.0, 1.01, -1.01)))
+_ENABLED = ((False, (0.5, 0.0)), (True, (0.5, 1.0, -1.0, 1.01, -1.01)))  # and shares of the limit to drive at
 _COMMANDS = (("m/s", 0.0, [0.0] * 5), ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
+
+
+def command_of(rng: random.Random) -> tuple[str, float, list[float]]:
+    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
+    kind = rng.choice(("m/s", "of the limit"))
+    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
+    return kind, size * (1.0 if kind == "of the limit" else BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
 
 
 class Limiter(LimiterSteps):
@@ -93,9 +103,10 @@ class Limiter(LimiterSteps):
             self.set_several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
-            self.require_status(node)
-        self.heard_at = list(node.inbox(STATUS).times)
+            self.watch_status(node)
         self.require_quiet(node, max(self.sent_at + LATE_S - time.monotonic(), 0.0), enabled=True)
+        self.require_status(node)
+        self.heard_at = list(node.inbox(STATUS).times)
         if node.context.job.mode == "attach":
             node.set(vars(self.start), of=NODE)
 
@@ -106,41 +117,31 @@ class Limiter(LimiterSteps):
         kind, size, others = command
         self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
 
-    @step_rule("change_velocity", value=draw_one_of(0.05, 1.23456789, draw_between(0.1, 5.0)))
-    def set_velocity(self, node: GradedNode, value: float) -> None:
-        """A valid velocity."""
-        self.accept(node, {"max_velocity": value}, "change_velocity")
-
-    @step_rule("change_diameter", value=draw_one_of(0.35, draw_between(0.02, 0.9)))
-    def set_diameter(self, node: GradedNode, value: float) -> None:
-        """A valid diameter."""
-        self.accept(node, {"wheel_diameter": value}, "change_diameter")
-
     @step_rule(
         "change_velocity",
-        values=draw_one_of((5.0, 0.01), (0.001, 1.0), (0.5, 0.2), (draw_between(2, 5), draw_between(0.1, 0.9))),
+        values=draw_one_of((5.0, 0.01), (0.001, 1.0), (1.23456789, 0.35), (draw_between(2, 5), draw_between(0.1, 0.9))),
     )
     def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
         velocity, diameter = values
-        self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
         self.accept(node, {"max_velocity": float(velocity)}, "change_velocity")
         self.accept(node, {"wheel_diameter": diameter}, "change_diameter")
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled", value=draw_one_of(*_ENABLED))
-    def set_enabled(self, node: GradedNode, value: tuple[bool, float]) -> None:
+    def set_enabled(self, node: GradedNode, value: tuple[bool, tuple[float, ...]]) -> None:
         """On and off act, on a command to stand still, too; on, just the limit passes, and nothing beyond."""
-        enabled, share = value
+        enabled, shares = value
         self.accept(node, {"enabled": enabled}, "change_enabled")
-        self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
+        for share in shares:
+            self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
 
     @step_rule("change_status", value=draw_one_of(*_NAMES))
     def set_name(self, node: GradedNode, value: str) -> None:
         """A name, in any language."""
         self.accept(node, {"robot_name": value}, "change_status")
-        if value != _NAMES[0] and not self.lost & {"status", "change_status"}:
-            self.require_status(node)
+        if value != _NAMES[0]:
+            self.watch_status(node)
 
     @step_rule(
         "atomic",
@@ -152,6 +153,7 @@ class Limiter(LimiterSteps):
     )
     def set_several(self, node: GradedNode, values: dict[str, Any]) -> None:
         """Several valid values at once."""
+        self.settle_status(node, values)
         change = node.set(values, of=NODE)
         if not change.result.successful:
             for name, value in values.items():
@@ -169,22 +171,21 @@ class Limiter(LimiterSteps):
         self.in_time(change)
         self.require_reason(change, name, values[name])
 
-    @step_rule("refuses", values=draw_one_of({"max_velocity": 8.0}, {"robot_name": ""}))
-    def refuse_and_drive(self, node: GradedNode, values: dict[str, Any]) -> None:
+    @step_rule("refuses")
+    def refuse_and_drive(self, node: GradedNode) -> None:
         """What is refused neither stops the robot nor lets it drive again."""
         for enabled in (False, True) if "change_enabled" not in self.lost else ():
             self.accept(node, {"enabled": enabled}, "change_enabled")
-            self.refuse(node, values)
+            self.refuse(node, {"robot_name": ""})
+            self.refuse(node, {"max_velocity": 8.0})
             self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
-        if "robot_name" in values:
-            self.require_status(node)
+        self.watch_status(node)
 
     @step_rule("atomic", sets=draw_one_of(*(_TOGETHER[place::3] for place in range(3))))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Valid and invalid values at once; what is refused does not act."""
         if not self.settings.enabled and "change_enabled" not in self.lost:
             self.accept(node, {"enabled": True}, "change_enabled")
-        self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
         for values in sets:
             self.refuse_set(node, values)
         self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
@@ -194,7 +195,7 @@ class Limiter(LimiterSteps):
         """Refused names do not show."""
         for values in sets:
             self.refuse_set(node, values)
-        self.require_status(node)
+        self.watch_status(node)
 
     @step_rule(
         "wrong_type",
@@ -214,11 +215,6 @@ class Limiter(LimiterSteps):
     def set_undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
         """A parameter that is not declared."""
         node.set(values, of=NODE).refused(expected="refused: it is not declared", diagnosis="parameter.undeclared")
-
-    @step_rule("status")
-    def look_at_status(self, node: GradedNode) -> None:
-        """The next line shows the name and the velocity."""
-        self.require_status(node)
 
 
 @check(points=0.5, proves=["node", "only_a_class", "a_program", "start"])
@@ -306,12 +302,13 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     if off and "change_enabled" in model.lost:
         return model
     try:
+        model.watch_status(node)
         model.drive(node, [BEYOND, 0.1, 0.2, 0.3, 0.4, 0.5], sent)
-        if "robot_name" in given and not model.lost & {"status", "change_status"}:
-            model.require_status(node, sent)
         if off:
             model.accept(node, {"enabled": True}, "")
             model.drive(node, [-BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
+        if "robot_name" in given:
+            model.require_status(node, sent)
     except Failed as failed:
         if failed.diagnosis not in (None, "math.formula", "parameter.read_once"):
             raise

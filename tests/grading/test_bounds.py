@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcl_interfaces.msg import ListParametersResult, ParameterValue
 from rcl_interfaces.srv import GetParameters
+from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
 from course_kit.grading.checks.actions import Feedback, Statuses
@@ -72,7 +73,7 @@ def test_only_changes_of_the_status_of_our_own_goals_are_kept() -> None:
     for status in (1, 2, 2, 2, 77, 4, 4, *range(-30, 0)):
         entries = [GoalStatus(status=status) for _ in range(1100)]
         entries[-1].goal_info.goal_id.uuid = list(ours)
-        heard.take(GoalStatusArray(status_list=entries), INFO)
+        heard.take(serialize_message(GoalStatusArray(status_list=entries)), INFO)
     assert [status for _, status in changes[:4]] == [1, 2, 77, 4]
     assert len(changes) == 20
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 Kept = TypeVar("Kept")
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
+_ENTRIES, _IDENTIFIER, _STATUS_AT = 8, 16, 24  # bytes of a serialized status message: before, and in, an entry
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -59,12 +60,19 @@ class Feedback(_GoalInbox[ReceivedFeedback]):
 class Statuses(_GoalInbox[tuple[float, int]]):
     """Each change of a goal's status, with its time on the system's clock."""
 
-    def keep(self, message: Message, received_s: float) -> None:
-        """See `Inbox`; of a message only what is news."""
-        for entry in bounded(message).status_list:
-            changes = self._of_goals.get(bytes(entry.goal_info.goal_id.uuid))
-            if changes is not None and len(changes) < _MOST_CHANGES and entry.status not in [one for _, one in changes]:
-                changes.append((received_s, entry.status))
+    def keep(self, message: bytes, received_s: float) -> None:
+        """See `Inbox`; of a message only what is news: each has all recent goals, so it is read as it came.
+
+        After a header and the number of entries each is an identifier, a time at the next multiple of 4, and a status.
+        """
+        place = _ENTRIES
+        while place + _STATUS_AT < len(message):
+            goal = message[place : place + _IDENTIFIER]
+            place += (-place) % 4 + _STATUS_AT
+            changes, status = self._of_goals.get(goal), message[place]
+            if changes is not None and len(changes) < _MOST_CHANGES and status not in [one for _, one in changes]:
+                changes.append((received_s, status))
+            place += 1
 
 
 class ActionChannels:
@@ -77,7 +85,7 @@ class ActionChannels:
         self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
         self.results = node.client(parts.GetResultService, f"{self._below}/get_result")
         self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
-        self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS)
+        self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS, raw=True)
 
     def ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""

@@ -74,11 +74,7 @@ class CallBatch:
         return sum(response is not None for response in self.responses)
 
     def lateness(self) -> float:
-        """Seconds by which the grader may have kept the client waiting that suffered most, on a loaded machine.
-
-        An answer that is found had come since the last look; it lay there for no longer than the time between the two.
-        Time between looks that find nothing was not lost: nothing was there.
-        """
+        """Seconds by which the grader may have kept the client waiting that suffered most: between two looks."""
         return max(self._late)
 
     def exchange(self) -> bool:

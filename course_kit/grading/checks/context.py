@@ -21,6 +21,7 @@ from course_kit.grading.sandbox import machine, scheduling
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
+    from mmap import mmap
 
     from course_kit.grading.model.job import Job
     from course_kit.grading.sandbox.channel import Channel
@@ -33,29 +34,21 @@ _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a v
 
 
 class CheckContext:
-    """What a check works with.
+    """What a check works with."""
 
-    Attributes:
-        program: the submission.
-        record: what the present check and the submission have sent each other.
-        random: what values are drawn from, by the job's seed.
-        memory: what the checks know of the running submission; empty after each launch.
-        conversations: that were held, by their models.
-    """
-
-    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str] | None = None) -> None:
-        """Make a context on which nothing runs yet.
-
-        Args:
-            supervisor: who starts and ends the submission.
-            job: what is graded.
-            variables: environment variables the submission is started with, unless `launch` says otherwise.
-        """
-        self.program = GradedProgram(supervisor, job, variables or {})
-        self.record = ExchangeLog()
+    def __init__(
+        self,
+        supervisor: Channel,
+        job: Job,
+        variables: Mapping[str, str] | None = None,
+        lives: mmap | bytes = b"\0",
+    ) -> None:
+        """Make a context on which nothing runs yet; `lives` is one byte, which says whether the submission does."""
+        self.program = GradedProgram(supervisor, job, variables or {}, lives)
+        self.record = ExchangeLog()  # what the present check and the submission have sent each other
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
-        self.memory: dict[str, Any] = {}
-        self.conversations: dict[type, Any] = {}
+        self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
+        self.conversations: dict[type, Any] = {}  # that were held, by their models
         self.deadline_s = 0.0
         self._grader_node: GraderNode | None = None
         self._spoiled = False
@@ -70,11 +63,7 @@ class CheckContext:
 
     @property
     def grader_node(self) -> GraderNode:
-        """The grader's node on the graph of the submission.
-
-        Raises:
-            RuntimeError: nothing was launched yet; the grader module's fault.
-        """
+        """The grader's node on the graph of the submission."""
         if self._grader_node is None:
             raise RuntimeError("the check uses the graph before `launch`")
         return self._grader_node
@@ -86,19 +75,10 @@ class CheckContext:
         variables: Mapping[str, str] | None = None,
         program: str = "",
     ) -> None:
-        """Start the submission on its own empty graph; one that runs is ended first.
+        """Start the submission on its own empty graph, with the exercise's variables and these; one that runs is ended.
 
-        With `--attach` the graph is the one that is there.
-
-        Args:
-            arguments: what follows the program's name on its command line.
-            files: texts to lay beside it, by file name; an argument that is such a name becomes the file's path.
-            variables: environment variables that differ from the exercise's own; without effect with `--attach`.
-            program: the file to run, of a submission of several; the one that was started last when left out.
-
-        Raises:
-            NotRun: arguments for a program that somebody else has started.
-            Failed: that file is missing, or no Python.
+        With `--attach` the graph is the one that is there. The name of one of `files` among the arguments becomes its
+        path. Of a submission of several programs the one that was started last is started when none is named.
         """
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
@@ -121,11 +101,7 @@ class CheckContext:
             self._grader_node = None
 
     def begin(self, deadline_s: float) -> None:
-        """Start the deadline of a check.
-
-        Raises:
-            Failed: there is nothing to check, because the program is not Python.
-        """
+        """Start the deadline of a check."""
         self.record.clear()
         if not self.job.files:
             self._require_python()
@@ -212,8 +188,9 @@ class CheckContext:
                 watched = clock.wall()
                 if of_the_living:
                     self._require_running()
-                patience = min(seconds, _LOST_S) if of_the_living and self.program.lost_in() else seconds
-                if clock.past(patience) or self.time_is_up():
+                if of_the_living and clock.past(_LOST_S) and self.program.lost_in():
+                    return False
+                if clock.past(seconds) or self.time_is_up():
                     return False
             self.grader_node.spin_once(step_s)
         self._late_s += time.monotonic() - looked

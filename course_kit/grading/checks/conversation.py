@@ -15,7 +15,7 @@ from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
 
@@ -58,6 +58,10 @@ class Model:
 
     def begin(self, node: GradedNode) -> None:
         """Called when the program has just been started; for models that have to look what is there."""
+
+    def act(self, node: GradedNode, step: Callable[[], object]) -> None:  # noqa: ARG002 - for a subclass
+        """Called for each step, which it does; for models of what may have to be done again."""
+        step()
 
     def end(self, node: GradedNode) -> None:
         """Called after the last step; for what may come late."""

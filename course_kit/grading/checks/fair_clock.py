@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-_RECENT_S = 0.1
+_RECENT_S = 0.25
 MOST = 0.8  # however busy the machine: after five times the patience a wait is over
 
 
@@ -64,30 +64,18 @@ class Recent:
 class FairClock:
     """Seconds since its making, minus those in which others kept the submission or the grader from running.
 
-    The kernel counts per thread for how long it was ready to run and was not let (schedstat, see
-    Documentation/scheduler/sched-stats.rst of Linux). A correct submission on a machine with many other programs thus
-    gets the same patience as on an idle one. Waiting that a submission causes itself is not taken off:
-
-    - Others can have taken no more than they have used of the processors.
-    - What a submission has computed would have taken its time on an idle machine, too. So however long it has waited,
-      at least as much time has gone by as it has computed. For one with a single thread at work that changes nothing,
-      as such a thread either computes or waits. One whose threads stand in each other's way has computed all the time.
+    The kernel counts for each thread how long it was ready to run and was not let (schedstat, in sched-stats.rst of
+    Linux). Others can have taken no more than they have used of the processors; and at least as much time has gone by
+    as a submission has computed, as its threads may stand in each other's way.
     """
 
     def __init__(
         self, state: Recent, most: float = MOST, share: float = 1.0, lateness: Callable[[], float] | None = None
     ) -> None:
-        """Start the clock.
-
-        Args:
-            state: how things stand; as rarely asked as possible.
-            most: the largest part of the time that is taken for lost.
-            share: how much of one processor a single thread gets on this machine when nobody else wants any.
-            lateness: seconds by which the grader has noticed late what had come, where that is known: it has waited
-                for a processor, too, while nothing had come, and nothing was lost by that.
-        """
-        self._most, self._share, self._lateness = most, share, lateness
-        self._state = state
+        self._state, self._most = state, most  # how things stand; the largest part of the time that is taken for lost
+        self._share = share  # of one processor, which a single thread gets here when nobody else wants any
+        # Seconds by which the grader has noticed late what had come: what it waited before that was not lost.
+        self._lateness = lateness
         self._began = time.monotonic()
         self._before = state.lately()
         self._counted = (0.0, 0.0)  # seconds on the wall and fair ones, when it was counted last
@@ -97,11 +85,7 @@ class FairClock:
         return time.monotonic() - self._began
 
     def past(self, seconds: float) -> bool:
-        """Whether `seconds` have gone by, fairly counted.
-
-        Counting takes a look at every thread, so it is done only when they can have gone by: since the last count no
-        more fair seconds have passed than seconds on the wall.
-        """
+        """Whether `seconds` have gone by, fairly counted: which costs a look at each thread, if they can have."""
         wall, fair = self._counted
         return fair + self.wall() - wall >= seconds and self.fair() >= seconds
 

@@ -69,7 +69,7 @@ class GradedGoal:
         context.require_time(Evidence(shown, "an answer to the goal"))
         self._context, self._parts = context, interface.Impl
         self._line = ActionChannels(context.grader_node, action, interface)
-        self._stderr = context.program.status().stderr
+        self._stderr = context.program.stderr
         self._id = uuid.uuid4().bytes
         self._result: SentRequest | None = None
         self._all_heard = False
@@ -278,7 +278,7 @@ class GradedGoal:
 
     def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
         """The feedback of a goal that has ended, once no more comes."""
-        if self._all_heard:
+        if self._all_heard or complete(self.feedback):
             return self.feedback
         count, clock = -1, self._context.clock()
 
@@ -332,9 +332,11 @@ class GradedGoal:
 
     def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
-        process = self._context.program.status(fresh=True)
-        same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(self._stderr, process.stderr, strict=False))
-        return replace(process, stderr=process.stderr[sum(1 for _ in same) :])  # of long output the middle is left out
+        process, before = self._context.program.status(), self._stderr
+        if not process.stderr.startswith(before):  # of long output the middle is left out
+            same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(before, process.stderr, strict=False))
+            before = before[: sum(1 for _ in same)]
+        return replace(process, stderr=process.stderr.removeprefix(before))
 
     def require_status(self, ended: Ended, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""

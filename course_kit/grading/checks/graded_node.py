@@ -6,6 +6,7 @@ Everything that is sent stands in the record of the check, which a learner sees 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import discovery, hangs
@@ -384,7 +385,7 @@ class GradedNode:
         part = {"service": "Request", "action": "Goal"}.get(end.kind)
         return message_of(getattr(end.interface, part) if part else end.interface, given, {})
 
-    @property
+    @cached_property
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
         return [WantedEndpoint.from_record(one) for one in self.context.job.running_endpoints]

@@ -13,6 +13,7 @@ from course_kit.grading.model.process_status import ProcessStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from mmap import mmap
 
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
@@ -38,18 +39,19 @@ class GradedProgram:
         job: what is graded; of several programs the one that was started last.
         asked: of several that run, the file whose node was asked last.
         queued_s: seconds for which it has waited for a ROS domain, which is not its fault.
+        stderr: what it had written to stderr when it was looked at last.
     """
 
-    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str]) -> None:
-        self._supervisor, self.job, self._variables = supervisor, job, dict(variables)
+    def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str], lives: mmap | bytes) -> None:
+        self._supervisor, self.job, self._variables, self._lives = supervisor, job, dict(variables), lives
         self._runs = False
         self._used = self._used_before = Used()  # in all, and until it was started last
         self.queued_s = 0.0
-        self.asked = ""
+        self.asked = self.stderr = ""
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
-        self._runs, self._used_before, self.asked = False, self._used, ""
+        self._runs, self._used_before, self.asked, self.stderr = False, self._used, "", ""
         if self.job.mode == "attach":
             return None
         words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
@@ -75,11 +77,13 @@ class GradedProgram:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
             return ProcessStatus(running=True)
-        return ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
+        status = ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
+        self.stderr = status.stderr
+        return status
 
     def require_running(self) -> None:
         """Raise SubmissionEndedError if it has ended."""
-        if self.job.mode != "attach" and not self._ask("running")["running"]:
+        if self.job.mode != "attach" and not self._lives[0]:
             raise SubmissionEndedError(self.status(), self.job)
 
     def lost_in(self) -> Frame | None:

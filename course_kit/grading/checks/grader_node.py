@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from course_kit.ros.topic import Endpoint
 
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
+_AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
@@ -68,6 +69,7 @@ class _Receiver:
         self._clients: dict[int, ServiceClient] = {}  # by the handle's address, as the wait set names what is ready
         self._inboxes: dict[int, tuple[Subscription, Inbox]] = {}
         self._services: dict[int, OfferedService] = {}
+        self._patient: list[tuple[Subscription, Inbox]] = []
         self._nothing = rclpy_implementation.GuardCondition(context.handle)  # a wait set must not be empty
         self._wait_set: rclpy_implementation.WaitSet | None = None
 
@@ -77,7 +79,10 @@ class _Receiver:
         self._wait_set = None
 
     def add_inbox(self, subscription: Subscription, inbox: Inbox) -> None:
-        """Receive the messages of a subscription."""
+        """Receive the messages of a subscription; of an action they wake nobody, as that costs computing for each."""
+        if not isinstance(inbox, BoundedInbox):
+            self._patient.append((subscription, inbox))
+            return
         self._inboxes[subscription.handle.pointer] = (subscription, inbox)
         self._wait_set = None
 
@@ -95,10 +100,11 @@ class _Receiver:
         """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
         ready = self._wait(timeout_s)
         for pointer in ready.get_ready_entities("subscription"):
-            subscription, inbox = self._inboxes[pointer]
-            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is not None:
-                inbox.take(*taken)
+            _take_message(*self._inboxes[pointer])
+        for subscription, inbox in self._patient:
+            for _ in range(_AT_ONCE):
+                if not _take_message(subscription, inbox):
+                    break
         for pointer in ready.get_ready_entities("client"):
             client, service_type = self._clients[pointer].rclpy_client, self._clients[pointer].type
             header, response = client.handle.take_response(service_type.Response)
@@ -123,6 +129,14 @@ class _Receiver:
             wait_set.add_service(offered.rclpy_service.handle)
         wait_set.wait(int(timeout_s * 1e9))
         return wait_set
+
+
+def _take_message(subscription: Subscription, inbox: Inbox) -> bool:
+    """Take in the next message; False where there is none."""
+    taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+    if taken is not None:
+        inbox.take(*taken)
+    return taken is not None
 
 
 class GraderNode:
@@ -169,11 +183,14 @@ class GraderNode:
         """What comes on a topic, from the first use on; with the default profile of depth 10."""
         return self.inbox_of(BoundedInbox, interface, topic, DEPTH)
 
-    def inbox_of(self, kind: type[AnyInbox], interface: MessageType, topic: str, qos: QoSProfile | int) -> AnyInbox:
+    def inbox_of(
+        self, kind: type[AnyInbox], interface: MessageType, topic: str, qos: QoSProfile | int, *, raw: bool = False
+    ) -> AnyInbox:
         """The inbox that has taken every message on a topic since the first use."""
         if topic not in self._inboxes:
             self._inboxes[topic] = made = kind()
-            self._receiver.add_inbox(made.subscribe(self.node, interface, topic, qos, quiet=True), made)
+            subscription = made.subscribe(self.node, interface, topic, qos, quiet=True, raw=raw)
+            self._receiver.add_inbox(subscription, made)
         found = self._inboxes[topic]
         assert isinstance(found, kind)  # noqa: S101 - for the type checker
         return found

@@ -142,7 +142,7 @@ class Step:
             Failed: the node disagrees with the model.
         """
         if self.rule.is_allowed(model):
-            self.rule.run(model, node, **self.arguments)
+            model.act(node, lambda: self.rule.run(model, node, **self.arguments))
 
 
 class Steps:

@@ -41,17 +41,12 @@ class Waiting:
     counted as what keeps it waiting, and not as what waits: the node is in the program itself.
 
     What children compute that come and go between two looks, nobody need ever be told (SIGCHLD may be ignored). So as
-    many as there were of them are taken to have had a processor each for all the time, as far as there are so many.
-
-    Attributes:
-        seconds: of waiting.
-        hidden_s: seconds that children may have computed at most without anybody's notice.
+    many as there were of them are taken to have had a processor each for all the time: these are the `hidden_s`.
     """
 
     def __init__(
         self, program: int, *, with_children: bool, clock: Callable[[], float] = time.monotonic, processors: int = 0
     ) -> None:
-        """Begin with a program that has just been started."""
         self.seconds = self.hidden_s = 0.0
         self._clock, self._processors = clock, processors or len(os.sched_getaffinity(0))
         self._program, self._with_children = program, with_children

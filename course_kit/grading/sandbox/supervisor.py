@@ -5,6 +5,7 @@ A fork of the warm worker, with one thread and one loop. It obeys the grader pro
 
 from __future__ import annotations
 
+import mmap
 import os
 import select
 import time
@@ -40,7 +41,7 @@ _NO_DOMAIN = (
 )
 
 
-RunGrader: TypeAlias = "Callable[[Channel, Job], None]"
+RunGrader: TypeAlias = "Callable[[Channel, Job, mmap.mmap], None]"
 
 
 class _BrokenOffError(Exception):
@@ -62,6 +63,7 @@ class Supervisor:
         self._totals = (BoundedOutput(), BoundedOutput())
         self._sandbox: Sandbox | None = None
         self._collector: OutputCollector | None = None
+        self._lives = mmap.mmap(-1, 1)  # 1 while it does; shared with the grader, as a question costs both processes
         self._domains = ExitStack()
         self._queued_s = 0.0
         self._launches = 0
@@ -99,7 +101,7 @@ class Supervisor:
         def run() -> None:
             ours.close()
             die_with_parent()
-            self._run_grader(theirs, self._job)
+            self._run_grader(theirs, self._job, self._lives)
 
         fork_child(run)
         theirs.close()
@@ -149,8 +151,6 @@ class Supervisor:
             return self._launch(message)
         if what == "time is up":
             self._end_submission("time")
-        elif what == "running":  # asked fifty times a second
-            return {"running": self._collector is not None and not self._collector.over}
         elif what == "stacks":
             return {"stacks": self._stacks(message["program"].encode())}
         elif what == "kill":
@@ -170,6 +170,7 @@ class Supervisor:
         cell = conditions_of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
+        self._lives[0] = True
         return {"domain": domain, "queued_s": queued_s}
 
     def _wall_end(self) -> float:
@@ -256,6 +257,7 @@ class Supervisor:
         for descriptor, _ in poll.poll(timeout * 1000):
             if descriptor in streams and self._collector is not None:
                 self._collector.take(streams[descriptor])
+                self._lives[0] = not self._collector.over
             else:
                 asked = True
         if self._collector is not None and self._collector.too_much_output() and not self._collector.over:
@@ -272,6 +274,7 @@ class Supervisor:
             return
         self._sandbox.end()
         self._collector.take_the_rest()
+        self._lives[0] = False
         self._sandbox.streams.close()
 
     def _stop(self) -> None:

@@ -15,6 +15,8 @@ from course_kit.grading.workers import grader_module
 from course_kit.process.libc import set_name
 
 if TYPE_CHECKING:
+    from mmap import mmap
+
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.channel import Channel
@@ -48,14 +50,14 @@ def warm_up() -> None:
     del rclpy, course_kit
 
 
-def main(supervisor: Channel, job: Job) -> None:
+def main(supervisor: Channel, job: Job, lives: mmap) -> None:
     """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
     set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
     told: Record = {"do": "done", "problem": ""}
     try:
-        _run(supervisor, job)
+        _run(supervisor, job, lives)
     except ChannelClosedError:
         return
     except GradingError as problem:
@@ -65,9 +67,9 @@ def main(supervisor: Channel, job: Job) -> None:
     supervisor.send(told)
 
 
-def _run(supervisor: Channel, job: Job) -> None:
+def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
     grader = grader_module.load_for(job)
-    context = CheckContext(supervisor, job, dict(getattr(grader, "VARIABLES", {})))
+    context = CheckContext(supervisor, job, dict(getattr(grader, "VARIABLES", {})), lives)
     checks = grader_module.checks_of(grader, job)
     if job.only:
         checks = choose_part(checks, job.only)
