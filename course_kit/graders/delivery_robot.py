@@ -106,7 +106,7 @@ def battery_charges(node: GradedNode) -> None:
         node.send(DOCKED, data=True)
         robot.expect_state(node, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
         first, began = inbox.messages[-1].percentage, inbox.times[-1]
-        node.context.wait_until(lambda start=began: inbox.times[-1] >= start + 0.4, PATIENCE_S)  # type: ignore[misc]
+        node.context.wait_until(lambda start=began: inbox.times[-1] >= start + 0.25, PATIENCE_S)  # type: ignore[misc]
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
         node.send(DOCKED, data=False)
         left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
@@ -314,8 +314,8 @@ def carrier_cancel(node: GradedNode) -> None:
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
 def carrier_silent(node: GradedNode) -> None:
     """carrier.py alone: without an answer of the door the delivery is given up in time."""
-    door = robot.enter(node, door_timeout_s=0.4)
-    robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.4 + robot.GIVES_UP_S, after_s=0.35)
+    door = robot.enter(node, door_timeout_s=0.3)
+    robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.3 + robot.GIVES_UP_S, after_s=0.25)
     robot.open_door(door)
     robot.require_some_delivery(node, "hall", PATIENCE_S)
 
@@ -374,13 +374,13 @@ def delivery_cancel(node: GradedNode) -> None:
 def delivery_killed(node: GradedNode) -> None:
     """All together: the door dies while it opens; the delivery is given up, and the carrier lives on."""
     robot.have_running(node, *LAUNCH)
-    node.set({"door_timeout_s": 0.5}, of="/carrier").accepted()
+    node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     goal = robot.deliver_at_door(node)
     if not node.kill("door.py"):  # the door lives in a process with others: then ours dies
         node.context.spoil()
-        goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.5))
+        goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.3))
         withdraw_service(node, OPEN)
-    robot.require_aborted(node, goal, 0.5 + robot.GIVES_UP_S)
+    robot.require_aborted(node, goal, 0.3 + robot.GIVES_UP_S)
     node.get("door_timeout_s", of="/carrier")
 
 
