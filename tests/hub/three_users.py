@@ -97,10 +97,11 @@ def test_three_users_work_at_once_each_with_files_and_nodes_of_their_own(here: M
             lab.wait_until_run()
         for user, lab in zip(here.users, labs, strict=True):
             name = user.name.replace("-", "_")
-            run_instead(lab, "lab.stop()", f'lab.start(Node, "{name}")')
+            code = f'lab.stop_script(); lab.stop(); lab.start(Node, "{name}")'
+            run_instead(lab, "%load_ext course_kit", code)
         for user, lab in zip(here.users, labs, strict=True):
             name = user.name.replace("-", "_")
-            run_instead(lab, f'lab.start(Node, "{name}")', "!ros2 node list\n!echo domain $ROS_DOMAIN_ID")
+            run_instead(lab, "lab.stop_script()", "!ros2 node list\n!echo domain $ROS_DOMAIN_ID")
             lab.picture(f"hub_{user.name}")
             lab.require_no_error(LESSON_1)
         said = [printed(lab, "!ros2 node list").split() for lab in labs]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 NOTEBOOKS = Path(__file__).resolve().parent.parent.parent / "notebooks"
 FEWEST, MOST = 3, 5  # steps of a lesson
+NAMES = re.compile(r'^class (\w+)|^(\w+) = |__init__\("(\w+)"', re.MULTILINE)  # what a cell leaves behind
 IMPORTS = """
 import time
 from threading import Event
@@ -103,6 +105,21 @@ def test_a_lesson_has_its_steps_each_with_an_empty_cell_a_check_a_hint_and_a_sol
         assert [*step.empty.outputs, *step.check.outputs] == []
         assert "<summary>A hint</summary>" in step.fold.source
         assert step.solution
+
+
+def test_what_follows_a_step_runs_where_nobody_has_done_it() -> None:
+    for lesson in {step.lesson for step in STEPS.values()}:
+        notebook = notebook_of(lesson)
+        steps = {step.empty.id: step for step in lesson_steps.steps_of(notebook)}
+        made_by_steps: set[str] = set()
+        known = ""
+        for cell in (one for one in notebook.cells if one.cell_type == "code" and "%check" not in one.source):
+            if cell.id in steps:
+                made_by_steps |= {name for pair in NAMES.findall(steps[cell.id].solution) for name in pair if name}
+                continue
+            needed = {name for name in made_by_steps if re.search(rf"\b{name}\b", cell.source)}
+            assert all(re.search(rf"\b{name}\b", known) for name in needed), (lesson, needed, cell.source)
+            known += cell.source
 
 
 def test_every_step_has_a_slip() -> None:
