@@ -22,7 +22,7 @@ from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCol
 from course_kit.grading.sandbox.sandbox import Sandbox, conditions_of, expect_few_participants, program_of
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
-from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
+from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +63,7 @@ class Supervisor:
         self._totals = (BoundedOutput(), BoundedOutput())
         self._sandbox: Sandbox | None = None
         self._collector: OutputCollector | None = None
-        self._lives = mmap.mmap(-1, 1)  # 1 while it does; shared with the grader, as a question costs both processes
+        self._lives = _share_byte()  # 1 while it does; shared with the grader, as a question costs both processes
         self._domains = ExitStack()
         self._queued_s = 0.0
         self._launches = 0
@@ -287,3 +287,13 @@ class Supervisor:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are from a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._collector = None
+
+
+def _share_byte() -> mmap.mmap:
+    """A byte that processes forked from this one see as well; of a file, as a filter may refuse memory without one."""
+    descriptor = make_memory_file("lives")
+    try:
+        os.ftruncate(descriptor, 1)
+        return mmap.mmap(descriptor, 1)
+    finally:
+        os.close(descriptor)
