@@ -44,8 +44,10 @@ if _found.has(compat.NOTEBOOK_TESTS):
         def __init__(self, *arguments: object, **options: object) -> None:
             self._graph = ExitStack()
             domain_id = self._graph.enter_context(environment.exclusive_domain())
-            # What says that pytest runs would silence what native libraries of the kernel print.
-            changes = {"ROS_DOMAIN_ID": str(domain_id), "COURSE_KIT_PROGRESS": "off", "PYTEST_CURRENT_TEST": None}
+            # What says that pytest runs would silence what native libraries of the kernel print, and its width of a
+            # terminal would break lines.
+            changes = dict.fromkeys(("PYTEST_CURRENT_TEST", "COLUMNS", "LINES"))
+            changes |= {"ROS_DOMAIN_ID": str(domain_id), "COURSE_KIT_PROGRESS": "off"}
             with mock.patch.dict(os.environ, environment.child_environment(**changes), clear=True):
                 super().__init__(*arguments, **options)
 

@@ -7,6 +7,7 @@ course then, and so does a pasted program that spins. As for `lab`, a sentence s
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -29,11 +30,14 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
             shell.register_magic_function(_loading(shell, name), kind, name)
 
     def before_cell(info: ExecutionInfo) -> None:
-        if "rclpy.spin(" in info.raw_cell and not info.raw_cell.startswith("%%"):
-            shell.extension_manager.load_extension("course_kit")
-            from course_kit import lab
+        from course_kit.environment import DomainError
 
-            lab.current().engine  # noqa: B018 - from now on rclpy.init and rclpy.spin say what they do in a cell
+        if "rclpy.spin(" in info.raw_cell and not info.raw_cell.startswith(("%%", "# %%")):
+            with suppress(DomainError):  # what the cell itself asks of ROS says so
+                shell.extension_manager.load_extension("course_kit")
+                from course_kit import lab
+
+                lab.current().engine  # noqa: B018 - from now on rclpy.init and rclpy.spin say what they do in a cell
 
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec

@@ -17,8 +17,9 @@ import pytest
 
 import course_kit
 from course_kit.graders import _limiter
+from course_kit.grading.checks import exchange_log
 from course_kit.grading.diagnosis import exits, tracebacks
-from course_kit.grading.model import bounds, exchange_log
+from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
 from course_kit.reader import fingerprints, process
 from course_kit.text.sanitize import make_printable

@@ -41,7 +41,7 @@ def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel:
     assert kernel.run(asked).result["text/plain"] == "(reason: 'from the file', pace: 3.0)"
     assert kernel.run("%ros_stop pair.launch").ok
     done = kernel.run(f"%grade {several_files.ID}")
-    assert "3 of 3 points, passed" in done.result["text/plain"]
+    assert "5 of 5 points, passed" in done.result["text/plain"]
     assert done.stdout.startswith("Graded: gate.py in In[")
     kernel.run(mark("guard.py", "import rclpy\n1 / 0"))
     assert "2 of 2 points, gate alone" in kernel.run(f"%grade {several_files.ID} --only gate").result["text/plain"]

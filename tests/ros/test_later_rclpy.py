@@ -192,13 +192,13 @@ def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
 ) -> None:
     from importlib import import_module
 
-    from course_kit.grading.model import limits
+    from course_kit.grading.model.job import Job
 
     life = SimpleNamespace(
         stderr=SPINS.format(outer="action/server.py", function=outer), notes={}, signal=None, limit=None, cpu_s=0.0
     )
     source = "def convert(self):\n    rclpy.spin_until_future_complete(self, future)\n"
-    job = SimpleNamespace(name="submission.py", source=source, places=(), limits=limits.Limits())
+    job = Job("", "run", "submission.py", 1, source=source)
     diagnosis, message = getattr(import_module(f"course_kit.grading.diagnosis.{module}"), function)(life, job)
     assert diagnosis == "service.deadlock"
     assert "line 2: rclpy.spin_until_future_complete(self, future)" in message
