@@ -13,7 +13,7 @@ from tests.browser.pictures import photograph
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Locator, Page
+    from playwright.sync_api import Page
 
     from tests.browser.learner import JupyterLab
 
@@ -35,30 +35,17 @@ def grade_the_broken_one(lab: JupyterLab) -> None:
 def require_landed(page: Page) -> None:
     """The heading is the first thing below the toolbar, and stays there."""
     heading = page.locator(".jp-NotebookPanel:not(.lm-mod-hidden) h3", has_text="7.2")
-    require_calm(page, heading)
-
-
-def require_calm(page: Page, wanted: Locator) -> None:
-    """It comes to rest near the top of the page."""
-    expect(wanted).to_be_in_viewport()
+    expect(heading).to_be_in_viewport()
     page.wait_for_function(
-        """wanted => {
-            const top = wanted.getBoundingClientRect().top;
+        """heading => {
+            const top = heading.getBoundingClientRect().top;
             window.calm = window.top_before === top ? (window.calm ?? 0) + 1 : 0;
             window.top_before = top;
             return window.calm > 10 && top > 50 && top < 300;
         }""",
-        arg=wanted.element_handle(),
+        arg=heading.element_handle(),
         polling=100,
     )
-
-
-def test_shift_enter_shows_a_tall_panel_from_its_top(lab: JupyterLab) -> None:
-    lab.open("notebooks/00_welcome.ipynb")
-    lab.run_cell_that_begins("%load_ext course_kit")
-    lab.scroll_to(lab.cell_that_begins("panels.check_yourself")).locator(".cm-content").click()
-    lab.page.keyboard.press("Shift+Enter")
-    require_calm(lab.page, lab.page.get_by_text("What must a publisher and a subscriber have in common?"))
 
 
 def test_a_link_lands_at_its_heading_at_the_first_click_in_notebook_7(lab: JupyterLab) -> None:

@@ -118,16 +118,10 @@
         if (newValue) void this.askKernel();
       });
       context.iopubMessage.connect((_, { header, content, parent_header: cause }) => {
-        if (header.msg_type === 'execute_input') {
-          this.fresh = false;
-          this.before = new WeakSet([...this.outputs()].map(({ model }) => model));
-        }
+        if (header.msg_type === 'execute_input') this.fresh = false;
         if (content.execution_state === 'idle' && cause.msg_id !== this.asked) this.keepSoon();
       });
       new MutationObserver(() => this.drawSoon()).observe(panel.node, { childList: true, subtree: true });
-      for (const act of ['wheel', 'keydown', 'pointerdown']) {
-        panel.node.addEventListener(act, () => (this.before = undefined), { capture: true, passive: true });
-      }
       void context.ready.then(() => this.askKernel());
       this.draw();
     }
@@ -220,19 +214,6 @@
           const node = area?.widgets[place]?.node;
           const shown = node?.querySelector('.jp-OutputArea-output');
           if (shown) void this.put(node, shown, model, cell);
-        }
-      }
-      this.showFromItsTop();
-    }
-
-    /** Shift+Enter shows the cell below: the beginning of a tall panel would be out of sight. Until the reader acts. */
-    showFromItsTop() {
-      const { content } = this.panel;
-      const run = content.widgets[content.activeCellIndex - 1];
-      const top = content.node.getBoundingClientRect().top;
-      for (const { model, cell } of this.before ? this.outputs() : []) {
-        if (cell === run && !this.before.has(model) && cell.node.getBoundingClientRect().top < top - 2) {
-          cell.node.scrollIntoView({ block: 'start' });
         }
       }
     }
