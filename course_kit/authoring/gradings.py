@@ -15,7 +15,7 @@ from course_kit.grading.sandbox import needs
 from course_kit.process import Closable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from course_kit.authoring.corpus import ProofSubmission
     from course_kit.grading.model.exercise import Exercise
@@ -47,27 +47,23 @@ class Gradings(Closable):
 
     def request_for(self, submission: ProofSubmission, seed: int) -> GradingRequest | Report:
         """How to grade a submission of a proof set; the report of one that cannot be read."""
-        if submission.files:
-            with tempfile.TemporaryDirectory(dir=self._folder.name) as folder:
-                for name, text in submission.texts().items():
-                    Path(folder, name).write_text(text, encoding="utf-8")
-                return self.request_for_program(submission.exercise, Path(folder), seed)
-        program = submission.text() if submission.changes else submission.path
+        program = submission.texts() if submission.files or submission.changes else submission.path
         return self.request_for_program(submission.exercise, program, seed)
 
     def request_for_program(
-        self, exercise_id: str, program: str | Path, seed: int, *, first_failure: bool = False
+        self, exercise_id: str, program: Path | Mapping[str, str], seed: int, *, first_failure: bool = False
     ) -> GradingRequest | Report:
-        """How to grade a file or a text, with `first_failure` until the first check that fails."""
+        """How to grade a file or texts by their files' names, with `first_failure` until the first check that fails."""
         exercise = self._exercises[exercise_id]
-        if isinstance(program, Path):
-            path = program
-        else:
-            path = Path(self._folder.name) / f"{exercise_id}.py"
-            path.write_text(program, encoding="utf-8")
+        if not isinstance(program, Path):
+            with tempfile.TemporaryDirectory(dir=self._folder.name) as folder:
+                for name, text in program.items():
+                    Path(folder, name).write_text(text, encoding="utf-8")
+                path = Path(folder) if exercise.files else Path(folder, *program)
+                return self.request_for_program(exercise_id, path, seed, first_failure=first_failure)
         try:
-            with Copy(path, several=bool(exercise.files)) as copy:
+            with Copy(program, several=bool(exercise.files)) as copy:
                 text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
-            return unreadable(exercise, path.name, str(problem))
-        return GradingRequest(exercise, text, path.name, seed, first_failure=first_failure)
+            return unreadable(exercise, program.name, str(problem))
+        return GradingRequest(exercise, text, program.name, seed, first_failure=first_failure)

@@ -64,8 +64,9 @@ class DeclaredEquivalent:
 
 def file_of(exercise: Exercise) -> Path:
     """The declarations of an exercise, in its own proof set, or else beside its solution; the file need not exist."""
-    own = exercise.solution.is_relative_to(exercise.folder)
-    return (exercise.folder / "proof" if own else exercise.solution.parent) / FILE
+    if exercise.solution.is_relative_to(exercise.folder):
+        return exercise.folder / "proof" / FILE
+    return (exercise.solution if exercise.files else exercise.solution.parent) / FILE
 
 
 def read_equivalents(path: Path) -> list[DeclaredEquivalent]:

@@ -24,6 +24,7 @@ class Mutant:
     change: str  # `old -> new`, as `ast` writes both
     ordinal: int  # the how manieth with the same three, from 1
     source: str  # the whole program
+    file: str = ""  # its name, as the solution has it
 
     @property
     def key(self) -> str:
@@ -32,7 +33,7 @@ class Mutant:
         return f"{self.operator}: {self.before}: {self.change}{more}"
 
 
-def make_mutants(source: str, *, starts_itself: bool = True) -> list[Mutant]:
+def make_mutants(source: str, *, starts_itself: bool = True, file: str = "") -> list[Mutant]:
     """All mutants of a program, in the order of its lines; without those that nobody can see."""
     program = ParsedProgram(source, starts_itself=starts_itself)
     lines = source.split("\n")
@@ -48,7 +49,7 @@ def make_mutants(source: str, *, starts_itself: bool = True) -> list[Mutant]:
         line = line_of(one.at or one.node)
         mistake = one.operator, lines[line - 1].strip(), f"{_written(one.node)} -> {_written(one.new)}"
         counted[mistake] += 1
-        found.append(Mutant(one.operator, line, *mistake[1:], counted[mistake], text))
+        found.append(Mutant(one.operator, line, *mistake[1:], counted[mistake], text, file))
     return found
 
 

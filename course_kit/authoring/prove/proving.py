@@ -17,7 +17,6 @@ from course_kit.text.console import wrap_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from course_kit.authoring.prove.equivalent import DeclaredEquivalent
     from course_kit.authoring.prove.mutants import Mutant
@@ -54,21 +53,25 @@ class GraderProof:
 def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, workers: int | None = None) -> GraderProof:
     """Find out what a grader lets through."""
     began = time.monotonic()
-    source = _read_solution(exercise.solution)
-    made = mutants.make_mutants(source, starts_itself=exercise.practice or not exercise.class_name)
+    texts = _read_solution(exercise)
+    starts_itself = exercise.practice or not exercise.class_name
+    programs = [name for name in texts if name.endswith(".py") and name != exercise.launch_file]
+    made = [
+        one for name in programs for one in mutants.make_mutants(texts[name], starts_itself=starts_itself, file=name)
+    ]
     entries = equivalent.read_equivalents(equivalent.file_of(exercise))
     declared = {one: entry for one in made for entry in entries if entry.covers(one)}
     chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
     left, problems = list(chosen), _name_unused(entries, made)
     with Gradings([exercise], workers) as pool:
-        [(_, report)] = pool.grade_all([("", pool.request_for_program(exercise.id, source, seed))])
+        [(_, report)] = pool.grade_all([("", pool.request_for_program(exercise.id, texts, seed))])
         if not _has_full_marks(report):
             raise GradingError(
                 f"Nothing can be proven, because the solution itself does not get full marks: {describe_report(report)}"
             )
         for each in range(seed, seed + more + 1):
-            reports = _grade(pool, exercise.id, left, each)
+            reports = _grade(pool, (exercise.id, texts), left, each)
             problems += list(_name_failures(reports, declared))
             left = [one for one in left if _has_full_marks(reports[one])]
             if each == seed and not exercise.variable:
@@ -85,9 +88,15 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
     )
 
 
-def _grade(pool: Gradings, exercise_id: str, programs: Sequence[Mutant], seed: int) -> dict[Mutant, Report]:
+def _grade(
+    pool: Gradings, solution: tuple[str, dict[str, str]], programs: Sequence[Mutant], seed: int
+) -> dict[Mutant, Report]:
     """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
-    requests = ((one, pool.request_for_program(exercise_id, one.source, seed, first_failure=True)) for one in programs)
+    exercise_id, texts = solution
+    requests = (
+        (one, pool.request_for_program(exercise_id, {**texts, one.file: one.source}, seed, first_failure=True))
+        for one in programs
+    )
     reports: dict[Mutant, Report] = {}
     for one, report in pool.grade_all(requests):
         reports[one] = report
@@ -102,7 +111,7 @@ def describe_proof(proof: GraderProof, *, quick: bool) -> Iterator[str]:
     if proof.survivors:
         yield from ("Mistakes that get full marks, with no reason given:", "")
     for one in proof.survivors:
-        yield f"{proof.exercise.solution.name}, line {one.line}: {one.operator}"
+        yield f"{one.file}, line {one.line}: {one.operator}"
         yield from (f"    {one.before}", f"    {shorten(one.change, _WIDTH)}", "")
     for problem in proof.problems:
         yield from wrap_text(f"✗ {problem}", following="    ", width=_WIDTH)
@@ -137,12 +146,18 @@ def _has_full_marks(report: Report) -> bool:
     return report.status == "graded" and report.score >= report.max_score - _TINY
 
 
-def _read_solution(solution: Path) -> str:
+def _read_solution(exercise: Exercise) -> dict[str, str]:
+    """The files of the solution, by name; each program in which mistakes are made is one."""
+    solution = exercise.solution
+    paths = [solution / name for name in exercise.files] or [solution]
+    texts = {}
     try:
-        source = solution.read_text(encoding="utf-8")
-        compile(source, solution.name, "exec", dont_inherit=True)
+        for path in paths:
+            texts[path.name] = path.read_text(encoding="utf-8")
+            if path.suffix == ".py":
+                compile(texts[path.name], path.name, "exec", dont_inherit=True)
     except FileNotFoundError:
-        raise GradingError(f"There is no solution {solution}, in which mistakes could be made.") from None
+        raise GradingError(f"There is no solution {path}, in which mistakes could be made.") from None
     except (OSError, SyntaxError, ValueError) as problem:
-        raise GradingError(f"{solution} is no program: {problem}.") from None
-    return source
+        raise GradingError(f"{path} is no program: {problem}.") from None
+    return texts
