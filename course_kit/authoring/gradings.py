@@ -57,8 +57,8 @@ class Gradings(Closable):
         exercise = self._exercises[exercise_id]
         if not isinstance(program, Path):
             with tempfile.TemporaryDirectory(dir=self._folder.name) as folder:
-                for name, text in program.items():
-                    Path(folder, name).write_text(text, encoding="utf-8")
+                for name, source in program.items():
+                    Path(folder, name).write_text(source, encoding="utf-8")
                 path = Path(folder) if exercise.files else Path(folder, *program)
                 return self.request_for_program(exercise_id, path, seed, first_failure=first_failure)
         try:
