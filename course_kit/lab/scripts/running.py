@@ -183,6 +183,7 @@ class Scripts:
             if mode != "wait" and script.spins and (script.spins == "server" or mode == "background"):
                 self.wait_for_nodes(script.nodes, True)
                 names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
+                self.pump()  # what it has printed before it began to spin comes first
                 self._say(f"{script.name} is running in the background" + (f" (node {names})." if names else "."))
                 return
             limit = _WAIT if mode == "wait" else _CLIENT if script.spins == "client" else _UP
