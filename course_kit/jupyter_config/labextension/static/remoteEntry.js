@@ -4,9 +4,7 @@
 // A panel whose kernel has ended shows its last picture, and how to wake it.
 (() => {
   const LOOK_MS = 100;
-  const AT_MOST_MS = 20000;
-  const CALM = 8; // looks in a row at which the heading stays where it is
-  let landings = 0; // a later click, or the reader's own scrolling, ends the landing before
+  let landings = 0; // a later click, or what the reader does, ends the landing before
 
   const idOf = text => text.trim().replace(/[`*_]/g, '').replace(/ /g, '-');
 
@@ -24,27 +22,20 @@
     return panel.node.querySelector(`[data-jupyter-id="${name}"], [id="${name}"]`);
   }
 
-  /** Scroll to a heading as soon as its notebook is there, and again while cells above it still grow. */
+  /** Scroll to a heading once its notebook is there, and hold it while cells above it grow, until the reader acts. */
   async function land(app, path, id) {
-    const mine = ++landings;
-    const end = Date.now() + AT_MOST_MS;
-    for (let calm = 0; calm < CALM && Date.now() < end && mine === landings; ) {
-      await new Promise(done => setTimeout(done, LOOK_MS));
+    for (const mine = ++landings; mine === landings; await new Promise(done => setTimeout(done, LOOK_MS))) {
       const panel = app.shell.currentWidget;
       if (!panel?.context?.isReady || !panel.context.path.endsWith(path) || !panel.content?.widgets) {
         continue;
       }
       const heading = headingIn(panel, id);
-      if (!heading) {
-        const index = cellOf(panel.content, id);
-        if (index >= 0) {
-          await panel.content.scrollToItem(index, 'start');
-        }
-        continue;
+      const index = heading ? -1 : cellOf(panel.content, id);
+      heading?.scrollIntoView({ block: 'start' });
+      if (index >= 0) {
+        // Not awaited: JupyterLab scrolls there too, and then refuses this request.
+        panel.content.scrollToItem(index, 'start').catch(() => undefined);
       }
-      const before = heading.getBoundingClientRect().top;
-      heading.scrollIntoView({ block: 'start' });
-      calm = Math.abs(heading.getBoundingClientRect().top - before) < 2 ? calm + 1 : 0;
     }
   }
 
@@ -54,8 +45,9 @@
     activate(app) {
       const alone = app.name !== 'JupyterLab'; // Notebook 7: one notebook a tab
       const stop = () => landings++;
-      window.addEventListener('wheel', stop, { capture: true, passive: true });
-      window.addEventListener('keydown', stop, true);
+      for (const act of ['wheel', 'keydown', 'pointerdown']) {
+        window.addEventListener(act, stop, { capture: true, passive: true });
+      }
       document.addEventListener(
         'click',
         event => {
