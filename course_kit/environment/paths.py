@@ -23,6 +23,7 @@ MANIFEST = ".course.json"  # marks a learner's folder: what was handed out there
 FOLDER_VARIABLE = "COURSE_KIT_FOLDER"  # the learner's folder that JupyterLab was opened on
 PROGRESS_VARIABLE = "COURSE_KIT_PROGRESS"
 COPIED = ("notebooks", "exercises")  # from the course into a learner's folder
+CELL_PROGRAMS = "scripts"  # in `run_dir`, side by side: what cells have saved
 _NAME = "ros2-course"
 _APPLICATION = "ros2-course-kit"
 _LOGS_KEPT = 40
@@ -117,14 +118,13 @@ def _state_dir(xdg: str | None, home: str | None) -> Path:  # noqa: ARG001 - the
     return Path(tempfile.mkdtemp(prefix=f"{_APPLICATION}-"))
 
 
-def run_dir() -> Path:
-    """This checkout's folder for generated things; beside the course when that is writable."""
-    root = checkout_folder()
+def run_dir(part: str = "") -> Path:
+    """This checkout's folder for generated things, or one in it; beside the course when that is writable."""
+    root, folder = checkout_folder(), state_dir() / "run"
     if root is not None and is_writable(root / ".course"):
-        return root / ".course"
-    elsewhere = state_dir() / "run"
-    elsewhere.mkdir(parents=True, exist_ok=True)
-    return elsewhere
+        folder = root / ".course"
+    (folder / part).mkdir(parents=True, exist_ok=True)
+    return folder / part
 
 
 def own_run_dir() -> Path:

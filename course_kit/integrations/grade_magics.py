@@ -142,7 +142,7 @@ class GradeMagics(Magics):
     def _save(self, exercise: str, file: str) -> Path:
         """Put a file of a submission beside its others and the scripts, for `%ros_script` and `%ros_launch`."""
         cells = enumerate((cell.source for cell in self._submissions.cells_of(exercise)), 1)
-        path = scripts_folder() / file
+        path = environment.run_dir(environment.paths.CELL_PROGRAMS) / file
         with suppress(UnreadableTextError):  # %grade says what is wrong
             path.write_text(join_cells("This notebook", cells, exercise, file)[0], encoding="utf-8")
         return path
@@ -262,13 +262,6 @@ class GradeMagics(Magics):
             return cell_id
         # Graders name no cells; but they run each once, from top to bottom.
         return f"cell {self.shell.execution_count}" if _in_an_autograder() else None
-
-
-def scripts_folder() -> Path:
-    """Where programs of cells are saved, side by side."""
-    folder = environment.run_dir() / "scripts"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
 
 
 def _require_mark(exercise: str, file: str) -> None:

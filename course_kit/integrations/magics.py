@@ -6,8 +6,9 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
+from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.integrations.grade_magics import scripts_folder, the_exercises
+from course_kit.integrations.grade_magics import the_exercises
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def ros_script(line: str, cell: str | None = None) -> None:
 
 def _saved(name: str) -> str:
     """The program that the first line of a cell has saved under a name."""
-    path = scripts_folder() / f"{name.removesuffix('.py')}.py"
+    path = environment.run_dir(environment.paths.CELL_PROGRAMS) / f"{name.removesuffix('.py')}.py"
     if not path.is_file():
         known = ", ".join(sorted(one.stem for one in path.parent.glob("*.py"))) or "none"
         raise MagicError(f"No program is saved as {name!r}: run its cell first. Saved: {known}.")

@@ -85,7 +85,7 @@ def _folders(near: Sequence[Path]) -> Iterator[Path]:
         yield folder.parent
     yield Path.cwd()
     yield from (Path(folder) for folder in os.environ.get(PACKAGE_PATH, "").split(os.pathsep) if folder)
-    yield environment.run_dir() / "scripts"
+    yield environment.run_dir(environment.paths.CELL_PROGRAMS)
     if checkout := environment.checkout_folder():
         yield checkout
     yield from (course / "exercises" for course in _courses())

@@ -71,15 +71,14 @@ def record_report(report: Report) -> str:
 
 def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
     failed = (Failure(one.id, one.title, one.diagnosis) for one in report.checks if one.status == "failed")
+    tried = count_try(old, passed=report.passed and not report.part)
+    return replace(tried, best=max(old.best, report.score), failed=next(failed, None))
+
+
+def count_try(old: ProgressRecord, *, passed: bool) -> ProgressRecord:
+    """The record after one more try."""
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    return replace(
-        old,
-        best=max(old.best, report.score),
-        tries=old.tries + 1,
-        first_passed=old.first_passed or (now if report.passed and not report.part else ""),
-        last_try=now,
-        failed=next(failed, None),
-    )
+    return replace(old, tries=old.tries + 1, last_try=now, first_passed=old.first_passed or (now if passed else ""))
 
 
 def read_progress() -> tuple[dict[str, ProgressRecord], str]:

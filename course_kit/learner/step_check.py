@@ -6,11 +6,8 @@ A step is a function that talks with the node in the verbs of the graders' vocab
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from datetime import datetime, timezone
 from functools import partial
 from typing import TYPE_CHECKING
-
-from msgspec import structs
 
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.check import Evidence, Failed
@@ -27,7 +24,6 @@ from course_kit.ros.names import is_hidden
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from course_kit.learner.progress import ProgressRecord
 
 _APPEARS_S = 2.0  # within which what a step needs has to be on the graph
 _MOST_S = 20.0  # for all that one check asks
@@ -95,14 +91,8 @@ def check_step(step: LessonStep) -> StepResult:
             result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
     finally:
         context.close()
-    trouble = progress.update_progress(step.key, lambda old: _count(old, passed=result.passed))
+    trouble = progress.update_progress(step.key, partial(progress.count_try, passed=result.passed))
     return replace(result, text="\n".join(filter(None, (result.text, trouble))))
-
-
-def _count(old: ProgressRecord, *, passed: bool) -> ProgressRecord:
-    now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    first_passed = old.first_passed or (now if passed else "")
-    return structs.replace(old, tries=old.tries + 1, last_try=now, first_passed=first_passed)
 
 
 def _endpoint(need: str) -> dict[str, str]:

@@ -11,15 +11,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
     from typing import BinaryIO
 
+    # Of one file: why it cannot be read, or its text and the cells it was joined from.
+    Read = str | tuple[str, list[tuple[int, int]]]
+
 ARCHIVE, YAML = ".zip", ".yaml"
 MOST_FILES = 40  # of a submission; more *.py and *.yaml beside those that the exercise names are its own modules
 _NAME = re.compile(r"\w[\w.-]{0,99}\.(?:py|yaml)")
 _CELL = re.compile(r"^[ \t]*%%submission[^\S\n]+(\S+)[^\S\n]+(\S+)", re.MULTILINE)
 _LEFT_OUT = ("__pycache__", "__MACOSX", "build", "install", "log")
-
-if TYPE_CHECKING:
-    Read = str | tuple[str, list[tuple[int, int]]]
-"""What is read of one file: why it cannot be, or its text and the cells it was joined from."""
 
 
 def is_name(name: str) -> bool:
@@ -104,10 +103,6 @@ def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
 
 def _is_left_out(path: str) -> bool:
     return any(part.startswith(".") or part in _LEFT_OUT for part in path.split("/"))
-
-
-def _is_file(path: str) -> bool:
-    return is_name(_last(path))
 
 
 def _last(path: str) -> str:

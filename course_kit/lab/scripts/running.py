@@ -141,9 +141,7 @@ class Scripts:
                 self._say(line)
 
     def _start(self, name: str, source: str, arguments: tuple[str, ...], runner: str) -> Script:
-        folder = environment.run_dir() / "scripts"
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / f"{name}.py"
+        path = environment.run_dir(environment.paths.CELL_PROGRAMS) / f"{name}.py"
         path.write_text(as_utf8(source), encoding="utf-8")
         command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
         process = Child(
