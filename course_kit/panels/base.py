@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ipywidgets import Widget
 
 
-def still(words: str, picture: str = "", *style_sheets: str) -> str:
+def still(words: str, picture: str = "", *style_sheets: str | Path) -> str:
     """The HTML of a still picture."""
     sheets = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("still.css", *style_sheets))
     return str(render_template(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
@@ -56,8 +56,8 @@ _JOIN = 2.0  # seconds an update is given to end
 T = TypeVar("T")
 
 
-def of_files(*names: str) -> str:
-    """The JavaScript of a panel's page as one module, or its style sheet: files of this folder, one after the other."""
+def of_files(*names: str | Path) -> str:
+    """The JavaScript of a panel's page as one module, or its style sheet: files, most of them of this folder."""
     return "\n".join((_HERE / name).read_text(encoding="utf-8") for name in names)
 
 

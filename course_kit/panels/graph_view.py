@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import html
-import itertools
-import re
 import threading
 import time
 from contextlib import suppress
@@ -16,10 +14,10 @@ import traitlets
 from ipywidgets import HTML, Button, Layout, VBox
 
 from course_kit import lab
-from course_kit.panels.base import RATE, Latest, Panel, drawn, of_files, still
-from course_kit.panels.flow_layout import lay_out
+from course_kit.panels.base import RATE, Latest, Panel, of_files, still
 from course_kit.ros import graph
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, Overview, Role, Use
+from course_kit.ros.graph_drawing import STYLE_SHEET, graph_svg, in_lines
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
@@ -29,136 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.recording.events import Event
     from course_kit.lab.runtime.neighbours import OtherNotebook
-    from course_kit.panels.flow_layout import Arrow, Box, Point
     from course_kit.ros.graph import Role
-
-NODE = "node"
-_CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
-_COLUMNS = 30  # characters of a line; longer names are broken
-# Where nodes speak to each other in a circle some arrow leads back; a stream of messages is the flow one looks for.
-_TURNED_LAST = ("topic", "action", "service")
-_LINE, _PADDING = 17, 12
-_LEAST_WIDTH = 90.0
-
-
-class GraphBox(NamedTuple):
-    """A node or a channel."""
-
-    kind: str
-    name: str
-    lines: list[tuple[str, str]]
-    words: str
-    elsewhere: bool = False
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height that its lines need."""
-        widest = max(len(text) * _CHARACTER[style] for style, text in self.lines)
-        return max(_LEAST_WIDTH, widest + 2 * _PADDING), float(len(self.lines) * _LINE + _PADDING)
-
-
-def graph_svg(seen: Overview, others: Sequence[OtherNotebook] = ()) -> str:
-    """The drawing as an `svg` element, which templates take as it is; empty without nodes."""
-    if not seen.nodes:
-        return ""
-    boxes = boxes_of(seen, others)
-    sizes = {key: box.size for key, box in boxes.items()}
-    first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
-    arrows = {_arrow(use): use for use in first}
-    found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
-    return drawn(
-        "graph.svg",
-        boxes=[_placed(box, found.places[key]) for key, box in boxes.items()],
-        arrows=[_drawn(use, found.ways[arrow]) for arrow, use in arrows.items()],
-        width=round(found.size[0]),
-        height=round(found.size[1]),
-        summary=_summary(seen),
-    )
-
-
-def boxes_of(seen: Overview, others: Sequence[OtherNotebook] = ()) -> dict[Box, GraphBox]:
-    """Nodes in alphabetical order, then the channels."""
-    boxes: dict[Box, GraphBox] = {(NODE, node): _box_of_node(seen, node, others) for node in sorted(set(seen.nodes))}
-    remarks = seen.remarks()
-    for (kind, name), uses in seen.channels().items():
-        types = sorted({one for use in uses for one in use.types})
-        said = remarks.get((kind, name), [])
-        lines = [("kind", kind), *(("name", line) for line in _broken(name))]
-        lines += [("types", line) for one in types for line in _broken(one)]
-        lines += [("remark", line) for one in said for line in _broken(f"⚠ {one}")]
-        boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
-    return boxes
-
-
-def _box_of_node(seen: Overview, node: str, others: Sequence[OtherNotebook]) -> GraphBox:
-    name, count = short_name(node), seen.nodes.count(node)
-    elsewhere = sum(other.nodes.count(node) for other in others)
-    titles = ", ".join(other.title for other in others if node in other.nodes)
-    notes = [note for note in (how_many(count), titles and f"in {titles}") if note]
-    if elsewhere and elsewhere < count:
-        notes[-1] = f"also {notes[-1]}"
-    lines = [("name", line) for line in _broken(name)]
-    lines += [("types", line) for note in notes for line in _broken(note)]
-    does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
-    return GraphBox(NODE, name, lines, f"{' '.join([name, *notes])}: {does}", 0 < count <= elsewhere)
-
-
-def how_many(count: int) -> str:
-    """That several nodes carry one name; empty for one."""
-    return f"({count} nodes of this name)" if count > 1 else ""
-
-
-def _arrow(use: Use) -> Arrow:
-    node, channel = (NODE, use.node), (use.role.kind, use.channel)
-    return (channel, node) if use.role.inward else (node, channel)
-
-
-def _broken(text: str) -> list[str]:
-    """A text in lines, broken at blanks, or behind the parts of a name."""
-    lines = [""]
-    for part in re.findall(r".+?(?:[\s/_](?=.)|$)", text):
-        rest = part
-        while len(lines[-1]) + len(rest.rstrip()) > _COLUMNS:
-            if lines[-1]:
-                lines.append("")
-                continue
-            lines[-1], rest = rest[:_COLUMNS], rest[_COLUMNS:]
-            lines.append("")
-        lines[-1] += rest
-    return [line.rstrip() for line in lines]
-
-
-def _placed(box: GraphBox, place: Point) -> dict[str, object]:
-    width, height = box.size
-    return {**box._asdict(), "x": round(place[0]), "y": round(place[1]), "width": round(width), "height": round(height)}
-
-
-def _drawn(use: Use, way: list[Point]) -> dict[str, object]:
-    """An arrow from left to right, or back: bent between two columns, straight where it crosses one."""
-    points = [(round(x), round(y)) for x, y in way]
-    step = 9 if points[-1][0] > points[0][0] else -9
-    points[-1] = (points[-1][0] - step, points[-1][1])
-    path = "M{} {}".format(*points[0])
-    for (x, y), (a, b) in itertools.pairwise(points):
-        middle = (x + a) // 2
-        path += f"C{middle} {y} {middle} {b} {a} {b}"
-    x, y = points[-1]
-    return {
-        "node": short_name(use.node),
-        "verb": use.role.verb,
-        "kind": use.role.kind,
-        "channel": use.channel,
-        "offers": use.role.offers,
-        "path": path,
-        "head": f"M{x + step} {y}l{-step} -5v10z",
-    }
-
-
-def _summary(seen: Overview) -> str:
-    counts = [(len(set(seen.nodes)), NODE)]
-    kinds: Sequence[str] = [kind for kind, _ in seen.channels()]
-    counts += [(kinds.count(kind), kind) for kind in dict.fromkeys(kinds)]
-    return "The ROS graph: " + ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts) + "."
 
 
 class Hop(NamedTuple):
@@ -191,7 +60,6 @@ _HOPS = {
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _REMEMBERED = 3.0  # seconds for which the notebook is on the picture at least, after it has sent or got something
-_EMPTY = "No node is on the ROS graph."
 _LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
 
 
@@ -199,7 +67,7 @@ class GraphWidget(anywidget.AnyWidget):
     """The picture as the page has it."""
 
     _esm = of_files("dom.js", "docking.js", "graph_traffic.js", "graph_view.js")
-    _css = of_files("frame.css", "panels.css", "graph_flow.css", "graph_view.css")
+    _css = of_files("frame.css", "panels.css", STYLE_SHEET, "graph_view.css")
     svg = traitlets.Unicode().tag(sync=True)
     text = traitlets.Unicode().tag(sync=True)
     news = traitlets.Unicode().tag(sync=True)
@@ -245,7 +113,7 @@ class GraphView(Panel):
         """The drawing of this moment."""
         nodes = graph.read_graph(self._node)
         seen = with_lab(nodes, self._uses_of_lab(nodes))
-        return still(in_lines(seen), graph_svg(seen, lab.others()), "graph_flow.css")
+        return still(in_lines(seen), graph_svg(seen, notebooks_by_node(lab.others())), STYLE_SHEET)
 
     def _watch(self) -> None:
         with suppress(lab.LabError):  # the lab has been closed meanwhile
@@ -264,7 +132,7 @@ class GraphView(Panel):
             before, self._shown, self._drawn = self._shown, seen, picture
             shown = matching(with_lab(seen, picture[2]), self.widget.wanted)
             with self.widget.hold_sync():
-                self.widget.svg = graph_svg(shown, picture[3])
+                self.widget.svg = graph_svg(shown, notebooks_by_node(picture[3]))
                 self.widget.text = in_lines(shown)
                 if before is not None and (said := news(before, seen)):
                     self.widget.news = said
@@ -320,6 +188,15 @@ class GraphView(Panel):
         self.widget.ended = True
 
 
+def notebooks_by_node(others: Sequence[OtherNotebook]) -> dict[str, list[str]]:
+    """The titles of the notebooks in which nodes run, one for each node of a name."""
+    found: dict[str, list[str]] = {}
+    for other in others:
+        for node in other.nodes:
+            found.setdefault(node, []).append(other.title)
+    return found
+
+
 def with_lab(seen: Overview, uses: frozenset[Use]) -> Overview:
     """The graph with the notebook itself on it, as far as it takes part; without, it is as hidden as ROS hides it."""
     if not uses:
@@ -338,19 +215,6 @@ def matching(seen: Overview, wanted: str) -> Overview:
     uses = tuple(use for use in seen.uses if (use.role.kind, use.channel) in channels)
     nodes |= {use.node for use in uses}
     return Overview(tuple(node for node in seen.nodes if node in nodes), uses)
-
-
-def in_lines(seen: Overview) -> str:
-    """The graph as text: each node and what it does, then what may be amiss."""
-    if not seen.nodes:
-        return _EMPTY
-    lines = []
-    for node in sorted(set(seen.nodes)):
-        lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
-        uses = seen.of(node)
-        lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
-    remarks = [remark for said in seen.remarks().values() for remark in said]
-    return "\n".join(lines + remarks)
 
 
 def news(before: Overview, now: Overview) -> str:

@@ -16,8 +16,9 @@ from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
 from course_kit.lab.runtime.neighbours import OtherNotebook
-from course_kit.panels.graph_view import GraphView, boxes_of, graph_svg, in_lines, matching, news
+from course_kit.panels.graph_view import GraphView, matching, news, notebooks_by_node
 from course_kit.ros import graph as overview
+from course_kit.ros.graph_drawing import boxes_of, graph_svg, in_lines
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -109,7 +110,6 @@ def test_plumbing_is_hidden_unless_it_is_asked_for(live_lab: Lab) -> None:
     view.widget.plumbing = True
     for name in ("/rosout", "/busy/set_parameters", "/fibonacci/_action/feedback", "_lab_"):
         assert name in view.widget.text
-    assert "rosout" not in view.describe()
     view.widget.plumbing = False
     assert "rosout" not in view.widget.text
     assert seen(live_lab).remarks() == seen(live_lab, plumbing=True).remarks()
@@ -280,7 +280,7 @@ def test_what_came_and_left_is_told_to_a_screen_reader(live_lab: Lab) -> None:
 
 def test_a_node_of_another_notebook_says_so() -> None:
     graph = overview.Overview(("/mine", "/robot", "/twin", "/twin"), ())
-    others = [OtherNotebook("02_actions.ipynb", ("/robot", "/twin"), "/_lab_1")]
+    others = notebooks_by_node([OtherNotebook("02_actions.ipynb", ("/robot", "/twin"), "/_lab_1")])
     boxes = boxes_of(graph, others)
     assert boxes["node", "/robot"].words == "robot in 02_actions.ipynb: nothing yet"
     assert boxes["node", "/twin"].words == "twin (2 nodes of this name) also in 02_actions.ipynb: nothing yet"

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.panels.flow_layout import BETWEEN_ROWS, lay_out
+from course_kit.ros.flow_layout import BETWEEN_ROWS, lay_out
 
 WIDE, HIGH = 120.0, 40.0
 
