@@ -67,7 +67,7 @@ STILL_ABOVE = {
     "course_kit/launch": 2016,  # with respawn, and programs that are forked
     "course_kit/graders": 3029,  # with the capstone
     "course_kit/learner": 1441,  # with the steps of the lessons and the page of progress
-    "course_kit/panels": 2794,  # with the second day and the corridor of the capstone
+    "course_kit/panels": 2536,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1391,  # the capstone, %check, %solution, the second day; 150 for the tutor
     "course_kit/dev": 729,  # with the steps of the lessons
     "tests": 40780,  # with those of the tutor and the capstone

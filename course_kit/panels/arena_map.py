@@ -28,26 +28,6 @@ class Place(NamedTuple):
     y: float
 
 
-class Track:
-    """The places that were reported, to the centimetre, which is more than the map can show."""
-
-    def __init__(self) -> None:
-        self._places: deque[Place] = deque(maxlen=LONGEST)
-
-    @property
-    def places(self) -> list[Place]:
-        """The line's points, the oldest first."""
-        return list(self._places)
-
-    def add(self, place: Place) -> None:
-        """Go on to a place."""
-        if not (math.isfinite(place.x) and math.isfinite(place.y)):
-            return
-        rounded = Place(round(place.x, 2), round(place.y, 2))
-        if not self._places or rounded != self._places[-1]:
-            self._places.append(rounded)
-
-
 _ENDED = "This map has ended. Run its cell again to use it."
 
 
@@ -68,9 +48,9 @@ class RobotMap(GoalFollower):
         from course_interfaces.action import MoveRobot
 
         self._type = MoveRobot
-        self._track = Track()
+        self._track: deque[Place] = deque(maxlen=LONGEST)
         self.widget = _MapWidget()
-        self._follow(MoveRobot, self._take_feedback)
+        self._follow_goals(MoveRobot)
 
     def describe(self) -> str:
         """The panel in words."""
@@ -97,31 +77,30 @@ class RobotMap(GoalFollower):
         if isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
             self.go(wish["x"], wish["y"])
         else:
-            self._sender.say("Type a number for x and one for y.")
+            self.say("Type a number for x and one for y.")
 
     def _take_feedback(self, feedback: Message) -> None:
-        self._track.add(Place(feedback.position.x, feedback.position.y))
+        self._drive_to(feedback.position)
+
+    def _drive_to(self, point: Message) -> None:
+        """Go on to a point, to the centimetre, which is more than the map can show."""
+        if math.isfinite(point.x) and math.isfinite(point.y):
+            place = Place(round(point.x, 2), round(point.y, 2))
+            if not self._track or place != self._track[-1]:
+                self._track.append(place)
 
     def _show(self, standing: Standing) -> None:
         if standing.result is not None:
-            self._track.add(Place(standing.result.final_position.x, standing.result.final_position.y))
+            self._drive_to(standing.result.final_position)
         self.widget.view = {
-            "track": [list(place) for place in self._track.places],
-            "target": _drawable(standing),
+            "track": [list(place) for place in list(self._track)],
+            "target": [] if standing.asked is None else [standing.asked.target.x, standing.asked.target.y],
             "line": _ENDED if self._ended else _line(self._action, standing),
             "said": _said(standing),
             "running": standing.running and not self._ended,
             "tone": standing.tone,
             "ended": self._ended,
         }
-
-
-def _drawable(standing: Standing) -> list[float]:
-    """Where the cross is drawn: nowhere when there is no goal, or the goal is no place."""
-    if standing.asked is None:
-        return []
-    target = [standing.asked.target.x, standing.asked.target.y]
-    return target if all(map(math.isfinite, target)) else []
 
 
 def _line(action: str, standing: Standing) -> str:

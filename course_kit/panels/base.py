@@ -29,16 +29,10 @@ def drawn(template: str, **values: object) -> str:
     return render_template(_HERE / template, **values)
 
 
-def form(
-    title: dict[str, str],
-    part: str,
-    entries: list[dict[str, Any]],
-    values: dict[str, Any],
-    *buttons: str,
-    said: Sequence[str] = (),
-) -> str:
+def form(widget: Any, part: str, *buttons: str, said: Sequence[str] = ()) -> str:
     """A form that sends a message, as a picture, and what came back; its style sheet is `still_panels.css`."""
-    return drawn("still_form.html", **title, part=part, entries=entries, values=values, buttons=buttons, said=said)
+    stands = {"entries": widget.entries, "values": widget.values, "buttons": buttons, "said": said}
+    return drawn("still_form.html", **widget.title, part=part, **stands)
 
 
 def _as_it_is(sheet: str) -> str:
@@ -70,16 +64,12 @@ class WordedWidget:
         """The panel in a sentence or two, for where no widget can be shown."""
         raise NotImplementedError
 
-    def displayed(self) -> Widget:
-        """What a notebook displays: the widget, or for a subclass more than that."""
-        return self.widget
-
     def still(self) -> str:
         """The panel as HTML that does not move, for exports of the notebook: a picture, or its words."""
         return still(self.describe())
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        shown = self.displayed()._repr_mimebundle_(**options) or {}
+        shown = self.widget._repr_mimebundle_(**options) or {}
         bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
         bundle["text/html"] = self.still()
@@ -124,11 +114,10 @@ def stills() -> JSON:
 
 
 class Latest(Generic[T]):
-    """Hands the latest value to `show` on its own thread, at most `rate` times a second."""
+    """Hands the latest value to `show` on its own thread, at most `RATE` times a second."""
 
-    def __init__(self, show: Callable[[T], None], rate: float = RATE) -> None:
+    def __init__(self, show: Callable[[T], None]) -> None:
         self._show = show
-        self._pause = 1.0 / rate
         self._values: list[T] = []
         self._changed = threading.Condition()
         self._ended = threading.Event()
@@ -157,4 +146,4 @@ class Latest(Generic[T]):
             if not values:
                 return
             self._show(values[0])
-            self._ended.wait(self._pause)
+            self._ended.wait(1.0 / RATE)

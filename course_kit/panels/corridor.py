@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import threading
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -123,10 +122,10 @@ class CorridorPicture(GoalFollower):
         from std_msgs.msg import Bool, Float64
 
         self._type = Deliver
-        self._journey, self._lock = Journey(), threading.Lock()
+        self._journey = Journey()
         self.widget = _CorridorWidget()
         self._asked: set[str] = set()
-        self._follow(Deliver)
+        self._follow_goals(Deliver)
         self._hear("/parameter_events", ParameterEvent, self._take_event)
         self._hear("/docked", Bool, self._journey.take_docked)
         self._hear("/odometry_distance", Float64, self._journey.take_distance)
@@ -152,7 +151,7 @@ class CorridorPicture(GoalFollower):
         def keep(message: Message) -> None:
             with self._lock:
                 take(message)
-            self._updates.put(self._sender.standing)
+            self._updates.put(self._standing)
 
         self.at_close(Subscription(lab.current().engine, topic, message_type, keep).close)
 

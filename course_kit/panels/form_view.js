@@ -18,9 +18,9 @@ function responseTable(rows, comments) {
 }
 
 function render({ model, el }) {
-  const { service, type } = model.get("title");
+  const { name: service, type } = model.get("title");
   const ask = (what) => model.send({ values: model.get("values"), ...what });
-  const request = messageForm(model, "Request", ask);
+  const request = messageForm(model, "Request");
   const send = make("button", { type: "submit", class: "ck-main" }, "Send request");
   const ended = make("p", { class: "ck-note", hidden: true });
   const outcome = make("div", { class: "ck-outcome", role: "status", "aria-live": "polite" });
@@ -38,16 +38,13 @@ function render({ model, el }) {
   el.replaceChildren(form);
 
   function showOutcome(move) {
-    const { state, text, rows = [], comments = {}, errors = {}, printed = "", exchange = "" } = model.get("outcome");
+    const { state, text, rows = [], comments = {}, errors = {}, printed = "" } = model.get("outcome");
     const parts = [];
     if (WORDS[state]) parts.push(make("div", { class: "ck-state" }, WORDS[state]));
     if (text && state !== "waiting") parts.push(make("p", {}, text));
     if (rows.length) parts.push(responseTable(rows, comments));
     if (printed) {
       parts.push(make("div", { class: "ck-quiet" }, "Printed meanwhile:"), make("pre", {}, printed));
-    }
-    if (exchange) {
-      parts.push(make("div", { class: "ck-quiet" }, "What crossed between the nodes:"), make("pre", {}, exchange));
     }
     outcome.dataset.state = state;
     outcome.replaceChildren(...parts);

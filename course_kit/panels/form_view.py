@@ -15,15 +15,12 @@ from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_service_type, type_name
-from course_kit.ros.showing import copy_message
-from course_kit.ros.showing import field_rows as rows_of
+from course_kit.ros.showing import copy_message, field_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from course_kit.ros.messages import Message, ServiceType
-
-_LINES = 12  # of the exchange; other nodes may talk meanwhile
 
 
 class FormWidget(anywidget.AnyWidget):
@@ -50,7 +47,7 @@ class ServiceForm(Panel):
         self.service, self.service_type, self.timeout = service, service_type, timeout
         self._form = MessageForm(service_type.Request)
         self.widget = FormWidget(
-            title={"service": service, "type": type_name(service_type)},
+            title={"name": service, "type": type_name(service_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
             outcome={"state": "new"},
@@ -68,10 +65,9 @@ class ServiceForm(Panel):
 
     def still(self) -> str:
         """The form with what is in its fields, and what came last."""
-        title = {"name": self.service, "type": type_name(self.service_type)}
         outcome = self.widget.outcome
         said = [f"{name}: {value}" for name, value in outcome.get("rows", ())] or [outcome.get("text", "")]
-        picture = form(title, "Request", self.widget.entries, self.widget.values, "Send request", said=said)
+        picture = form(self.widget, "Request", "Send request", said=said)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
@@ -86,11 +82,9 @@ class ServiceForm(Panel):
         except FormError as error:
             self._show("invalid", str(error), errors=error.fields)
             return None
-        before = _arrows()
         with _printed() as printed:
             outcome, response = self._call(request)
-        seen = {"printed": printed.getvalue().rstrip(), "exchange": _exchange_since(before)}
-        self.widget.outcome = {**outcome, **seen}
+        self.widget.outcome = {**outcome, "printed": printed.getvalue().rstrip()}
         return response
 
     def _call(self, request: Message) -> tuple[dict[str, object], Message]:
@@ -102,7 +96,7 @@ class ServiceForm(Panel):
         except BaseException:
             self._show("failed", "The call was interrupted.")
             raise
-        rows = rows_of(copy_message(response))
+        rows = field_rows(copy_message(response))
         text = "" if rows else "The response has no fields; it only says that the server is done."
         return {"state": "answered", "text": text, "rows": rows, "comments": comments_of(type(response))}, response
 
@@ -111,7 +105,7 @@ class ServiceForm(Panel):
         del buffers
         if self.widget.ended:
             return
-        self._form.type_in(self.widget, content)
+        self.fill(content.get("values", {}))
         if content.get("do") == "send":
             self.send()
 
@@ -129,22 +123,3 @@ def _printed() -> Iterator[io.StringIO]:
     with redirect_stdout(kept), redirect_stderr(kept):
         yield kept
         lab.current().output.drain()
-
-
-def _arrows() -> int:
-    """How many arrows the recorder has; 0 where nothing is recorded."""
-    recorder = lab.current().recorder
-    if recorder is None:
-        return 0
-    drawn: Any = lab.diagram()
-    return len(drawn.arrows) + int(drawn.left_out)
-
-
-def _exchange_since(before: int) -> str:
-    """What the recorder has seen since, as its numbered lines; "" where nothing is recorded."""
-    new = _arrows() - before
-    if new <= 0:
-        return ""
-    drawn: Any = lab.diagram(last=min(new, _LINES))
-    drawn.left_out = max(0, new - _LINES)  # of this exchange; what came before it is nobody's business here
-    return str(drawn)

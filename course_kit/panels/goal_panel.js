@@ -7,9 +7,9 @@ function row([name, text]) {
 }
 
 function render({ model, el }) {
-  const { action, type } = model.get("title");
+  const { name: action, type } = model.get("title");
   const ask = (what) => model.send({ values: model.get("values"), ...what });
-  const form = messageForm(model, "Goal", ask);
+  const form = messageForm(model, "Goal");
   const send = make("button", { type: "submit", class: "ck-main" }, "Send goal");
   const cancel = make("button", { type: "button", disabled: true }, "Cancel goal");
   const bar = make("progress", { max: 1, value: 0, "aria-label": `Progress of the goal for ${action}` });

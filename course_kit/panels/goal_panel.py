@@ -120,30 +120,34 @@ class _Attempt:
     goal: Goal | None = None
 
 
-class GoalSender:
-    """Sends goals to one action; the latest one that was accepted is the one that is followed."""
+class GoalFollower(Panel):
+    """A panel for one action; it follows the latest of its goals that the server has accepted."""
 
-    def __init__(
-        self,
-        action: str,
-        action_type: ActionType,
-        changed: Callable[[Standing], None],
-        on_feedback: Callable[[Message], None] = lambda _: None,
-    ) -> None:
-        self._action, self._type = action, action_type
-        self._changed, self._on_feedback = changed, on_feedback
+    def __init__(self, action: str) -> None:
+        super().__init__(action)
+        self._action = action
+        self._ended = False
         self._lock = threading.RLock()
         self._attempts = 0
         self._followed: _Attempt | None = None
         self._standing = Standing()
-        self._closed = False
 
-    @property
-    def standing(self) -> Standing:
-        """How things stand now."""
-        return self._standing
+    def cancel(self) -> threading.Thread:
+        """Ask the server to cancel the goal that is shown; returns at once."""
+        return _in_background(self._cancel)
 
-    def send(self, asked: Message) -> threading.Thread:
+    def send_to_one(self, asked: Message) -> None:
+        """Send a goal, unless several nodes would take it; returns at once."""
+        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
+        if servers > 1:
+            self.say(
+                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
+                "Stop all but one: panels.graph() shows them."
+            )
+        else:
+            self.send_goal(asked)
+
+    def send_goal(self, asked: Message) -> threading.Thread:
         """Send a goal message; returns at once with the thread that does it."""
         with self._lock:
             if not self._standing.running:
@@ -154,19 +158,43 @@ class GoalSender:
             attempt = _Attempt(self._attempts, asked)
         return _in_background(lambda: self._send(attempt))
 
-    def cancel(self) -> threading.Thread:
-        """Ask the server to cancel the goal that is followed; returns at once."""
-        return _in_background(self._cancel)
-
     def say(self, note: str) -> None:
         """Have something said beside the status."""
         with self._lock:
             self._put(replace(self._standing, note=note))
 
-    def close(self) -> None:
+    def _follow_goals(self, action_type: ActionType) -> None:
+        """Begin; the widget is there."""
+        self._action_type = action_type
+        self._updates: Latest[Standing] = Latest(self._show)
+        self.widget.on_msg(self._told)
+        self.at_close(lambda: self._show(self._standing))
+        self.at_close(self._updates.close)
+        self.at_close(self._leave)
+        self._show(self._standing)
+
+    @abstractmethod
+    def _show(self, standing: Standing) -> None:
+        """Have the page show how things stand."""
+
+    @abstractmethod
+    def _take_wish(self, wish: dict[str, Any]) -> None:
+        """The page wants something done, but no cancelling."""
+
+    def _take_feedback(self, feedback: Message) -> None:
+        """Feedback of the goal that is followed has come; for a panel that does more than show the latest."""
+
+    def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
+        del widget, buffers
+        if not self._ended and wish.get("do") == "cancel":
+            self.cancel()
+        elif not self._ended:
+            self._take_wish(wish)
+
+    def _leave(self) -> None:
         """Follow nothing any more; a goal that still runs is cancelled, as nobody could do so later."""
         with self._lock:
-            self._closed = True
+            self._ended = True
             followed, running = self._followed, self._standing.running
         if followed is not None and followed.goal is not None and running:
             with contextlib.suppress(lab.LabError):
@@ -176,17 +204,17 @@ class GoalSender:
         try:
             goal = lab.send_goal_blocking(
                 self._action,
-                self._type,
+                self._action_type,
                 attempt.asked,
                 timeout=_ANSWER,
-                on_feedback=lambda feedback: self._take_feedback(attempt, feedback),
-                on_result=lambda goal: _in_background(lambda: self._take_end(attempt, goal)),
+                on_feedback=lambda feedback: self._hear_feedback(attempt, feedback),
+                on_result=lambda goal: _in_background(lambda: self._hear_end(attempt, goal)),
             )
         except lab.LabError as error:
-            self._fail(attempt, str(error))
+            self._go_without(attempt, "", note=str(error))
             return
         if not goal.accepted:
-            self._refuse(attempt)
+            self._go_without(attempt, "REJECTED", refused=attempt.asked)
             return
         with self._lock:
             attempt.goal = goal
@@ -212,28 +240,21 @@ class GoalSender:
             self._put(Standing(attempt.asked, "EXECUTING"))
         return self._followed is attempt
 
-    def _refuse(self, attempt: _Attempt) -> None:
+    def _go_without(self, attempt: _Attempt, status: str, *, note: str = "", refused: Message = None) -> None:
+        """Nothing has come of a goal; one that runs meanwhile is still followed."""
         with self._lock:
             if self._standing.running:
-                self._put(replace(self._standing, note="", refused=attempt.asked))
+                self._put(replace(self._standing, note=note, refused=refused))
             else:
-                self._put(Standing(attempt.asked, "REJECTED", refused=attempt.asked))
+                self._put(Standing(attempt.asked, status, note, refused))
 
-    def _fail(self, attempt: _Attempt, note: str) -> None:
+    def _hear_feedback(self, attempt: _Attempt, feedback: Message) -> None:
         with self._lock:
-            if self._standing.running:
-                self._put(replace(self._standing, note=note))
-            else:
-                self._put(Standing(attempt.asked, "", note))
+            if self._follow(attempt):
+                self._take_feedback(feedback)
+                self._put(replace(self._standing, feedback=feedback, count=self._standing.count + 1))
 
-    def _take_feedback(self, attempt: _Attempt, feedback: Message) -> None:
-        with self._lock:
-            if not self._follow(attempt):
-                return
-            self._on_feedback(feedback)
-            self._put(replace(self._standing, feedback=feedback, count=self._standing.count + 1))
-
-    def _take_end(self, attempt: _Attempt, goal: Goal) -> None:
+    def _hear_end(self, attempt: _Attempt, goal: Goal) -> None:
         """A goal has ended; not on the lab's thread, where nothing may be waited for."""
         if not goal.accepted:  # the one who has sent it says so
             return
@@ -248,67 +269,14 @@ class GoalSender:
 
     def _put(self, standing: Standing) -> None:
         self._standing = standing
-        if not self._closed:
-            self._changed(standing)
+        if not self._ended:
+            self._updates.put(standing)
 
 
 def _in_background(work: Callable[[], None]) -> threading.Thread:
     thread = threading.Thread(target=work, name="panel-goal", daemon=True)
     thread.start()
     return thread
-
-
-class GoalFollower(Panel):
-    """A panel for one action."""
-
-    def __init__(self, action: str) -> None:
-        super().__init__(action)
-        self._action = action
-        self._ended = False
-
-    def cancel(self) -> None:
-        """Ask the server to cancel the goal that is shown; returns at once."""
-        self._sender.cancel()
-
-    def send_to_one(self, asked: Message) -> None:
-        """Send a goal, unless several nodes would take it; returns at once."""
-        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
-        if servers > 1:
-            self._sender.say(
-                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
-                "Stop all but one: panels.graph() shows them."
-            )
-        else:
-            self._sender.send(asked)
-
-    def _follow(self, action_type: ActionType, on_feedback: Callable[[Message], None] = lambda _: None) -> None:
-        """Begin; the widget is there."""
-        self._updates: Latest[Standing] = Latest(self._show)
-        self._sender = GoalSender(self._action, action_type, self._updates.put, on_feedback)
-        self.widget.on_msg(self._told)
-        self.at_close(self._end)
-        self.at_close(self._updates.close)
-        self.at_close(self._sender.close)
-        self._show(self._sender.standing)
-
-    @abstractmethod
-    def _show(self, standing: Standing) -> None:
-        """Have the page show how things stand."""
-
-    @abstractmethod
-    def _take_wish(self, wish: dict[str, Any]) -> None:
-        """The page wants something done, but no cancelling."""
-
-    def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
-        del widget, buffers
-        if not self._ended and wish.get("do") == "cancel":
-            self.cancel()
-        elif not self._ended:
-            self._take_wish(wish)
-
-    def _end(self) -> None:
-        self._ended = True
-        self._show(self._sender.standing)
 
 
 _ENDED = "This panel has ended. Run its cell again to use it."
@@ -337,11 +305,11 @@ class ActionPanel(GoalFollower):
         self._form = MessageForm(action_type.Goal)
         self._errors: dict[str, str] = {}
         self.widget = _ActionWidget(
-            title={"action": action, "type": type_name(action_type)},
+            title={"name": action, "type": type_name(action_type)},
             entries=self._form.entries(),
             values=self._form.defaults(),
         )
-        self._follow(action_type)
+        self._follow_goals(action_type)
 
     def describe(self) -> str:
         """The panel in words."""
@@ -355,10 +323,9 @@ class ActionPanel(GoalFollower):
 
     def still(self) -> str:
         """The form with what is in its fields, and what became of the last goal."""
-        title = {"name": self._action, "type": type_name(self._type)}
         view = self.widget.view
         said = [view["status"], *(f"{name}: {value}" for name, value in view["rows"])]
-        picture = form(title, "Goal", self.widget.entries, self.widget.values, "Send goal", "Cancel goal", said=said)
+        picture = form(self.widget, "Goal", "Send goal", "Cancel goal", said=said)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
@@ -371,13 +338,13 @@ class ActionPanel(GoalFollower):
             goal = self._form.read(self.widget.values)
         except FormError as error:
             self._errors = error.fields
-            self._updates.put(self._sender.standing)
+            self._updates.put(self._standing)
             return
         self._errors = {}
-        self._sender.send(goal)
+        self.send_goal(goal)
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        self._form.type_in(self.widget, wish)
+        self.fill(wish.get("values", {}))
         if wish.get("do") == "send":
             self.send()
 

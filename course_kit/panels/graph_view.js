@@ -1,16 +1,13 @@
-// Shows the ROS graph as Python has drawn it, lets one zoom and filter it, and brings out what is connected.
+// Shows the ROS graph as Python has drawn it, lets one zoom, and brings out what is connected.
 
 const ZOOM_STEP = 1.25;
 const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
 const READABLE = 0.75; // below this its smallest text is under 9 pixels
-let views = 0;
 
 function render({ model, el }) {
-  const id = `ck-graph-${++views}`;
   const picture = make("div", { class: "ck-picture", tabindex: "0", role: "group", "aria-label": "The picture" });
   const plumbing = make("input", { type: "checkbox" });
-  const wanted = make("input", { type: "text", id: `${id}-wanted`, placeholder: "part of a name", autocomplete: "off" });
   const text = make("pre", { tabindex: "0", "aria-label": "The graph as text" });
   const news = make("span", { class: "ck-quiet", role: "status", "aria-live": "polite" });
   const scale = make("span", { class: "ck-quiet ck-scale" });
@@ -25,7 +22,6 @@ function render({ model, el }) {
   panel.append(
     make("div", { class: "ck-title" }, make("strong", {}, "The ROS graph"), news),
     make("div", { class: "ck-buttons" },
-      make("label", { for: wanted.id }, "Show only"), wanted,
       button("−", "Smaller", () => zoomTo(zoom / ZOOM_STEP)), scale,
       button("+", "Larger", () => zoomTo(zoom * ZOOM_STEP)),
       button("Fit", "Fit all of it into the frame", () => zoomTo(fitting(true))), docking.button),
@@ -46,15 +42,13 @@ function render({ model, el }) {
     const again = focused && picture.contains(focused) ? focused.dataset : null;
     picture.innerHTML = model.get("svg"); // rendered by the kit's own template, which escapes all names
     drawing = picture.querySelector("svg");
-    if (!drawing) picture.append(make("p", { class: "ck-quiet" }, empty()));
+    if (!drawing) picture.append(make("p", { class: "ck-quiet" }, "No node is on the graph."));
     for (const box of picture.querySelectorAll(".ck-box")) listen(box);
     text.textContent = model.get("text");
     if (own) zoomTo(zoom);
     else fit();
     if (again) find(again)?.focus({ preventScroll: true });
   }
-
-  const empty = () => (model.get("wanted").trim() ? "No node or channel has this in its name." : "No node is on the graph.");
 
   function find({ node, channel, kind }) {
     const [name, value] = node ? ["node", node] : ["channel", channel];
@@ -109,22 +103,16 @@ function render({ model, el }) {
   };
   const showChoices = () => {
     plumbing.checked = model.get("plumbing");
-    if (wanted.value !== model.get("wanted")) wanted.value = model.get("wanted");
   };
   const showCrossed = () => cross(model.get("crossed").hops ?? []);
-  const choose = (name, value) => {
-    model.set(name, value);
+  plumbing.addEventListener("change", () => {
+    model.set("plumbing", plumbing.checked);
     model.save_changes();
-  };
-  plumbing.addEventListener("change", () => choose("plumbing", plumbing.checked));
-  wanted.addEventListener("input", () => {
-    own = false; // what is left is drawn as large as it can be read
-    choose("wanted", wanted.value);
   });
   const resized = new ResizeObserver(() => own || fit());
   resized.observe(picture);
   const told = [["change:svg change:text", draw], ["change:crossed", showCrossed],
-    ["change:news change:ended", showNews], ["change:plumbing change:wanted", showChoices]];
+    ["change:news change:ended", showNews], ["change:plumbing", showChoices]];
   for (const [events, act] of told) model.on(events, act);
   draw();
   showNews();

@@ -11,8 +11,8 @@ function submitOnEnter(fields) {
   });
 }
 
-// A fieldset that follows the model's `entries` and `values`; `ask` sends what a list's buttons want.
-function messageForm(model, title, ask) {
+// A fieldset with the model's `entries`, which follows its `values`.
+function messageForm(model, title) {
   const id = `ck-message-${++messageForms}`;
   const idOf = (path) => `${id}-${path}`;
   const fields = make("fieldset", { class: "ck-fields" });
@@ -68,30 +68,7 @@ function messageForm(model, title, ask) {
   function group(entry) {
     const about = entry.comment ? ` ${entry.type} · ${entry.comment}` : ` ${entry.type}`;
     const legend = make("legend", {}, entry.name, make("span", { class: "ck-quiet" }, about));
-    const box = make("fieldset", {}, legend, ...entry.fields.map(draw));
-    if (entry.kind === "list" && entry.grows) box.append(growing(entry));
-    return box;
-  }
-
-  function growing(entry) {
-    const count = entry.fields.length;
-    const button = (what, short, words, disabled) => {
-      const name = `${words} ${entry.name}`;
-      const made = make(
-        "button",
-        { type: "button", disabled, "data-list": `${what} ${entry.path}`, "aria-label": name },
-        short,
-      );
-      made.addEventListener("click", () => ask({ do: what, path: entry.path }));
-      return made;
-    };
-    return make(
-      "div",
-      { class: "ck-buttons" },
-      button("add", "Add", "Add one to", Boolean(entry.most) && count >= entry.most),
-      button("remove", "Remove last", "Remove the last of", count === 0),
-      make("span", { class: "ck-quiet" }, count === 0 ? "no element yet" : `${count} in the list`),
-    );
+    return make("fieldset", {}, legend, ...entry.fields.map(draw));
   }
 
   function draw(entry) {
@@ -100,11 +77,9 @@ function messageForm(model, title, ask) {
 
   function drawAll() {
     const entries = model.get("entries");
-    const focused = document.activeElement?.getAttribute("data-list");
     const nothing = make("p", { class: "ck-quiet" }, `This ${title.toLowerCase()} has no fields.`);
     fields.replaceChildren(make("legend", {}, title), ...(entries.length ? entries.map(draw) : [nothing]));
     markChoices();
-    if (focused) fields.querySelector(`[data-list="${CSS.escape(focused)}"]`)?.focus();
   }
 
   function markChoices() {
@@ -136,14 +111,12 @@ function messageForm(model, title, ask) {
   }
 
   submitOnEnter(fields);
-  model.on("change:entries", drawAll);
   model.on("change:values", takeValues);
   drawAll();
   return {
     fields,
     showErrors,
     end() {
-      model.off("change:entries", drawAll);
       model.off("change:values", takeValues);
     },
   };

@@ -85,22 +85,9 @@ function render({ model, el }) {
   const marks = made("div", { role: "status", "aria-live": "polite", className: "marks" });
   const back = button("Previous", () => go(place - 1));
   const next = button("Next", () => go(place + 1));
-  const mark = button("Mark my answers", () => model.send({ do: "mark" }));
-  const again = button("Start again", () => model.send({ do: model.get("cleared") ? "undo" : "reset" }));
-  const whenever = ["at once", "at the end"].map((when) => {
-    const radio = made("input", { type: "radio", name: `${prefix}-marking`, value: when });
-    radio.addEventListener("change", () => {
-      model.set("marking", when);
-      model.save_changes();
-    });
-    return radio;
+  const again = button("Start again", () => {
+    if (window.confirm("Clear all your choices?")) model.send({ do: "reset" });
   });
-  const marking = made(
-    "fieldset",
-    {},
-    made("legend", {}, "When should your answers be marked?"),
-    made("div", { className: "in-a-row" }, ...whenever.map((radio) => made("label", {}, radio, radio.value))),
-  );
   const name = made("input", { type: "text", spellcheck: false, "aria-label": "Name of the file" });
   name.addEventListener("change", () => {
     model.set("file_name", name.value);
@@ -147,9 +134,6 @@ function render({ model, el }) {
     bar.value = questions.filter(({ id }) => pairOf(model, id).every(Boolean)).length;
     if (progress.textContent !== model.get("summary")) progress.textContent = model.get("summary");
     marks.replaceChildren(...marksOf(model.get("marks")[questions[place].id]));
-    for (const radio of whenever) radio.checked = radio.value === model.get("marking");
-    mark.hidden = model.get("marking") === "at once";
-    again.textContent = model.get("cleared") ? "Bring my choices back" : "Start again";
     if (name !== document.activeElement) name.value = model.get("file_name");
     if (said.textContent !== model.get("said")) said.textContent = model.get("said");
   }
@@ -171,15 +155,14 @@ function render({ model, el }) {
       nav,
       card,
       marks,
-      made("div", { className: "row" }, back, next, mark, again),
-      marking,
+      made("div", { className: "row" }, back, next, again),
       made("div", { className: "row" }, made("label", {}, "File: ", name), write),
       said,
     ),
   );
   drawCard();
   refresh();
-  for (const trait of ["choices", "marks", "summary", "marking", "file_name", "said", "cleared"]) {
+  for (const trait of ["choices", "marks", "summary", "file_name", "said"]) {
     model.on(`change:${trait}`, changed);
   }
   return () => model.off(null, changed);

@@ -83,7 +83,6 @@ def _how_to_grade(path: Path, questions: Questions) -> str:
     return f"To grade it, in a terminal: {command} grade pattern_choice {shlex.quote(str(path))}{seed}"
 
 
-AT_ONCE, AT_THE_END = "at once", "at the end"
 FILE_NAME = "my_answers.py"
 _SIGNS = ("✗", "½", "✓")  # by how many of pattern and reason are right
 _DESCRIPTION = (
@@ -101,11 +100,9 @@ class QuizForm(anywidget.AnyWidget):
     questions = traitlets.List(traitlets.Dict()).tag(sync=True)
     choices = traitlets.Dict().tag(sync=True)
     marks = traitlets.Dict().tag(sync=True)
-    marking = traitlets.Enum((AT_ONCE, AT_THE_END), default_value=AT_ONCE).tag(sync=True)
     summary = traitlets.Unicode().tag(sync=True)
     file_name = traitlets.Unicode(FILE_NAME).tag(sync=True)
     said = traitlets.Unicode().tag(sync=True)
-    cleared = traitlets.Bool().tag(sync=True)  # so that it can be taken back
 
 
 class QuizPanel(Panel):
@@ -119,18 +116,15 @@ class QuizPanel(Panel):
         # With several subshells, two events of the browser may be handled at once.
         self._one_at_a_time = threading.RLock()
         self._kept = environment.paths.own_run_dir() / "quiz" / f"seed_{seed}.json"
-        self._marked: set[str] = set()
-        self._cleared: Answers = {}
         self.widget = QuizForm(
             patterns=list(quiz.PATTERNS),
             questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
             choices=usable(self._questions, _load_kept(self._kept)),
         )
         self.widget.observe(self._chosen, "choices")
-        self.widget.observe(self._when_changed, "marking")
         self.widget.on_msg(self._told)
         self.at_close(self._stop)
-        self._when_changed()
+        self._show_marks()
 
     @property
     def answers(self) -> Answers:
@@ -140,7 +134,10 @@ class QuizPanel(Panel):
     @property
     def result(self) -> quiz.MarkedAnswers:
         """All scenarios as the grader marks them now."""
-        return quiz.mark(self._questions.scenarios, self._questions_answered())
+        answers = self.answers
+        return quiz.mark(
+            self._questions.scenarios, {one.id: answers.get(one.id, ("", "")) for one in self._questions.scenarios}
+        )
 
     def describe(self) -> str:
         """What it is; nothing about the choices."""
@@ -161,13 +158,6 @@ class QuizPanel(Panel):
         with self._one_at_a_time:
             self.widget.choices = {**self.widget.choices, scenario: [pattern, reason]}
 
-    def mark(self) -> quiz.MarkedAnswers:
-        """Mark all scenarios, also those without an answer, and show it."""
-        with self._one_at_a_time:
-            self._marked = {scenario.id for scenario in self._questions.scenarios}
-            self._show_marks()
-            return self.result
-
     def write(self, name: str = FILE_NAME) -> str:
         """Write the answers as the file that `grade pattern_choice` takes; says what became of it."""
         with self._one_at_a_time:
@@ -175,51 +165,23 @@ class QuizPanel(Panel):
             return self.widget.said
 
     def reset(self) -> None:
-        """Clear all choices and marks; `undo` brings them back. A file that was written stays."""
+        """Clear all choices and marks. A file that was written stays."""
         with self._one_at_a_time:
-            cleared = self.answers
             self.widget.choices = {}
-            self._marked.clear()
-            self._show_marks()
             self.widget.said = "All choices are cleared."
-            self._cleared, self.widget.cleared = cleared, bool(cleared)
 
-    def undo(self) -> None:
-        """Bring back the choices that were cleared, as long as nothing has been chosen since."""
-        with self._one_at_a_time:
-            if self.widget.cleared:
-                self.widget.choices = self._cleared
-
-    def _questions_answered(self) -> Mapping[str, tuple[str, str]]:
-        return {scenario.id: self.answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios}
-
-    def _chosen(self, change: Mapping[str, object]) -> None:
+    def _chosen(self, _change: object) -> None:
         with self._one_at_a_time:
             with suppress(OSError):  # where nothing can be written, the panel works and only forgets
                 environment.write_atomically(self._kept, json.dumps(self.answers), durable=False)
-            if self.widget.marking == AT_ONCE:
-                self._marked = self._complete()
-            else:  # what was marked is no longer what stands there
-                old, new = (usable(self._questions, change[when]) for when in ("old", "new"))
-                self._marked -= {name for name in self._marked if old.get(name) != new.get(name)}
             self._show_marks()
             self.widget.said = ""
-            self.widget.cleared = False
-
-    def _when_changed(self, _change: object = None) -> None:
-        with self._one_at_a_time:
-            self._marked = self._complete() if self.widget.marking == AT_ONCE else set()
-            self._show_marks()
 
     def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
         """A button of the form."""
         do = content.get("do")
-        if do == "mark":
-            self.mark()
-        elif do == "reset":
+        if do == "reset":
             self.reset()
-        elif do == "undo":
-            self.undo()
         elif do == "write":
             self.write(str(content.get("name", "")))
 
@@ -235,17 +197,14 @@ class QuizPanel(Panel):
                 found.append({"number": number, "title": scenario.title, **words})
         return found
 
-    def _complete(self) -> set[str]:
-        return {name for name, pair in self.answers.items() if all(pair)}
-
     def _show_marks(self) -> None:
-        shown = [
-            marks for marks in self.result.marks if marks.scenario.id in self._marked and marks.scenario.has_answer
-        ]
+        """Mark each scenario that is answered in full; half an answer is not marked yet."""
+        result, complete = self.result, {name for name, pair in self.answers.items() if all(pair)}
+        shown = [marks for marks in result.marks if marks.scenario.id in complete and marks.scenario.has_answer]
         self.widget.marks = {
             marks.scenario.id: {"pattern": _half(marks.pattern), "reason": _half(marks.reason)} for marks in shown
         }
-        self.widget.summary = _summary(len(self._complete()), self.result, shown)
+        self.widget.summary = _summary(len(complete), result, shown)
 
     def _stop(self) -> None:
         self.widget.unobserve_all()

@@ -40,10 +40,6 @@ _EXAMPLES = {
 _FIELD_TYPES = {"bool": "boolean", "byte": "uint8", "integer": "int64"}  # as messages call them; others as here
 
 
-class EntryError(ValueError):
-    """What was typed is no value of the parameter's type; the message says what is."""
-
-
 def entry(descriptor: Descriptor) -> dict[str, object]:
     """What the page has to know to draw a parameter."""
     kind = _KINDS.get(descriptor.type, "text")
@@ -101,7 +97,7 @@ def typed(kind: str, text: Any) -> Any:
             return value
         fitted = fit_value(value, f"sequence<{field_type}>", kind)
     except (yaml.YAMLError, BadFieldError):
-        raise EntryError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
+        raise BadFieldError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
     return [bytes([one]) for one in fitted] if element == "byte" else fitted
 
 
@@ -175,7 +171,7 @@ class ParameterSliders(Panel):
             value = typed(kind, text)
             outcome = lab.set_parameters_blocking(self.node, {name: value})
             reason = outcome.reasons.get(name, "")
-        except (EntryError, LabError) as error:
+        except (BadFieldError, LabError) as error:
             reason = str(error)
         with self._lock:
             if not reason and self._heard.get(name, 0) == heard:  # otherwise the node has told its value already

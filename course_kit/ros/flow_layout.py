@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from bisect import bisect_right, insort
+from statistics import fmean as mean
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -85,46 +85,21 @@ def _columns(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, 
 
 
 def _ordered(columns: list[list[Box]], chains: Iterable[list[Box]]) -> list[list[Box]]:
-    """The columns, each in the order with the fewest crossings that some sweeps have found."""
+    """The columns, each in the order of its neighbours in the column before or behind, after some sweeps."""
     left: dict[Box, list[Box]] = {}
     right: dict[Box, list[Box]] = {}
     for chain in chains:
         for begin, end in itertools.pairwise(chain):
             left.setdefault(end, []).append(begin)
             right.setdefault(begin, []).append(end)
-    best, fewest = columns, _crossings(columns, right)
     for sweep in range(_SWEEPS):
-        if not fewest:
-            break
-        columns = [list(column) for column in columns]
         order = range(1, len(columns)) if sweep % 2 == 0 else range(len(columns) - 2, -1, -1)
         neighbours, step = (left, -1) if sweep % 2 == 0 else (right, 1)
         for number in order:
             places = {box: place for place, box in enumerate(columns[number + step])}
             own = {box: place for place, box in enumerate(columns[number])}
-            columns[number].sort(key=lambda box: _mean([places[one] for one in neighbours.get(box, ())], own[box]))
-        crossings = _crossings(columns, right)
-        if crossings < fewest:
-            best, fewest = columns, crossings
-    return best
-
-
-def _mean(values: Sequence[float], otherwise: float) -> float:
-    return sum(values) / len(values) if values else otherwise
-
-
-def _crossings(columns: list[list[Box]], right: Mapping[Box, list[Box]]) -> int:
-    """How many pairs of lines cross."""
-    count = 0
-    for column, following in itertools.pairwise(columns):
-        places = {box: place for place, box in enumerate(following)}
-        seen: list[int] = []
-        for box in column:
-            ends = [places[one] for one in right.get(box, ()) if one in places]
-            count += sum(len(seen) - bisect_right(seen, end) for end in ends)
-            for end in ends:
-                insort(seen, end)
-    return count
+            columns[number].sort(key=lambda box: mean([places[one] for one in neighbours.get(box, ())] or [own[box]]))
+    return columns
 
 
 BETWEEN_COLUMNS = 76  # room for the bends of lines, and for what runs along them
@@ -212,10 +187,7 @@ def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
             near.setdefault(end, []).append(begin)
     for number in range(_PASSES):
         for column in found.columns if number % 2 == 0 else reversed(found.columns):
-            wanted = [
-                sum(middle[one] for one in near[box]) / len(near[box]) if near.get(box) else middle[box]
-                for box in column
-            ]
+            wanted = [mean([middle[one] for one in near.get(box, ())] or [middle[box]]) for box in column]
             heights = [_size(sizes, box)[1] for box in column]
             middle.update(zip(column, _apart(wanted, heights), strict=True))
     top = min(middle[box] - _size(sizes, box)[1] / 2 for box in middle)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -106,19 +107,14 @@ def _arrow(use: Use) -> Arrow:
     return (channel, node) if use.role.inward else (node, channel)
 
 
+class _NameWrapper(textwrap.TextWrapper):
+    """Breaks at blanks, and behind the parts of a name."""
+
+    wordsep_simple_re = re.compile(r"(\s+|(?<=[/_])(?=.))")
+
+
 def _broken(text: str) -> list[str]:
-    """A text in lines, broken at blanks, or behind the parts of a name."""
-    lines = [""]
-    for part in re.findall(r".+?(?:[\s/_](?=.)|$)", text):
-        rest = part
-        while len(lines[-1]) + len(rest.rstrip()) > _COLUMNS:
-            if lines[-1]:
-                lines.append("")
-                continue
-            lines[-1], rest = rest[:_COLUMNS], rest[_COLUMNS:]
-            lines.append("")
-        lines[-1] += rest
-    return [line.rstrip() for line in lines]
+    return _NameWrapper(_COLUMNS, break_on_hyphens=False).wrap(text)
 
 
 def _placed(box: GraphBox, place: Point) -> dict[str, object]:

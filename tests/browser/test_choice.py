@@ -34,6 +34,7 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
     lab.run_cell_that_begins("panels.quiz()")
     panel = lab.page.locator(".course-kit-quiz-panel")
     panel.scroll_into_view_if_needed()
+    lab.page.on("dialog", lambda dialog: dialog.accept())
     panel.get_by_role("button", name="Start again").click()  # whatever was kept from before
     expect(panel).to_contain_text("0 of 10 answered.")
     scenarios = quiz.draw()

@@ -205,7 +205,7 @@ def test_an_export_shows_each_panel_and_diagram_offline(tmp_path: Path, jupyter:
 STILL = {".ck-exchange": 2, ".ck-times": 1, ".ck-still": 3, ".ck-drawn": 2, ".ck-still-map": 1}
 
 
-def test_fifty_nodes_stay_readable_and_are_found(lab: JupyterLab) -> None:
+def test_fifty_nodes_stay_readable(lab: JupyterLab) -> None:
     page = lab.page
     lab.open("notebooks/00_welcome.ipynb")
     lab.run_cell_that_begins("%load_ext course_kit")
@@ -220,12 +220,6 @@ def test_fifty_nodes_stay_readable_and_are_found(lab: JupyterLab) -> None:
     frame = graph.locator(".ck-picture")
     assert frame.evaluate("frame => frame.scrollWidth <= frame.clientWidth")
     lab.picture("graph_fifty_fitted")
-    graph.get_by_label("Show only").fill("station_07")
-    expect(graph.locator("[data-node=station_07]")).to_be_visible()
-    expect(graph.locator(".ck-box.ck-node")).to_have_count(5)  # and who is on a topic with it: 02, 08, 09, 23
-    assert smallest_text(graph) >= 9  # though all of it was fitted into the frame before
-    graph.get_by_role("button", name="Larger").click()
-    lab.picture("graph_fifty_filtered")
 
 
 def smallest_text(graph: Locator) -> float:

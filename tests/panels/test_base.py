@@ -71,7 +71,7 @@ def test_the_last_value_is_shown_and_the_burst_before_it_is_not() -> None:
         begun.set()
         go_on.wait(10)
 
-    updates = Latest(show, rate=1000.0)
+    updates = Latest(show)
     updates.put(0)
     assert begun.wait(10)
     for value in range(1, 500):

@@ -16,7 +16,7 @@ from std_msgs.msg import Bool, Float64
 
 from course_kit import lab, panels
 from course_kit.lab.runtime.neighbours import OtherNotebook
-from course_kit.panels.graph_view import GraphView, matching, news, notebooks_by_node
+from course_kit.panels.graph_view import GraphView, news, notebooks_by_node
 from course_kit.ros import graph as overview
 from course_kit.ros.graph_drawing import boxes_of, graph_svg, in_lines
 from tests.waiting import wait_until
@@ -182,17 +182,6 @@ def test_the_words_of_fifty_nodes_do_not_overlap() -> None:
     assert len(frames) == 50 + 50 + 9
     for one, other in itertools.combinations(frames, 2):
         assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
-
-
-def test_a_filter_leaves_who_is_connected() -> None:
-    few = matching(fifty(), "Station_07/STATE")
-    assert "/station_07" in few.nodes
-    assert {use.channel for use in few.uses} == {"/station_07/state"}
-    assert matching(fifty(), " ") == fifty()
-    assert matching(fifty(), "nothing of this name").nodes == ()
-    one = matching(fifty(), "station_07")
-    remarks = {key: said for key, said in fifty().remarks().items() if key in one.channels()}
-    assert one.remarks() == remarks
 
 
 def crossed(view: GraphView) -> list[tuple[object, ...]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from geometry_msgs.msg import Pose, PoseArray
+from geometry_msgs.msg import Point, Pose, PoseArray
 
 from course_kit import interfaces
 from course_kit.panels.message_form import FormError, MessageForm, fields_in_words
@@ -28,6 +28,9 @@ string[<=2] words
 geometry_msgs/Point[] points
 geometry_msgs/Pose pose
 """
+
+
+MODES = ["MODE_SLOW", "MODE_FAST"]
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +64,6 @@ def test_untouched_it_gives_the_message_with_its_defaults(everything: Any) -> No
 
 def test_what_is_typed_arrives_in_the_message_wherever_it_is(everything: Any) -> None:
     form = MessageForm(everything)
-    form.resize("words", 1)
-    form.resize("points", 2)
     message = form.read(
         {
             "value": " -2e3 ",
@@ -72,8 +73,8 @@ def test_what_is_typed_arrives_in_the_message_wherever_it_is(everything: Any) ->
             "offset": "[1, 2.5, 3]",
             "numbers": "4, -5",
             "raw": "7",
-            "words[0]": "hello, you",
-            "points[1].y": "2",
+            "words": "'hello, you'",
+            "points": "{}, {y: 2}",
             "pose.orientation.w": "0.5",
         }
     )
@@ -93,7 +94,13 @@ def test_what_is_typed_arrives_in_the_message_wherever_it_is(everything: Any) ->
         ("value", "", "Expected a number (float64), not ''."),
         ("code", "sixsix", "Expected text, up to 5 characters (string<=5), not 'sixsix'."),
         ("offset", "1, 2", "Expected 3 numbers, with commas (float64[3]), not '1, 2'."),
-        ("numbers", "1,", "Expected up to 4 whole numbers, with commas (int32[<=4], from -2147483648 to"),
+        ("numbers", "1, x", "Expected up to 4 whole numbers, with commas (int32[<=4], from -2147483648 to"),
+        ("words", "a, b, c", "Expected up to 2 texts, with commas (string[<=2]), not 'a, b, c'."),
+        (
+            "points",
+            "{w: 1}",
+            "Expected messages, with commas, each as {field: value, ...} (geometry_msgs/P",
+        ),
         ("pose.position.x", "left", "Expected a number (float64), not 'left'."),
     ],
 )
@@ -106,37 +113,26 @@ def test_what_a_field_cannot_take_is_refused_with_its_name_and_the_reason(
 def test_constants_are_offered_where_they_fit(everything: Any) -> None:
     form = MessageForm(everything)
     names = {path: [one["name"] for one in entry(form, path)["choices"]] for path in ("unit", "code", "mode", "other")}
-    # "celsius" is too long for the code; MODE_SLOW is the mode's alone.
-    assert names == {"unit": ["CELSIUS", "FAHRENHEIT"], "code": [], "mode": ["MODE_SLOW", "MODE_FAST"], "other": []}
+    # "celsius" is too long for the code.
+    assert names == {"unit": ["CELSIUS", "FAHRENHEIT"], "code": [], **dict.fromkeys(("mode", "other"), MODES)}
     assert entry(form, "value")["choices"] == []
-
-
-def test_lists_of_texts_and_messages_grow_and_shrink_within_their_bounds(everything: Any) -> None:
-    form = MessageForm(everything)
-    for _ in range(3):
-        form.resize("words", 1)
-    assert len(form.read({}).words) == 2
-    form.resize("words", -1)
-    form.resize("points", -1)
-    assert (len(form.read({}).words), len(form.read({}).points)) == (1, 0)
 
 
 def test_a_list_in_a_list_element_and_a_fixed_list_of_messages() -> None:
     path = interfaces.define("form_interfaces/msg/Path", "string name\ngeometry_msgs/Point[2] ends\nstring[] tags")
     paths = interfaces.define("form_interfaces/msg/Paths", "form_interfaces/Path[] paths")
-    form = MessageForm(paths)
-    form.resize("paths", 1)
-    form.resize("paths[0].tags", 1)
-    message = form.read({"paths[0].tags[0]": "fast", "paths[0].ends[1].x": "4", "paths[0].name": "way"})
-    assert message == paths(
-        paths=[path(name="way", tags=["fast"], ends=[*path().ends[:1], type(path().ends[1])(x=4.0)])]
-    )
+    typed = "{name: way, tags: [fast], ends: [{}, {x: 4}]}"
+    wanted = path(name="way", tags=["fast"], ends=[path().ends[0], Point(x=4.0)])
+    assert MessageForm(paths).read({"paths": typed}) == MessageForm(paths).read({"paths": f"[{typed}]"})
+    assert MessageForm(paths).read({"paths": typed}) == paths(paths=[wanted])
+    form = MessageForm(path)
+    assert form.defaults()["ends"] == "[{x: 0.0, y: 0.0, z: 0.0}, {x: 0.0, y: 0.0, z: 0.0}]"
+    assert form.read({"ends": form.defaults()["ends"].replace("x: 0.0", "x: 2")}).ends[1].x == 2.0
 
 
 def test_compiled_types_work_the_same_way() -> None:
     form = MessageForm(PoseArray)
-    form.resize("poses", 1)
-    message = form.read({"header.frame_id": "map", "poses[0].position.x": "1"})
+    message = form.read({"header.frame_id": "map", "poses": "{position: {x: 1}}"})
     assert (message.header.frame_id, message.poses[0].position.x) == ("map", 1.0)
     assert message.poses[0].orientation == Pose().orientation
 

@@ -86,26 +86,10 @@ def test_an_answer_is_marked_at_once_with_both_explanations() -> None:
     assert panel.widget.summary == "1 of 10 answered. 1 of 1 point so far; to pass: 8 of 10."
 
 
-def test_marking_at_the_end_shows_nothing_before_and_forgets_what_is_changed_after() -> None:
-    panel = panels.quiz(SEED)
-    panel.widget.marking = "at the end"
-    first, second = quiz.draw(SEED)[:2]
-    panel.answer(first.id, *right(first))
-    assert panel.widget.marks == {}
-    assert panel.widget.summary == "1 of 10 answered. To pass: 8 of 10 points."
-    said_by(panel, "mark")
-    assert len(panel.widget.marks) == 10
-    assert panel.widget.marks[second.id]["pattern"] == {"right": False, "explanation": "The pattern is still empty."}
-    assert panel.widget.summary == "1 of 10 answered. 1 of 10 points, not passed yet (to pass: 8 of 10)."
-    panel.answer(first.id, *wrong(first))
-    assert first.id not in panel.widget.marks
-    assert second.id in panel.widget.marks
-
-
 @pytest.mark.parametrize(("choice", "points"), [(right, 10.0), (wrong, 0.0), (mixed, None)])
 def test_the_written_file_earns_what_the_panel_showed(choice: Any, points: float | None, tmp_path: Path) -> None:
     panel = answered(choice)
-    result = panel.mark()
+    result = panel.result
     said_by(panel, "write", name="mine")
     assert panel.widget.said.startswith("mine.py is written")
     report = grading.grade("pattern_choice", tmp_path / "mine.py", seed=SEED)
@@ -132,21 +116,6 @@ def test_running_the_cell_again_keeps_the_choices_and_each_seed_has_its_own() ->
     said_by(again, "reset")
     assert again.widget.marks == {}
     assert panels.quiz(seed=SEED).answers == {}
-
-
-def test_what_was_cleared_by_mistake_comes_back_until_something_is_chosen() -> None:
-    panel = answered(mixed)
-    before, marks = panel.answers, panel.widget.marks
-    said_by(panel, "undo")  # nothing was cleared: nothing happens
-    said_by(panel, "reset")
-    assert (panel.answers, panel.widget.cleared) == ({}, True)
-    said_by(panel, "undo")
-    assert (panel.answers, panel.widget.marks, panel.widget.cleared) == (before, marks, False)
-    said_by(panel, "reset")
-    scenario = quiz.draw(SEED)[0]
-    panel.answer(scenario.id, *right(scenario))
-    said_by(panel, "undo")
-    assert panel.answers == {scenario.id: right(scenario)}
 
 
 def test_a_folder_nothing_can_be_written_to_is_said_and_loses_nothing(tmp_path: Path) -> None:
@@ -199,5 +168,3 @@ def test_where_there_are_no_answers_nothing_is_marked(monkeypatch: pytest.Monkey
     panel = answered(lambda scenario: ("topic", next(iter(scenario.reasons))))
     assert panel.widget.marks == {}
     assert panel.widget.summary == "10 of 10 answered. Your instructor marks these; to pass: 8 of 10 points."
-    panel.mark()
-    assert panel.widget.marks == {}
