@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 _TRIES = 2
 _PER_CORE = 4  # a grading mostly waits: for answers, and for a program that is silent or asleep
-_AWAKE_PER_CORE = 2  # the others wake when they are needed
 _EACH = 50 << 20  # bytes of memory that a grading of an ordinary submission takes
 _ROOM = 4  # times as much has to be free as they take together: a submission may need more
 _AHEAD = 2  # requests given to graders for each of their slots: none idles, and few are lost
@@ -59,8 +58,7 @@ class Pool(Closable):
     def __init__(self, slots: int, graders: Sequence[str] = ()) -> None:
         """Start workers for so many gradings at a time, with the modules `graders` loaded."""
         self.slots = slots
-        awake = _AWAKE_PER_CORE * len(os.sched_getaffinity(0))
-        self._idle = side_by_side(slots, graders, awake=awake)[::-1]  # the first to be ready is the first to be taken
+        self._idle = side_by_side(slots, graders)
         self._lock = threading.Lock()
         self._busy: set[Worker] = set()
         self._closed = False

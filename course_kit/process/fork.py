@@ -1,20 +1,16 @@
-"""Forks that run a function of ours, and what a process that is forked again and again does and waits for before."""
+"""Forks that run a function of ours, and what a process that is forked again and again does before."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
 import os
-import select
 import sys
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable
 
-    from _typeshed import HasFileno
-
-Line = TypeVar("Line", bound="HasFileno")
 _BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8)
 BOUND_AT_ONCE = {_BINDS_AT_ONCE: "1"}  # variables to start such a process with: no fork has to bind functions again
 
@@ -43,16 +39,3 @@ def freeze_memory() -> None:
 def forget_binding() -> None:
     """Have the programs that this process starts bind as usual; the linker has read its variable already."""
     os.environ.pop(_BINDS_AT_ONCE, None)
-
-
-def first_uses(lines: Iterable[Line]) -> Iterator[tuple[Line, tuple[Line, ...]]]:
-    """Each line when something comes on it first, or its other end is closed, and those unused so far; then it ends."""
-    unused = {line.fileno(): line for line in lines}
-    poll = select.poll()
-    for descriptor in unused:
-        poll.register(descriptor, select.POLLIN)
-    while unused:
-        for descriptor, _ in poll.poll():
-            poll.unregister(descriptor)
-            line = unused.pop(descriptor)
-            yield line, tuple(unused.values())

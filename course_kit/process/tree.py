@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable
+    from collections.abc import Callable, Iterable
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _ENDED = "Z"  # as a state: of a process, or of its first thread while others go on
@@ -94,21 +94,16 @@ def _user(process_id: int) -> int:
         return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
 
 
-def end_descendants(keep: Container[int] = ()) -> None:
-    """Kill everything below this process but the children `keep` and what hangs on them; returns when all are gone.
+def end_descendants() -> None:
+    """Kill everything below this process; returns when all are gone.
 
-    Needs `parent.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
+    Needs `libc.adopt_orphans`: the orphans that killing makes come to us. Repeats until nothing is left,
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
-    listed = _listed_children
-    while True:
-        doomed = [child for child in listed(own) if child not in keep]
-        if not doomed:
-            if listed is _all_children or (not keep and _childless()):
-                return
-            listed = _all_children  # the kernel's list may lack a child when another ends just then
-            continue
+    while not _childless():
+        # The kernel's list may lack a child when another ends just then.
+        doomed = _listed_children(own) or _all_children(own)
         for process_id in (*doomed, *(below for child in doomed for below in _below(child, _listed_children))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)

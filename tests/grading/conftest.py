@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import psutil
 import pytest
 import rclpy
 
 from course_kit import environment, grading
+from course_kit.process import tree
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -16,6 +18,12 @@ if TYPE_CHECKING:
 
 EXERCISE = "temperature_service"
 ROOT = environment.checkout_folder() or Path()
+IDLE = 3  # processes below the warm one: the worker, and two from which submissions are started
+
+
+def processes_of(worker: grading.Worker) -> list[int]:
+    """All processes of a worker, those of its submission among them."""
+    return tree.descendants_of(psutil.Process(worker.process_id).ppid())
 
 
 def wait_for_node(name: str, domain_id: int) -> None:

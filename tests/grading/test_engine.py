@@ -20,7 +20,7 @@ from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.report import CheckResult
 from course_kit.grading.workers import exercise_job
 from course_kit.process import tree
-from tests.grading.conftest import EXERCISE, ROOT, wait_for_node
+from tests.grading.conftest import EXERCISE, IDLE, ROOT, processes_of, wait_for_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -155,11 +155,12 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
     path.write_text("import time\ntime.sleep(600)\n")
     worker.ready()
     below: list[int] = []
+    most = IDLE + 5  # supervisor, grader, entering, init process, program
 
     def watch() -> None:
         deadline = time.monotonic() + 200
-        while len(below) < 5 and time.monotonic() < deadline:  # supervisor, grader, entering, init process, program
-            below[:] = tree.descendants_of(worker.process_id)
+        while len(below) < most and time.monotonic() < deadline:
+            below[:] = processes_of(worker)
         end()
 
     watcher = threading.Thread(target=watch)
@@ -167,7 +168,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
     with pytest.raises(grading.GradingError, match="ended while it was grading"):
         grading.grade(EXERCISE, path, worker=worker)
     watcher.join()
-    assert len(below) >= 5
+    assert len(below) >= most
     return below
 
 

@@ -11,8 +11,7 @@ from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.runner import Program
-from course_kit.grading.sandbox.sandbox import Conditions
+from course_kit.grading.sandbox.start_order import Conditions, Program
 
 
 def through_json(thing: object) -> dict[str, object]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import socket
 from typing import TYPE_CHECKING
 
-from course_kit.process.fork import first_uses, fork_child
+from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
     import pytest
@@ -33,19 +32,3 @@ def test_it_ends_after_the_function() -> None:
 def test_what_the_function_raises_ends_the_child_and_is_told(capfd: pytest.CaptureFixture[str]) -> None:
     assert status_of(fork_child(raises, failed=70)) == 70
     assert "LookupError: told on stderr" in capfd.readouterr().err
-
-
-def test_each_line_comes_when_it_is_first_used_or_closed() -> None:
-    pairs = [socket.socketpair() for _ in range(3)]
-    lines = [ours for ours, _ in pairs]
-    pairs[1][1].send(b"x")
-    uses = first_uses(lines)
-    assert next(uses) == (lines[1], (lines[0], lines[2]))
-    pairs[1][1].send(b"more")  # on a line that was used already
-    pairs[2][1].close()
-    assert next(uses) == (lines[2], (lines[0],))
-    pairs[0][1].send(b"x")
-    assert list(uses) == [(lines[0], ())]
-    assert lines[1].recv(10) == b"xmore", "nothing is taken off a line"
-    for end in [end for pair in pairs for end in pair]:
-        end.close()

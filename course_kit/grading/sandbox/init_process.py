@@ -22,8 +22,7 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.runner import Program
-    from course_kit.grading.sandbox.sandbox import Conditions, Streams
+    from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
 
 FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"

@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.model.job import Isolation
-from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, scratch, seccomp
+from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, seccomp
 from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
@@ -75,45 +76,30 @@ def status() -> Isolation:
 
 
 class Trial:
-    """Sets up each kind in a child process, while this one goes on. Only for a process with one thread."""
+    """A child process that sets up each kind, while this one goes on. Only for a process with one thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, with_guest: bool = True) -> None:
         """Begin; `outcome` has to be asked for, as it cleans up."""
         self._root = os.geteuid() == 0
-        self._attempt = _Attempt(guest(os.getpid()) if self._root else 0)
+        self._user = guest(os.getpid()) if self._root and with_guest else 0
+        self._reader, writer = os.pipe()
+        self._folder = tempfile.TemporaryDirectory(prefix="course-kit-")
+        self._child = fork_child(partial(_try_each, writer, self._folder.name, self._user))
+        os.close(writer)
 
     def outcome(self) -> Isolation:
         """Wait until all has been tried; which kinds work. Once only."""
-        told = self._attempt.told()
-        if self._root and "network" not in told:  # as root of a container that may not map a second user
-            alone = _Attempt(0).told()
-            told = alone if "network" in alone else told
+        with os.fdopen(self._reader) as lines:  # one for each kind that works, and reasons after "!"
+            told = [line.rstrip("\n") for line in lines]
+        os.waitpid(self._child, 0)
+        self._folder.cleanup()
+        if self._user and "network" not in told:  # as root of a container that may not map a second user
+            alone = Trial(with_guest=False).outcome()
+            if alone.network:
+                return alone
         reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in told if line.startswith("!")))
         kinds = {name: name in told for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
         return Isolation(**kinds, root=self._root, reason=reasons)
-
-
-def try_out() -> Isolation:
-    """Set up each kind and report which work, see `Trial`."""
-    return Trial().outcome()
-
-
-class _Attempt:
-    """A child process that tries everything."""
-
-    def __init__(self, user: int) -> None:
-        self._reader, writer = os.pipe()
-        self._folder = scratch.make()  # which the next one removes when this process is killed
-        self._child = fork_child(partial(_try_each, writer, str(self._folder), user))
-        os.close(writer)
-
-    def told(self) -> list[str]:
-        """What it says: a line for each kind that works, and reasons after "!"."""
-        with os.fdopen(self._reader) as lines:
-            told = [line.rstrip("\n") for line in lines]
-        os.waitpid(self._child, 0)
-        scratch.remove(self._folder)
-        return told
 
 
 def enter_network(user: int = 0) -> None:
@@ -192,4 +178,4 @@ def _say(writer: int, line: str) -> None:
 
 def print_trial() -> None:
     """Try out and print the outcome as JSON, for `status`."""
-    sys.stdout.write(json.dumps(asdict(try_out())))
+    sys.stdout.write(json.dumps(asdict(Trial().outcome())))

@@ -26,11 +26,10 @@ from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
-from course_kit.grading.sandbox.runner import Program
-from course_kit.grading.sandbox.sandbox import Conditions, Streams
+from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.fork import first_uses, fork_child, freeze_memory
+from course_kit.process.fork import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -70,7 +69,6 @@ class Launcher:
         ours, theirs = socket.socketpair()
         request = Channel(ours)
         try:
-            ours.settimeout(_REQUEST_S)
             descriptors = [theirs.fileno(), *inside.descriptors(), *network]
             socket.send_fds(self._line, [_START], descriptors)
             theirs.close()
@@ -98,28 +96,26 @@ class Launcher:
 
 
 def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
-    """The process: load the interfaces that exercises use, then serve each line that is used in an own process."""
+    """The process: load the interfaces that exercises use, then serve each line in an own process."""
     set_name("grade launchers")
     die_with_parent()
     _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))
     names.close()
     freeze_memory()
-    if len(lines) == 1:
-        _serve(lines[0])
-        return
-    for line, unused in first_uses(lines):
-        if line.recv(1, socket.MSG_PEEK):
-            fork_child(partial(_serve_one, line, unused))
+    for line in lines:
+        fork_child(partial(_serve_one, line, lines))
+    for line in lines:
         line.close()
     with suppress(ChildProcessError):
         while True:
             os.wait()
 
 
-def _serve_one(line: socket.socket, unused: Iterable[socket.socket]) -> None:
+def _serve_one(line: socket.socket, lines: Iterable[socket.socket]) -> None:
     die_with_parent()
-    for other in unused:
-        other.close()
+    for other in lines:
+        if other is not line:
+            other.close()
     _serve(line)
 
 
@@ -168,7 +164,6 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
     die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
     program, cell = _receive(descriptors[_REQUEST][0])
-    namespaces.join_new_keyring()
     try:
         if network := descriptors[_NAMESPACES]:
             namespaces.join(*network)

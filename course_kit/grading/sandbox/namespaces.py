@@ -7,7 +7,6 @@ AppArmor (Ubuntu 23.10 and later) or by a container's seccomp filter.
 
 from __future__ import annotations
 
-import ctypes
 import errno
 import fcntl
 import os
@@ -37,8 +36,6 @@ _PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 3, 
 _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
 _CAPABILITY_VERSION_3 = 0x20080522
 _HIGHEST_CAPABILITY = 63
-_SYS_KEYCTL = {"x86_64": 250, "aarch64": 219}
-_KEYCTL_JOIN_SESSION_KEYRING = 1
 _SHELL = "/bin/sh"
 # Each map in one go, as the kernel wants it. Arguments: the process, its map of users, its map of groups.
 _MAP_WHEN_TOLD = 'read -r _ && printf %s "$2" >"/proc/$1/uid_map" && printf %s "$3" >"/proc/$1/gid_map"'
@@ -120,14 +117,6 @@ def forbid_tracing() -> None:
 def allow_tracing() -> None:
     """Take `forbid_tracing` back; a change of the user forbids it as well."""
     libc.call_prctl(_PR_SET_DUMPABLE, 1, what="DUMPABLE")
-
-
-def join_new_keyring() -> None:
-    """Leave the user's session keyring for an empty one (keyctl(2)); a kernel without keyrings has nothing to leave."""
-    number = _SYS_KEYCTL.get(os.uname().machine)
-    if number is not None:
-        with suppress(OSError):
-            libc.system_call(number, ctypes.c_int(_KEYCTL_JOIN_SESSION_KEYRING), None, what="keyctl")
 
 
 def forbid_new_privileges() -> None:

@@ -13,7 +13,7 @@ from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.sandbox import Streams
+    from course_kit.grading.sandbox.start_order import Streams
 
 _CHUNK = 65536
 KEPT = 4096  # bytes of a stream, at the beginning and at the end

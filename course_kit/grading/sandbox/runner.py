@@ -21,7 +21,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.model import limits
 from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp
 from course_kit.grading.sandbox.file_view import FileView
+from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from types import CodeType
 
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.sandbox import Conditions, Streams
+    from course_kit.grading.sandbox.start_order import Conditions, Streams
     from course_kit.launch.node import ProcessDescription
 
 # What launch files import has to be loaded before the kit's own files disappear.
@@ -52,23 +53,6 @@ _TURN_S = 0.1
 _FIRST_HIGH_DESCRIPTOR = 200
 _LONGEST_VALUE = 48 * 1024  # characters of all together; the grader keeps 64 kB of a program's notes
 _LONGEST_NAME, _MOST_NAMES = 40, 50
-
-
-@dataclass(frozen=True)
-class Program:
-    """What to run."""
-
-    name: str  # the file's name, as it is to appear in tracebacks
-    source: str = ""  # its text; unused with a command
-    class_name: str = ""  # the Node class the exercise names, for modules that only define classes
-    own_start: bool = False  # whether it has to start its node itself
-    # what follows the program's name on its command line; the name of one of `files` stands for its path
-    arguments: tuple[str, ...] = ()
-    files: Mapping[str, str] = field(default_factory=dict)  # texts to lay into its scratch directory, by file name
-    command: tuple[str, ...] = ()  # an executable with its arguments to start instead of Python source
-    folder: str = ""  # the working directory of a command; source runs in its scratch directory
-    variable: str = ""  # what the program is to set, when it is asked for a value and not for a node
-    launches: bool = False  # whether it is a launch file, which starts programs among its files
 
 
 def main(program: Program, cell: Conditions, inside: Streams) -> None:

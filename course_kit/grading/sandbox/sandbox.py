@@ -6,30 +6,26 @@ LIMITS.md, the page for users.
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Mapping  # noqa: TC003 - msgspec looks up what a record has
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.grading.model.job import Isolation  # noqa: TC001 - as above
-from course_kit.grading.model.limits import Limits  # noqa: TC001 - msgspec looks up what a record has
 from course_kit.grading.sandbox import file_view
-from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.runner import Program
+from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.process import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from course_kit.grading.model.job import Job
+    from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
 
 
@@ -37,49 +33,6 @@ _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 # What the user's other programs, gradings among them, may start while this one runs.
 _STARTED_MEANWHILE = 4096
 _NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}  # a program leaves nothing beside what it imports
-
-
-@dataclass
-class Conditions:
-    """Under which conditions a program runs."""
-
-    limits: Limits  # what it may use
-    isolation: Isolation  # what is known to hold on this machine
-    scratch: str  # the folder in which its scratch directory is made; within the sandbox that directory itself
-    view: FileView = field(default_factory=FileView)  # the files it sees
-    # variables to set for the program, beside HOME, TMPDIR and PWD
-    environment: Mapping[str, str] = field(default_factory=dict)
-    priority: int = 0  # the nice value to run at
-    others: int = 0  # the user's other processes and threads where the kernel counts them together with the program's
-    user: int = 0  # the number of the user and group it runs as; 0 for the grader's own
-
-
-@dataclass
-class Streams:
-    """The ends of the pipes of one sandbox: one set for this side, the other for the inside."""
-
-    stdout: int
-    stderr: int
-    status: int
-    evidence: int
-    control: int
-
-    def descriptors(self) -> tuple[int, ...]:
-        """All of them, in the order of the arguments."""
-        return (self.stdout, self.stderr, self.status, self.evidence, self.control)
-
-    def tell(self, **what: object) -> None:
-        """From the inside: tell the supervisor facts, on the stream for them."""
-        with suppress(OSError):
-            os.write(self.status, json.dumps(what).encode() + b"\n")
-
-    def close(self) -> None:
-        """Close all of them, once."""
-        for name in ("stdout", "stderr", "status", "evidence", "control"):
-            descriptor = getattr(self, name)
-            if descriptor >= 0:
-                os.close(descriptor)
-                setattr(self, name, -1)
 
 
 class Sandbox:

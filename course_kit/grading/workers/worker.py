@@ -7,11 +7,8 @@ handle in the trusted parent; the process itself is `worker_process`.
 
 from __future__ import annotations
 
-import os
-import signal
 import socket
 import threading
-from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
 from course_kit import environment
@@ -98,7 +95,6 @@ class WarmProcess:
         finally:
             for end in theirs:
                 end.close()
-        self._shared = workers > 1
         self._lock = threading.Lock()
         self._using = workers
 
@@ -111,16 +107,9 @@ class WarmProcess:
         self._process.wait_or_kill(_STOP_S)  # the forks die with it
         self._said.file.close()
 
-    def give_up(self, worker: int | None) -> str:
-        """End a worker that has stopped working; returns what was printed last, or how it has ended."""
-        if not self._shared:
-            code = self._process.wait_or_kill(_STOP_S)
-            return self._said.last_line() or f"Its exit status was {code}."
-        ended = self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
-        # As long as the warm process lives its forks are not reaped, and no other process gets their numbers.
-        if worker is not None and ended is None:
-            with suppress(ProcessLookupError):
-                os.kill(worker, signal.SIGKILL)
+    def last_words(self) -> str:
+        """What was printed last, for a worker that does not answer any more."""
+        self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
         return self._said.last_line() or "It hung, or another program has ended it."
 
     def has_ended(self) -> bool:
@@ -171,16 +160,12 @@ class Worker(Closable):
         at: tuple[WarmProcess, Channel] | None = None,
     ) -> None:
         """Start the process; it gets ready while the caller goes on."""
-        alone = at is None
         if at is None:
             process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
             at = (process, process.channels[0])
         self._process, self._channel = at
-        self._is_asleep = True
         self._closing = False
         self._greeting: Record | None = None
-        if alone:
-            self.wake()
 
     @property
     def process_id(self) -> int:
@@ -188,18 +173,10 @@ class Worker(Closable):
         self.ready()
         return int((self._greeting or {})["process"])
 
-    def wake(self) -> None:
-        """Have it get ready, if it does not yet."""
-        if self._is_asleep:
-            self._is_asleep = False
-            with suppress(ChannelClosedError):  # whoever uses it is told
-                self._channel.send({})
-
     def ready(self) -> Isolation:
         """Wait until it can take a job; returns the isolation it has found."""
         if self._greeting is None:
             try:
-                self.wake()
                 self._greeting = self._channel.receive(_START_S)
             except (ChannelClosedError, TimeoutError) as problem:
                 raise GradingError(f"The grader could not start. {self._last_words()}") from problem
@@ -231,17 +208,10 @@ class Worker(Closable):
             self._process.leave()
 
     def _last_words(self) -> str:
-        """What the process has printed, when it has ended."""
-        how = self._process.give_up((self._greeting or {}).get("process"))
-        return "It was closed meanwhile." if self._closing else how
+        return "It was closed meanwhile." if self._closing else self._process.last_words()
 
 
-def side_by_side(number: int, graders: Sequence[str] = (), *, awake: int | None = None) -> list[Worker]:
+def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:
     """Start several workers that share the cost of getting warm."""
-    if number == 0:
-        return []
     process = WarmProcess(number, variables_of(whole=False, own_graph=True), graders)
-    workers = [Worker(at=(process, channel)) for channel in process.channels]
-    for worker in workers[:awake]:
-        worker.wake()
-    return workers
+    return [Worker(at=(process, channel)) for channel in process.channels]

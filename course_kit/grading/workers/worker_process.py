@@ -11,6 +11,7 @@ import select
 import signal
 import socket
 import sys
+import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,19 +19,18 @@ from typing import TYPE_CHECKING, cast
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.sandbox import file_view, isolation, namespaces, needs, scratch
-from course_kit.grading.sandbox import launcher as launchers
+from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, needs
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import tree
-from course_kit.process.fork import first_uses, forget_binding, fork_child, freeze_memory
+from course_kit.process.fork import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
     from course_kit.grading.model.job import GradingOutcome, Isolation
     from course_kit.grading.sandbox.file_view import FileView
@@ -69,10 +69,8 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     finally:
         found = trial.outcome()
     pairs = [Launcher.pair() for _ in channels]
-    starter, names = _fork_launchers(pairs, channels)
-    for _, end in pairs:
-        end.close()
     launchers = [launcher for launcher, _ in pairs]
+    names = _fork_launchers(launchers, [end for _, end in pairs], channels)
     brought = {folder for one in graders if (folder := grader_module.interfaces_beside(one))}
     interfaces = "".join(brought) if len(brought) == 1 else ""
     wanted = (one for one in graders if grader_module.interfaces_beside(one) in ("", interfaces))
@@ -82,40 +80,31 @@ def serve(channels: Sequence[Channel], graders: Sequence[str]) -> None:
     names.close()
     common = _Common(found, usual, file_view.view_of_program(), interfaces, frozenset(known))
     freeze_memory()
-    if len(channels) == 1:
-        _work(channels[0], launchers[0], common, keep=(starter,))
-        return
-    children = []
-    launcher_of = dict(zip(channels, launchers, strict=True))
-    for channel, unused in first_uses(channels):
-        if not channel.is_closed():
-            others = [(one, launcher_of[one]) for one in unused]
-            children.append(fork_child(partial(_work_apart, (channel, launcher_of[channel]), others, common)))
-        channel.close()
-        launcher_of[channel].close()
-    for child in children:  # not reaped: while this process lives, no other one gets the number of a fork
-        os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
-    tree.end_descendants()
+    for number in range(len(channels)):
+        fork_child(partial(_work_apart, number, channels, launchers, common))
+    for one in (*channels, *launchers):
+        one.close()
+    with suppress(ChildProcessError):
+        while True:
+            os.wait()
 
 
 def _fork_launchers(
-    pairs: Sequence[tuple[Launcher, socket.socket]], channels: Sequence[Channel]
-) -> tuple[int, socket.socket]:
+    launchers: Sequence[Launcher], ends: Sequence[socket.socket], channels: Sequence[Channel]
+) -> socket.socket:
     """Start the process from which submissions are forked, before anything is loaded that is not for them."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     freeze_memory()
 
     def serve_launchers() -> None:
-        ours.close()
-        for channel in channels:
-            channel.close()
-        for launcher, _ in pairs:
-            launcher.close()
-        launchers.serve_all(theirs, [end for _, end in pairs])
+        for one in (ours, *channels, *launchers):
+            one.close()
+        launcher.serve_all(theirs, ends)
 
-    child = fork_child(serve_launchers)
-    theirs.close()
-    return child, ours
+    fork_child(serve_launchers)
+    for one in (theirs, *ends):
+        one.close()
+    return ours
 
 
 def _named(interfaces: Iterable[type]) -> list[tuple[str, str]]:
@@ -123,44 +112,41 @@ def _named(interfaces: Iterable[type]) -> list[tuple[str, str]]:
     return sorted({(one.__module__, one.__name__) for one in interfaces})
 
 
-def _work_apart(line: tuple[Channel, Launcher], others: Iterable[tuple[Channel, Launcher]], common: _Common) -> None:
-    """A worker that is a fork of this process, one of several."""
+def _work_apart(number: int, channels: Sequence[Channel], launchers: Sequence[Launcher], common: _Common) -> None:
+    """A worker, which is a fork of this process."""
     os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
     die_with_parent()
     adopt_orphans()
-    for channel, launcher in others:
-        channel.close()  # else nobody would notice the end of that worker
-        launcher.close()
-    with suppress(ChannelClosedError):
-        _work(*line, common)
-
-
-def _work(channel: Channel, launcher: Launcher, common: _Common, keep: Container[int] = ()) -> None:
-    """One worker: it ends with ChannelClosedError."""
-    channel.receive()  # what has woken it: there is nothing in it
     set_name("grade worker")
-    folder = scratch.make()
+    for one in (*channels[:number], *channels[number + 1 :], *launchers[:number], *launchers[number + 1 :]):
+        one.close()  # else nobody would notice the end of that worker
+    with (
+        suppress(ChannelClosedError),
+        tempfile.TemporaryDirectory(prefix="course-kit-worker-", ignore_cleanup_errors=True) as folder,
+    ):
+        os.chmod(folder, 0o711)  # noqa: PTH101, S103 - a submission with its own user finds its directory in it
+        os.environ["ROS_LOG_DIR"] = folder  # of the grader process, which logs nothing
+        _work(channels[number], launchers[number], common, folder)
+
+
+def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> None:
+    """Grade job after job, until ChannelClosedError ends it."""
     found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
-    os.environ["ROS_LOG_DIR"] = str(folder)  # of the grader process, which logs nothing
     loaded = set(common.loaded)
-    try:
-        channel.send({"isolation": found, "process": os.getpid()})
-        while True:
-            job = convert_record(channel.receive()["job"], Job)
-            job = replace(job, isolation=found, priority=common.priority, scratch=str(folder), user=user)
-            needed = _prepare(job) if job.interfaces in ("", common.interfaces) else []
-            if new := [one for one in needed if one not in loaded]:
-                launcher.load(new)
-                loaded.update(new)
-            for _ in range(_TRIES):
-                scratch.clear(folder)
-                outcome = _grade(job, channel, launcher, common.view, keep)
-                if not outcome["again"]:
-                    break
-            channel.send(outcome)
-    finally:
-        scratch.remove(folder)
+    channel.send({"isolation": found, "process": os.getpid()})
+    while True:
+        job = convert_record(channel.receive()["job"], Job)
+        job = replace(job, isolation=found, priority=common.priority, scratch=folder, user=user)
+        needed = _prepare(job) if job.interfaces in ("", common.interfaces) else []
+        if new := [one for one in needed if one not in loaded]:
+            starter.load(new)
+            loaded.update(new)
+        for _ in range(_TRIES):
+            outcome = _grade(job, channel, starter, common.view)
+            if not outcome["again"]:
+                break
+        channel.send(outcome)
 
 
 def _load(grader: str) -> Grader | None:
@@ -176,12 +162,12 @@ def _prepare(job: Job) -> list[tuple[str, str]]:
     return []
 
 
-def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep: Container[int]) -> GradingOutcome:
+def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView) -> GradingOutcome:
     ours, theirs = Channel.pair()
 
     def supervise() -> None:
         ours.close()
-        theirs.send(_run(job, launcher, view))
+        theirs.send(_run(job, starter, view))
 
     fork_child(supervise)
     theirs.close()
@@ -189,15 +175,15 @@ def _grade(job: Job, channel: Channel, launcher: Launcher, view: FileView, keep:
         return _outcome(ours, channel)
     finally:
         ours.close()
-        tree.end_descendants(keep)
-        launcher.end()
+        tree.end_descendants()
+        starter.end()
 
 
-def _run(job: Job, launcher: Launcher, view: FileView) -> GradingOutcome:
+def _run(job: Job, starter: Launcher, view: FileView) -> GradingOutcome:
     if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
         return _broken_off(problem, again=False)
     try:
-        return Supervisor(job, launcher, view, grader_process.main).run()
+        return Supervisor(job, starter, view, grader_process.main).run()
     except (SandboxStartError, OSError) as problem:  # the machine has run out of something
         return _broken_off(f"the submission could not be run: {problem}")
 

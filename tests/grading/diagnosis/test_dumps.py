@@ -9,7 +9,7 @@ import pytest
 
 from course_kit.grading.diagnosis.tracebacks import activity
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
-from course_kit.grading.sandbox.sandbox import Streams
+from course_kit.grading.sandbox.start_order import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -23,7 +23,7 @@ from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
 from course_kit.grading.sandbox.supervisor import Supervisor
 from course_kit.grading.workers import exercise_job, grader_process
-from course_kit.process import libc, tree
+from course_kit.process import libc
 from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
@@ -78,9 +78,9 @@ def main() -> None:
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
     adopt_orphans()
-    found = isolation.try_out()
+    found = isolation.Trial().outcome()
     handle, end = launcher.Launcher.pair()
-    if (starter := os.fork()) == 0:
+    if os.fork() == 0:
         handle.close()
         launcher._serve(end)
         os._exit(0)
@@ -91,7 +91,7 @@ def main() -> None:
     print(json.dumps({"isolation": asdict(found)}), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        _grade_each(programs, (exercise, seed), mode, found, (handle, starter))
+        _grade_each(programs, (exercise, seed), mode, found, handle)
         os.chdir("/")
 
 
@@ -100,9 +100,8 @@ def _grade_each(
     asked: tuple[Exercise, int],
     mode: str,
     found: isolation.Isolation,
-    started: tuple[launcher.Launcher, int],
+    handle: launcher.Launcher,
 ) -> None:
-    handle, starter = started
     for program, source in programs.items():
         user = isolation.guest(os.getpid()) if found.user else 0
         job = (of_command if mode == COMMAND else of_program)(*asked, source)
@@ -113,7 +112,6 @@ def _grade_each(
             print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()
-        tree.end_descendants((starter,))
 
 
 def of_program(exercise: Exercise, seed: int, source: str) -> Job:

@@ -219,7 +219,7 @@ for folder in ("/etc/ssl/private", "/etc/ssh"):
     ),
     "leaves_keys": Attack(
         "leaves a key in the user's session keyring",
-        "it has an empty keyring of its own, and the calls are refused",
+        "the calls are refused",
         _SYSCALL
         + """
 if call("add_key", b"user", b"course-kit-attack", b"x", 1, -3) > 0:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment, grading
-from course_kit.process import tree
 from tests import several_files
+from tests.grading.conftest import IDLE, processes_of
 from tests.grading.sandbox.hostile_table import Table
 
 if TYPE_CHECKING:
@@ -114,8 +114,7 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
     """Whether all that a submission has started is dead; at the end of the test it has to be."""
 
     def look() -> bool:
-        # What stays is the process that submissions are started from. Orphans without a PID namespace come to it.
-        return len(tree.descendants_of(worker.process_id)) == 1
+        return len(processes_of(worker)) == IDLE
 
     yield look
     assert look()
@@ -225,7 +224,7 @@ while True:
 
 def test_worker_is_left_alone(grade_source: Grade, worker: grading.Worker, solution: str) -> None:
     grade_source(ATTACKS[KILLS])
-    assert len(tree.descendants_of(worker.process_id)) == 1  # where submissions are started
+    assert len(processes_of(worker)) == IDLE
     assert grade_source(solution).score == 10.0
 
 

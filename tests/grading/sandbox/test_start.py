@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-import stat
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.sandbox import scratch
 from course_kit.grading.workers import exercise_job
 from tests.grading.conftest import EXERCISE
 
@@ -60,17 +58,3 @@ def test_a_class_that_the_grader_starts_computes_nothing_while_it_waits(
     """An executor that follows what follows its callbacks turns without end, and takes the program's time."""
     share = float(re.search(r"SHARE (\S+)", grade_source(IDLE).stdout)[1])  # type: ignore[index]
     assert share < 0.5
-
-
-def test_a_workers_folder_that_somebody_has_removed_is_made_anew_as_it_was() -> None:
-    folder = scratch.make()
-    try:
-        mode = stat.S_IMODE(folder.stat().st_mode)
-        folder.rmdir()
-        scratch.clear(folder)
-        assert stat.S_IMODE(folder.stat().st_mode) == mode
-        (folder / "left").mkdir()
-        scratch.clear(folder)
-        assert list(folder.iterdir()) == []
-    finally:
-        scratch.remove(folder)

@@ -52,30 +52,6 @@ def test_each_grades_while_the_other_one_does(pair: list[Worker]) -> None:
     assert warm_process(pair[0]) == warm_process(pair[1])
 
 
-def named(name: str, within: psutil.Process) -> list[int]:
-    found = [one for one in within.children(recursive=True) if one.status() != psutil.STATUS_ZOMBIE]
-    return [one.pid for one in found if Path(f"/proc/{one.pid}/comm").read_text().strip() == name]
-
-
-def test_a_worker_that_is_not_used_has_no_processes() -> None:
-    workers = side_by_side(3, [EXERCISE], awake=1)
-    try:
-        warm = warm_process(workers[0])
-        assert grading.grade(EXERCISE, SOLUTION, worker=workers[0]).score == 10.0
-        assert named("grade worker", warm) == [workers[0].process_id]
-        assert len(named("grade launcher", warm)) == 1
-        assert grading.grade(EXERCISE, SOLUTION, worker=workers[2]).score == 10.0
-        assert set(named("grade worker", warm)) == {workers[0].process_id, workers[2].process_id}
-        assert len(named("grade launcher", warm)) == 2
-        workers[2].close()
-        wait_until(lambda: len(named("grade launcher", warm)) == 1)
-        assert grading.grade(EXERCISE, SOLUTION, worker=workers[0]).score == 10.0
-    finally:
-        for worker in workers:
-            worker.close()
-    assert not warm.is_running()
-
-
 def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worker], tmp_path: Path) -> None:
     victim, other = pair
     (tmp_path / "a.py").write_text(HANGS)
@@ -93,15 +69,16 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
     assert grading.grade(EXERCISE, SOLUTION, worker=other).score == 10.0
 
 
-def test_closing_them_leaves_no_process_and_no_folder(pair: list[Worker]) -> None:
+def test_closing_them_leaves_no_process_and_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    pair = side_by_side(2, [EXERCISE])
     processes = [warm_process(pair[0]), *(psutil.Process(worker.process_id) for worker in pair)]
-    folders = [path for one in processes for path in Path(tempfile.gettempdir()).glob(f"*-{one.pid}-*")]
-    assert len(folders) == 2
+    assert len(list(tmp_path.iterdir())) == 2
     for worker in pair:
         worker.close()
         worker.close()  # as a class run does that gives up while a worker is discarded
     assert not any(one.is_running() for one in processes)
-    assert not any(folder.exists() for folder in folders)
+    assert not any(tmp_path.iterdir())
 
 
 def test_a_program_finds_the_interfaces_of_its_exercise_loaded(pair: list[Worker]) -> None:
