@@ -36,7 +36,6 @@ _TABLES = ("/proc/net/udp", "/proc/net/udp6")
 _LOCAL_ADDRESS, _INODE = 1, 9
 _LEASE, _MARK, _CHOICE = 2, 3, 4  # places in a domain's block of ports that RTPS does not use
 _LOOPBACK, _DISCARD = "127.0.0.1", 9  # the port of the discard service (RFC 863), which no machine runs
-_QUEUE_S = 0.05  # how often one who queues for a domain looks
 _CHOICE_LOOK_S = 0.002
 _CHOICE_S = 10.0
 
@@ -147,21 +146,16 @@ class Leases:
                     return lease
         raise NoDomainError
 
-    def exclusive(self, patience_s: float = 0.0) -> Lease:
+    def exclusive(self) -> Lease:
         """Lease a domain nobody else uses."""
-        deadline = time.monotonic() + patience_s
-        pause = threading.Event()  # a port that becomes free tells nobody: look again and again, with a deadline
-        while True:
-            occupied = self._occupied()
-            for domain_id in range(LAST, FIRST - 1, -1):
-                if domain_id in occupied:
-                    continue
-                descriptor = _bind(self._address, port_at(domain_id, _LEASE))
-                if descriptor is not None:
-                    return Lease(domain_id, (descriptor,))
-            if time.monotonic() >= deadline:
-                raise NoDomainError
-            pause.wait(_QUEUE_S)
+        occupied = self._occupied()
+        for domain_id in range(LAST, FIRST - 1, -1):
+            if domain_id in occupied:
+                continue
+            descriptor = _bind(self._address, port_at(domain_id, _LEASE))
+            if descriptor is not None:
+                return Lease(domain_id, (descriptor,))
+        raise NoDomainError
 
     def _join(self, domain_id: int, mark: str) -> Lease | None:
         """Hold a domain beside others of the owner; None when it is somebody else's."""
@@ -192,9 +186,9 @@ class Leases:
 
 
 @contextmanager
-def exclusive_domain(patience_s: float = 0.0) -> Iterator[int]:
+def exclusive_domain() -> Iterator[int]:
     """`Leases.exclusive` as a context manager that yields the domain's number."""
-    lease = Leases().exclusive(patience_s)
+    lease = Leases().exclusive()
     try:
         yield lease.domain_id
     finally:

@@ -5,7 +5,6 @@ import secrets
 import socket
 import subprocess
 import sys
-import threading
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -56,8 +55,8 @@ class Remembered(Leases):
         self._given.append(super().share(owner))
         return self._given[-1]
 
-    def exclusive(self, patience_s: float = 0.0) -> domains.Lease:
-        self._given.append(super().exclusive(patience_s))
+    def exclusive(self) -> domains.Lease:
+        self._given.append(super().exclusive())
         return self._given[-1]
 
     def rest(self) -> set[int]:
@@ -214,16 +213,3 @@ def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: s
         assert beside_it
         assert domain not in beside_it
     assert domain in leases.rest()
-
-
-def test_one_who_queues_gets_the_next_domain_that_comes_back(leases: Leases) -> None:
-    held = [leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
-    queued: list[domains.Lease] = []
-    waiting = threading.Thread(target=lambda: queued.append(leases.exclusive(patience_s=60.0)))
-    waiting.start()
-    waiting.join(0.2)
-    assert not queued
-    back = held.pop()
-    back.release()
-    waiting.join(60)
-    assert [lease.domain_id for lease in queued] == [back.domain_id]

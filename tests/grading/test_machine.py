@@ -22,12 +22,11 @@ def fresh() -> Iterator[None]:
 
 
 def test_what_this_process_computes_is_among_what_the_processors_have_done() -> None:
-    before, begun = machine.processor_times(), time.process_time()
+    before, begun = machine.processors_worked(), time.process_time()
     while time.process_time() - begun < 0.5:
         pass
-    after = machine.processor_times()
-    assert before.idle > 0.0
-    assert after.busy - before.busy > 0.4  # it is counted in ticks
+    after = machine.processors_worked()
+    assert after - before > 0.4  # it is counted in ticks
 
 
 @pytest.mark.parametrize(
@@ -38,12 +37,6 @@ def test_what_this_process_computes_is_among_what_the_processors_have_done() -> 
         ("0::/\n", {"cpu.max": "max 100000\n"}, 1.0),
         ("0::/\n", {"cpu.max": "400000 100000\n"}, 1.0),
         ("0::/a/b\n", {"a/cpu.max": "20000 100000\n", "a/b/cpu.max": "max 100000\n"}, 0.2),
-        (
-            "3:cpuset:/\n1:cpu,cpuacct:/docker/x\n0::/\n",
-            {"cpu/docker/x/cpu.cfs_quota_us": "25000\n", "cpu/docker/x/cpu.cfs_period_us": "100000\n"},
-            0.25,
-        ),
-        ("1:cpu:/\n", {"cpu/cpu.cfs_quota_us": "-1\n", "cpu/cpu.cfs_period_us": "100000\n"}, 1.0),
         ("nonsense\n", {"cpu.max": "nonsense\n"}, 1.0),
     ],
 )
@@ -71,16 +64,14 @@ def test_this_machine_gives_a_thread_a_processor_or_a_part_of_it() -> None:
         ({"memory.max": "max\n", "memory.current": "700\n"}, 4096),
         ({"memory.max": "1000\n", "memory.current": "700\n"}, 300),
         ({"memory.max": "600\n", "memory.current": "700\n"}, 0),
-        ({"memory/memory.limit_in_bytes": "9000\n", "memory/memory.usage_in_bytes": "5000\n"}, 4000),
     ],
 )
 def test_memory_is_what_is_available_and_what_a_container_may_have(
     files: dict[str, str], free: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "own").write_text("0::/\n" + "3:memory:/\n" * any("/" in name for name in files))
+    (tmp_path / "own").write_text("0::/\n")
     (tmp_path / "meminfo").write_text("MemTotal:  9 kB\nMemAvailable:  4 kB\n")
     for name, text in files.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
     monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")

@@ -105,7 +105,7 @@ class CheckContext:
         self.record.clear()
         if not self.job.files:
             self._require_python()
-        self.deadline_s, self.program.queued_s = deadline_s, 0.0
+        self.deadline_s = deadline_s
         self._clock = self.clock()
 
     def _require_python(self) -> None:
@@ -115,7 +115,7 @@ class CheckContext:
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""
-        return self._clock is not None and self._clock.past(self.deadline_s + self.program.queued_s)
+        return self._clock is not None and self._clock.past(self.deadline_s)
 
     def require_time(self, evidence: Evidence) -> None:
         """See that there is time left to ask something more, which is in the evidence.
@@ -218,5 +218,5 @@ class CheckContext:
 
     def _look(self) -> State:
         own = Used(time.process_time(), scheduling.own_waiting())
-        busy_s = machine.processor_times().busy or None
+        busy_s = machine.processors_worked() or None
         return State(self.program.used(), own, busy_s, scheduling.own_waiting(helpers_only=True))

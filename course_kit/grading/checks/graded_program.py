@@ -8,7 +8,6 @@ from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.fair_clock import Used
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Frame
-from course_kit.grading.model import limits
 from course_kit.grading.model.process_status import ProcessStatus
 
 if TYPE_CHECKING:
@@ -38,7 +37,6 @@ class GradedProgram:
     Attributes:
         job: what is graded; of several programs the one that was started last.
         asked: of several that run, the file whose node was asked last.
-        queued_s: seconds for which it has waited for a ROS domain, which is not its fault.
         stderr: what it had written to stderr when it was looked at last.
     """
 
@@ -46,7 +44,6 @@ class GradedProgram:
         self._supervisor, self.job, self._variables, self._lives = supervisor, job, dict(variables), lives
         self._runs = False
         self._used = self._used_before = Used()  # in all, and until it was started last
-        self.queued_s = 0.0
         self.asked = self.stderr = ""
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
@@ -56,9 +53,8 @@ class GradedProgram:
             return None
         words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
         variables = {**self._variables, **more}
-        answer = self._ask("launch", patience_s=limits.QUEUE_S, variables=variables, **words)
+        answer = self._ask("launch", variables=variables, **words)
         self._runs = True
-        self.queued_s += float(answer["queued_s"])
         return int(answer["domain"])
 
     def run_to_end(self, time_is_up: Callable[[], bool]) -> ProcessStatus:
@@ -115,6 +111,6 @@ class GradedProgram:
         """Seconds of these for which it has computed since it was started last."""
         return used.cpu_s - self._used_before.cpu_s
 
-    def _ask(self, what: str, *, patience_s: float = 0.0, **more: object) -> Record:
+    def _ask(self, what: str, **more: object) -> Record:
         self._supervisor.send({"do": what, **more})
-        return self._supervisor.receive(patience_s + _RPC_S)
+        return self._supervisor.receive(_RPC_S)

@@ -7,7 +7,6 @@ from typing import Annotated, TypeAlias
 
 import msgspec
 
-QUEUE_S = 60.0  # for which a grading may wait for a ROS domain, where it needs one of the machine's
 _MB = 1024 * 1024
 # Stacks and arenas of the threads that ROS 2 starts: address space that is reserved and hardly touched.
 RESERVED_MB = 512

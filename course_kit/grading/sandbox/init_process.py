@@ -143,8 +143,7 @@ class _Watch:
         """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
         allowed = self._limits.memory_mb * _MB
         sockets = memory.bytes_of_sockets() if self._own_network else 0
-        beside = usage.tables + len(everything) * memory.AREAS_AT_MOST + sockets
-        if usage.memory + beside <= allowed:
+        if usage.memory + usage.tables + sockets <= allowed:
             return False
         return memory.measure_memory(everything, _PATIENCE_S) + sockets > allowed
 

@@ -18,8 +18,6 @@ from course_kit.process import tree
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-AREA = 256  # bytes that the kernel keeps about an area of a process's memory
-AREAS_AT_MOST = 65530 * AREA
 _BESIDE_PAGES = ("VmPTE:", "VmSwap:")  # the tables of pages, and what was swapped out
 _USUAL = 212992  # bytes: the usual buffer of a socket in one direction (net.core.rmem_default and wmem_default)
 _MOST = 4 * _USUAL  # where somebody has given all sockets of a machine larger ones, a few sockets are no offence
@@ -30,23 +28,14 @@ def measure_memory(process_ids: Sequence[int], patience_s: float) -> int:
     """Bytes of memory these processes take from the machine: pages that forks share are counted once.
 
     Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
-    What makes it slow are areas of memory: those of the others are taken to be as many, and no process is always last.
     """
     deadline = time.monotonic() + patience_s
-    total, areas, counted = 0, 0, 0
-    for process_id in random.sample(process_ids, len(process_ids)):
+    total = 0
+    for process_id in random.sample(process_ids, len(process_ids)):  # no process is always last
         total += _proportional(process_id) + _beside_pages(process_id)
-        areas += _areas(process_id)
-        counted += 1
         if time.monotonic() > deadline:
             break
-    return total + areas * AREA * len(process_ids) // max(counted, 1)
-
-
-def _areas(process_id: int) -> int:
-    with suppress(OSError, LookupError):
-        return Path(f"/proc/{tree.speaking_task(process_id)}/maps").read_bytes().count(b"\n")
-    return 0
+    return total
 
 
 def _proportional(process_id: int) -> int:

@@ -11,7 +11,6 @@ import platform
 import resource
 import sys
 from contextlib import suppress
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -67,7 +66,7 @@ def require_machine(promised: Limits) -> None:
         raise GradingError(problem)
 
 
-def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
+def lacking(promised: Limits, *, guest: bool) -> str:
     """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing."""
     if not sys.platform.startswith("linux"):
         return (
@@ -79,7 +78,7 @@ def lacking(promised: Limits, *, guest: bool, disk: str = "") -> str:
             "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "
             f"(mount -t proc proc /proc){_AGAIN}"
         )
-    return next(chain(_shortages(promised, guest=guest), _full_disk(disk, 2 * promised.file_mb)), "")
+    return next(_shortages(promised, guest=guest), "")
 
 
 def side_by_side(promised: Limits) -> int:
@@ -133,22 +132,10 @@ def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
         yield _TaskRoom(allowed, 0, _OF_A_USER)
     elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
         yield _TaskRoom(allowed, tree.tasks_of_user(os.getuid()), _OF_A_USER)
-    for group in machine.own_groups("pids"):
+    for group in machine.own_groups():
         with suppress(OSError, ValueError):
             allowed, used = (int((group / f"pids.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
             yield _TaskRoom(allowed, used, _OF_A_GROUP)
-
-
-def _full_disk(folder: str, least_mb: int) -> Iterator[str]:
-    if not folder:
-        return
-    with suppress(OSError):  # whoever writes there meets it, too, and tells it
-        found = os.statvfs(folder)
-        if found.f_bavail * found.f_frsize < least_mb * _MB or (found.f_files and not found.f_favail):
-            yield (
-                f"The disk with {folder} is full, and a submission may write {least_mb} MB there. Make room, or name a "
-                f"folder on another disk in TMPDIR{_AGAIN}"
-            )
 
 
 def _full_shared_memory() -> Iterator[str]:

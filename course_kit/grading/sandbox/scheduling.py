@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
-import resource
 import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
 _PROC = "/proc"
 _TICKS = os.sysconf("SC_CLK_TCK")
 _NS = 1e9
-_OWN, _OF_CHILDREN = slice(11, 13), slice(13, 15)  # columns of /proc/PID/stat after the name: times of computing
+_COMPUTED = slice(11, 13)  # columns of /proc/PID/stat after the name
 
 
 class _Times(NamedTuple):
@@ -37,11 +36,11 @@ class Waiting:
     """Adds up for how long others have kept a program from running, from look to look.
 
     Between two looks that is the time of the thread that has waited longest, minus what everything else of the program
-    has computed meanwhile: while that had a processor, the waiting was the program's own doing. Its children are
-    counted as what keeps it waiting, and not as what waits: the node is in the program itself.
+    has computed meanwhile: while that had a processor, the waiting was the program's own doing.
 
-    What children compute that come and go between two looks, nobody need ever be told (SIGCHLD may be ignored). So as
-    many as there were of them are taken to have had a processor each for all the time: these are the `hidden_s`.
+    What children compute that come and go between two looks, nobody need ever be told (SIGCHLD may be ignored). So
+    while a program has children they are taken to have had all processors: these are the `hidden_s`. Those of a command
+    or of a launch file are looked at as well, and only what comes and goes is hidden.
     """
 
     def __init__(
@@ -51,29 +50,21 @@ class Waiting:
         self._clock, self._processors = clock, processors or len(os.sched_getaffinity(0))
         self._program, self._with_children = program, with_children
         self._threads: dict[str, _Times] = {}
-        self._children: dict[int, float] = {}  # seconds of computing, also of those that have ended
-        self._reaped = _reaped()  # of processes that are none of the program's
-        self._ended = 0.0  # seconds of threads and children that have ended, as far as the kernel adds them up
-        self._elsewhere = 0.0  # the last two together, at the last look
-        self._has_children = False
+        self._ended = 0.0  # seconds that threads of the program have computed which have ended
+        self._had_children = False
         self._tasks, self._last_task, self._noticed_at = 0, 0, clock()
         self._hidden_before = 0.0  # at the last look
 
     def notice(self, process_ids: Sequence[int], tasks: int) -> None:
-        """Take in what children have computed, as often as possible: of one that has ended nobody else may know."""
-        self._has_children |= len(process_ids) > 1
-        if not self._has_children:
-            return
-        if not self._with_children:  # else they are looked at thread by thread
-            for child in process_ids:
-                if child != self._program:
-                    computed = sum(_columns(child, _OWN)) / _TICKS
-                    self._children[child] = max(computed, self._children.get(child, 0.0))
+        """Take in whether something computes that is not looked at, as often as possible."""
         before, self._tasks = self._tasks, tasks
         last, self._last_task = self._last_task, last_task()
         since, self._noticed_at = self._noticed_at, self._clock()
-        if last and (unseen := self._last_task - last - max(tasks - before, 0)) > 0:
-            self.hidden_s += min(unseen, self._processors) * (self._noticed_at - since)
+        has_children = len(process_ids) > 1
+        self._had_children |= has_children
+        unseen = self._last_task - last - max(tasks - before, 0) if last else 0
+        if (has_children and not self._with_children) or (self._had_children and unseen > 0):
+            self.hidden_s += self._processors * (self._noticed_at - since)
 
     def look(self, process_ids: Sequence[int], tasks: int) -> float:
         """Look at the program, and return the seconds so far; for the arguments see `notice`."""
@@ -86,26 +77,16 @@ class Waiting:
             earlier = before.get(name, _Times(0.0, 0.0))
             computed[name], waited[name] = times.computed - earlier.computed, times.waited - earlier.waited
         hidden, self._hidden_before = self.hidden_s - self._hidden_before, self.hidden_s
-        everything = sum(computed.values()) + self._computed_elsewhere() + hidden
+        everything = sum(computed.values()) + self._computed_by_ended_threads() + hidden
         longest = max((waited[name] - (everything - computed[name]) for name in waited), default=0.0)
         self.seconds += max(longest, 0.0)
         return self.seconds
 
-    def _computed_elsewhere(self) -> float:
-        """Seconds that children, and threads and children that have ended, have computed since the last look."""
-        ended = sum(_columns(self._program, _OF_CHILDREN)) / _TICKS + _reaped() - self._reaped
-        if not self._with_children:
-            living = sum(one.computed for one in self._threads.values())
-            ended += max(sum(_columns(self._program, _OWN)) / _TICKS - living, 0.0)
-        self._ended = max(self._ended, ended)  # coarse as it is counted, it never falls
-        before, self._elsewhere = self._elsewhere, sum(self._children.values()) + self._ended
-        return self._elsewhere - before
-
-
-def _reaped() -> float:
-    """Seconds that children of this process have computed, which have ended and were waited for."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    def _computed_by_ended_threads(self) -> float:
+        """Seconds of threads of the program that have ended since the last look."""
+        living = sum(one.computed for one in self._threads.values())
+        before, self._ended = self._ended, max(self._ended, _computed(self._program) - living)  # coarse: it never falls
+        return self._ended - before
 
 
 def last_task() -> int:
@@ -119,22 +100,17 @@ def last_task() -> int:
 
 def _threads(process_id: int) -> dict[str, _Times]:
     """The times of each thread of a process, by its number."""
-    return dict(_each_thread(process_id))
-
-
-def _each_thread(process_id: int) -> Iterator[tuple[str, _Times]]:
-    folder = f"{_PROC}/{process_id}/task"
+    folder, found = f"{_PROC}/{process_id}/task", {}
     with suppress(OSError):
         for name in os.listdir(folder):  # noqa: PTH208 - hot
             with suppress(OSError, ValueError), open(f"{folder}/{name}/schedstat", encoding="utf-8") as file:  # noqa: PTH123
                 computed, waited, _ = file.read().split()
-                yield name, _Times(int(computed) / _NS, int(waited) / _NS)
+                found[name] = _Times(int(computed) / _NS, int(waited) / _NS)
+    return found
 
 
-def _columns(process_id: int, columns: slice) -> list[int]:
-    """Columns of /proc/PID/stat from the third, the state, on: the second, the name, may hold anything."""
-    try:
-        with open(f"{_PROC}/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
-            return [int(value) for value in file.read().rpartition(")")[2].split()[columns]]
-    except (OSError, ValueError):  # it has ended
-        return []
+def _computed(process_id: int) -> float:
+    """Seconds that a process has computed; the second column, its name, may hold anything."""
+    with suppress(OSError, ValueError), open(f"{_PROC}/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
+        return sum(map(int, file.read().rpartition(")")[2].split()[_COMPUTED])) / _TICKS
+    return 0.0

@@ -13,7 +13,6 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, TypeAlias
 
 from course_kit import environment
-from course_kit.grading.model import limits
 from course_kit.grading.sandbox import init_process, memory
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
@@ -36,9 +35,7 @@ _ANSWER_S = 5.0  # how long the init process is waited for; it has answered long
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _GRADER_GRACE_S = 20.0  # the grader process stops by itself at the wall time; one that hangs is stopped this much later
-_NO_DOMAIN = (
-    "no ROS domain became free within {:g} s: courses and graders on this machine use all. Close some, then grade again"
-)
+_NO_DOMAIN = "no ROS domain is free: courses and graders on this machine use all. Close some, then grade again"
 
 
 RunGrader: TypeAlias = "Callable[[Channel, Job, mmap.mmap], None]"
@@ -65,7 +62,6 @@ class Supervisor:
         self._collector: OutputCollector | None = None
         self._lives = _share_byte()  # 1 while it does; shared with the grader, as a question costs both processes
         self._domains = ExitStack()
-        self._queued_s = 0.0
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
         self._results: list[Record] = []
@@ -121,7 +117,7 @@ class Supervisor:
                 if answer is not None:
                     grader_process.send(answer)
         except environment.NoDomainError:
-            return _NO_DOMAIN.format(limits.QUEUE_S)
+            return _NO_DOMAIN
         except (environment.DomainError, _BrokenOffError) as problem:
             self._again = isinstance(problem, _BrokenOffError)
             return str(problem)
@@ -164,14 +160,14 @@ class Supervisor:
         self._stop()
         self._arguments = arguments = tuple(message["arguments"])
         self._launches += 1
-        domain, queued_s = self._domain()
+        domain = self._domain()
         job = self._job.for_program(message["program"]) if self._job.files else self._job
         program = program_of(job, arguments, message["files"])
         cell = conditions_of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
         self._sandbox = Sandbox(program, cell, self._launcher, self._network)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         self._lives[0] = True
-        return {"domain": domain, "queued_s": queued_s}
+        return {"domain": domain}
 
     def _wall_end(self) -> float:
         return self._began + self._job.limits.wall_s
@@ -181,21 +177,12 @@ class Supervisor:
         self._pump_until(lambda collector: collector.over, min(seconds, self._wall_end() - time.monotonic()))
         self._look_after_everything()
 
-    def _domain(self) -> tuple[int, float]:
-        """A ROS domain nobody else uses, and for how many seconds we have queued for it.
-
-        In our own network that is any, else one leased on this machine. More gradings side by side than the
-        machine has domains take turns.
-        """
+    def _domain(self) -> int:
+        """A ROS domain nobody else uses: in our own network any, else one leased on this machine."""
         if self._network:
-            return self._launches, 0.0
+            return self._launches
         self._domains.close()
-        asked = time.monotonic()
-        domain = self._domains.enter_context(environment.exclusive_domain(limits.QUEUE_S - self._queued_s))
-        queued_s = time.monotonic() - asked
-        self._queued_s += queued_s
-        self._began += queued_s  # that is not the submission's fault
-        return domain, queued_s
+        return self._domains.enter_context(environment.exclusive_domain())
 
     def _facts(self, *, fresh: bool) -> Record:
         if self._collector is None or self._sandbox is None:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, cast
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import limits
 from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.process import Closable
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
 
 _START_S = 60.0  # importing everything from a cold disk on a loaded machine
-_GRACE_S = 60.0  # beyond the queue and the wall time; a worker that is later than that hangs, by a fault of ours
+_GRACE_S = 60.0  # beyond the wall time; a worker that is later than that hangs, by a fault of ours
 _STOP_S = 5.0
 _DYING_S = 0.5
 # Python 3.12 warns of forks beside other threads; those of the tracing library take no lock of ours.
@@ -189,7 +188,7 @@ class Worker(Closable):
         self.ready()
         try:
             self._channel.send({"job": job})
-            outcome = self._channel.receive(limits.QUEUE_S + job.limits.wall_s + _GRACE_S)
+            outcome = self._channel.receive(job.limits.wall_s + _GRACE_S)
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
         if "results" not in outcome:  # its last words

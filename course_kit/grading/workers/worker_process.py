@@ -180,7 +180,7 @@ def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView) -> Gra
 
 
 def _run(job: Job, starter: Launcher, view: FileView) -> GradingOutcome:
-    if problem := needs.lacking(job.limits, guest=job.user != 0, disk="" if job.isolation.files else job.scratch):
+    if problem := needs.lacking(job.limits, guest=job.user != 0):
         return _broken_off(problem, again=False)
     try:
         return Supervisor(job, starter, view, grader_process.main).run()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 import resource
-import subprocess
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
@@ -137,34 +135,3 @@ def test_what_the_user_starts_meanwhile_takes_nothing_from_a_submission_without_
     soft = int(outcome["stdout"].split()[1])
     _, hard = resource.getrlimit(resource.RLIMIT_NPROC)
     assert soft >= 4096 or soft == hard, outcome
-
-
-SPLIT = """
-import ctypes, os
-mmap, mprotect = (ctypes.CDLL(None)[name] for name in ("mmap", "mprotect"))
-mmap.restype, mmap.argtypes = ctypes.c_size_t, [ctypes.c_size_t] * 6
-mprotect.argtypes = [ctypes.c_size_t] * 3
-begin = mmap(0, 2 * 20_000 * 4096, 0, 0x22, 2**64 - 1, 0)
-print("whole", flush=True)
-input()
-for page in range(20_000):
-    mprotect(begin + 2 * page * 4096, 4096, 1)
-print("split", flush=True)
-input()
-"""
-
-
-def test_what_the_kernel_keeps_about_each_area_of_memory_counts() -> None:
-    """A fork has them all anew, without a page: 13 MB of the kernel's memory for each process."""
-    command = [sys.executable, "-c", SPLIT]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as program:
-        assert program.stdin is not None
-        assert program.stdout is not None
-        assert program.stdout.readline() == "whole\n"
-        whole = memory.measure_memory([program.pid], 10.0)
-        program.stdin.write("\n")
-        program.stdin.flush()
-        assert program.stdout.readline() == "split\n"
-        split = memory.measure_memory([program.pid], 10.0)
-        program.communicate("\n")
-    assert 40_000 * memory.AREA * 0.9 < split - whole < memory.AREAS_AT_MOST

@@ -43,13 +43,22 @@ class MadeUpProc:
             (folder / "schedstat").write_text(f"{round(computed * 1e9)} {round(waited * 1e9)} 12\n")
         self.process(process, sum(computed for computed, _ in times.values()))
 
-    def process(self, process: int, computed: float, of_children: float = 0.0) -> None:
+    def process(self, process: int, computed: float) -> None:
         (self._root / str(process)).mkdir(exist_ok=True)
-        times = [0] * 11 + [round(computed * TICKS), 0, round(of_children * TICKS), 0]
+        times = [0] * 11 + [round(computed * TICKS), 0]
         (self._root / str(process) / "stat").write_text(f"{process} (a) b c) {' '.join(map(str, times))}\n")
 
     def started(self, last: int) -> None:
         (self._root / "loadavg").write_text(f"1.0 1.0 1.0 3/20 {last}\n")
+
+
+class Clock:
+    """Seconds that are set."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
 
 
 @pytest.fixture
@@ -75,13 +84,13 @@ def test_threads_that_stand_in_each_others_way_have_not_waited(proc: MadeUpProc)
 
 
 def test_a_program_whose_children_have_the_processors_has_not_waited(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
+    clock = Clock()
+    waiting = Waiting(PROGRAM, with_children=False, clock=clock, processors=2)
     proc.threads(PROGRAM, main=(0.2, 3.0))
     proc.process(CHILD, 2.0)
     proc.process(OTHER_CHILD, 2.0)
+    clock.now = 2.0
     assert waiting.look([PROGRAM, CHILD, OTHER_CHILD], 3) == 0.0
-    proc.threads(PROGRAM, main=(0.2, 5.0))  # they are still there, and others keep all from running
-    assert waiting.look([PROGRAM, CHILD, OTHER_CHILD], 3) == pytest.approx(2.0)
 
 
 def test_children_wait_for_nothing_that_counts(proc: MadeUpProc) -> None:
@@ -92,58 +101,30 @@ def test_children_wait_for_nothing_that_counts(proc: MadeUpProc) -> None:
         assert waiting.look([PROGRAM, CHILD], 2) == pytest.approx(seconds)
 
 
-@pytest.mark.parametrize("ended", ["children", "threads"])
-def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc, ended: str) -> None:
+def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc) -> None:
     waiting = Waiting(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 2.0))
-    proc.process(PROGRAM, *((0.0, 2.0) if ended == "children" else (2.0, 0.0)))
+    proc.process(PROGRAM, 2.0)
     assert waiting.look([PROGRAM], 1) == pytest.approx(0.0)
 
 
-class Clock:
-    """Seconds that are set."""
-
-    now = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.mark.parametrize("with_children", [False, True])
-def test_while_children_may_have_had_the_processors_unseen_nothing_counts(
-    proc: MadeUpProc, *, with_children: bool
-) -> None:
+def test_while_children_may_have_had_the_processors_unseen_nothing_counts(proc: MadeUpProc) -> None:
     clock = Clock()
-    waiting = Waiting(PROGRAM, with_children=with_children, clock=clock, processors=2)
+    waiting = Waiting(PROGRAM, with_children=True, clock=clock, processors=2)
     proc.threads(PROGRAM, main=(0.0, 1.0))
     proc.process(CHILD, 0.0)
     assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
     proc.started(101)  # one, and no more than before are there
     clock.now = 1.0
     waiting.notice([PROGRAM, CHILD], 20)
-    assert waiting.hidden_s == pytest.approx(1.0)
+    assert waiting.hidden_s == pytest.approx(2.0)
     proc.threads(PROGRAM, main=(0.0, 2.0))
     assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
-    proc.started(150)  # many, which cannot have had more processors than there are
-    clock.now = 2.0
     proc.threads(PROGRAM, main=(0.0, 3.0))
-    assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
-    assert waiting.hidden_s == pytest.approx(3.0)
-    proc.threads(PROGRAM, main=(0.0, 4.0))
-    proc.started(180)
+    proc.started(131)
     clock.now = 3.0
     assert waiting.look([PROGRAM, CHILD], 50) == pytest.approx(2.0)  # thirty, and they are there
-    assert waiting.hidden_s == pytest.approx(3.0)
-
-
-def test_what_a_child_was_noticed_to_compute_counts_when_it_has_vanished(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
-    proc.threads(PROGRAM, main=(0.0, 0.0))
-    waiting.look([PROGRAM], 1)
-    proc.process(CHILD, 2.0)
-    waiting.notice([PROGRAM, CHILD], 2)
-    proc.threads(PROGRAM, main=(0.0, 2.5))
-    assert waiting.look([PROGRAM], 1) == pytest.approx(0.5)
+    assert waiting.hidden_s == pytest.approx(2.0)
 
 
 @pytest.fixture
@@ -165,7 +146,7 @@ def start() -> Iterator[Callable[[str], int]]:
 
 
 def seconds_of(program: int) -> float:
-    return scheduling._columns(program, slice(11, 12))[0] / TICKS
+    return scheduling._computed(program)
 
 
 def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[str], int]) -> None:
