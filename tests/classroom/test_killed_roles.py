@@ -33,7 +33,6 @@ ROLES = (
     "grade launchers",
     "grade launcher",
     "grade worker",
-    "grade supervise",
     "grade grader",
     "grade enter",
     "grade init",

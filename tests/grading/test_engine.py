@@ -155,7 +155,7 @@ def end_while_grading(worker: grading.Worker, path: Path, end: Callable[[], None
     path.write_text("import time\ntime.sleep(600)\n")
     worker.ready()
     below: list[int] = []
-    most = IDLE + 5  # supervisor, grader, entering, init process, program
+    most = IDLE + 4  # grader, entering, init process, program
 
     def watch() -> None:
         deadline = time.monotonic() + 200

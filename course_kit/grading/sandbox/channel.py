@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from course_kit.process import Closable
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -29,7 +31,7 @@ class ChannelClosedError(ConnectionError):
     """The process at the other end has gone, or does not speak our language any more."""
 
 
-class Channel:
+class Channel(Closable):
     """One end of a two-way line of messages. For one thread at a time; any may hang up."""
 
     def __init__(self, end: socket.socket) -> None:

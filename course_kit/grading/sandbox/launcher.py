@@ -28,7 +28,7 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
 from course_kit.interfaces.sources import PATH_VARIABLE
-from course_kit.process import tree
+from course_kit.process import Closable, tree
 from course_kit.process.fork import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
@@ -47,7 +47,7 @@ class SandboxStartError(RuntimeError):
     """Submissions cannot be started any more, by a fault of ours or of the machine; the text says why."""
 
 
-class Launcher:
+class Launcher(Closable):
     """The process, seen from the supervisor of a grading. One submission at a time."""
 
     def __init__(self, line: socket.socket) -> None:

@@ -20,7 +20,7 @@ _MEMORY = Path("/proc/meminfo")
 
 
 def processors_worked() -> float:
-    """Seconds of work, whoever's, of all processors this process may run on since the machine was started; 0 if unknown.
+    """Seconds that all processors this process may run on have worked since the machine was started; 0 if unknown.
 
     What a hypervisor has given to other virtual machines is among it.
     """

@@ -1,6 +1,6 @@
 """Runs one grading: the network around it, the grader process and the submission in it, and what passes between them.
 
-A fork of the warm worker, with one thread and one loop. It obeys the grader process, never the submission.
+The work of a worker, with one thread and one loop. It obeys the grader process, never the submission.
 """
 
 from __future__ import annotations
@@ -8,9 +8,12 @@ from __future__ import annotations
 import mmap
 import os
 import select
+import shutil
+import tempfile
 import time
-from contextlib import ExitStack
-from typing import TYPE_CHECKING, TypeAlias
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from course_kit import environment
 from course_kit.grading.sandbox import init_process, memory
@@ -18,13 +21,13 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
-from course_kit.grading.sandbox.sandbox import Sandbox, conditions_of, expect_few_participants, program_of
+from course_kit.grading.sandbox.start_order import Conditions, Program, Streams, conditions_of, program_of
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
-from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
+from course_kit.process.libc import die_with_parent, make_memory_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -41,21 +44,45 @@ _NO_DOMAIN = "no ROS domain is free: courses and graders on this machine use all
 RunGrader: TypeAlias = "Callable[[Channel, Job, mmap.mmap], None]"
 
 
+class GivenUpError(Exception):
+    """Whoever has asked for the grading has gone, or sent a message out of turn."""
+
+
 class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
+
+
+class Network(NamedTuple):
+    """Where gradings take place: one after the other, and nothing of one lives when the next begins."""
+
+    descriptors: tuple[int, ...] = ()  # of the namespaces that a submission is to join; none for the machine's own
+    variables: Mapping[str, str] = {}  # what a submission is to be started with
+
+
+def enter_own_network(user: int) -> Network:
+    """Put this process into a network with nothing but loopback.
+
+    There Fast DDS need announce itself to fewer ports than on a graph that a whole machine shares.
+    """
+    enter_network(user)
+    die_with_parent()  # entering a user namespace has cleared it
+    name = environment.middleware.PROFILE_VARIABLE
+    variables = {}
+    if os.environ.get(name) == str(environment.LOOPBACK_PROFILE):
+        variables[name] = os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
+    return Network(tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net")), variables)
 
 
 class Supervisor:
     """The master of one grading."""
 
-    def __init__(self, job: Job, launcher: Launcher, view: FileView, run_grader: RunGrader) -> None:
-        """Prepare a grading, whose checks `run_grader` runs in a process of its own."""
+    def __init__(self, job: Job, launcher: Launcher, view: FileView, network: Network, parent: Channel) -> None:
+        """Prepare a grading in a network; it is given up when `parent` hangs up."""
         self._job = job
         self._launcher = launcher
         self._view = view
-        self._run_grader = run_grader
-        self._profile: dict[str, str] = {}
-        self._network: tuple[int, ...] = ()  # descriptors of the namespaces that the submission is to join
+        self._network = network
+        self._parent = parent
         self._began = time.monotonic()
         self._totals = (BoundedOutput(), BoundedOutput())
         self._sandbox: Sandbox | None = None
@@ -69,20 +96,21 @@ class Supervisor:
         self._killed_before = memory.count_oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
-    def run(self) -> GradingOutcome:
-        """Grade, and return the outcome as plain data; nothing that was started is alive then."""
-        set_name("grade supervise")
-        die_with_parent()
-        adopt_orphans()
-        if self._job.isolation.network and self._job.mode != "attach":
-            enter_network(self._job.user)
-            die_with_parent()  # entering a user namespace has cleared it
-            self._network = tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
-            self._profile = expect_few_participants()
-        probe_end = self._start_probe()
-        problem = self._serve(probe_end)
-        self._stop()
-        tree.end_descendants()
+    def run(self, run_grader: RunGrader) -> GradingOutcome:
+        """Grade, with the checks run by `run_grader` in a process of its own; nothing that was started lives after it.
+
+        Raises:
+            GivenUpError: the parent has hung up.
+        """
+        try:
+            problem = self._serve(self._start_probe(run_grader))
+        finally:
+            try:
+                self._stop()
+                self._launcher.end()
+            finally:
+                self._domains.close()
+                tree.end_descendants()
         return {
             "results": self._results,
             "stdout": self._totals[0].text(),
@@ -91,13 +119,13 @@ class Supervisor:
             "again": self._again,
         }
 
-    def _start_probe(self) -> Channel:
+    def _start_probe(self, run_grader: RunGrader) -> Channel:
         ours, theirs = Channel.pair()
 
         def run() -> None:
             ours.close()
             die_with_parent()
-            self._run_grader(theirs, self._job, self._lives)
+            run_grader(theirs, self._job, self._lives)
 
         fork_child(run)
         theirs.close()
@@ -163,8 +191,9 @@ class Supervisor:
         domain = self._domain()
         job = self._job.for_program(message["program"]) if self._job.files else self._job
         program = program_of(job, arguments, message["files"])
-        cell = conditions_of(job, {**message["variables"], **self._profile, "ROS_DOMAIN_ID": str(domain)}, self._view)
-        self._sandbox = Sandbox(program, cell, self._launcher, self._network)
+        variables = {**message["variables"], **self._network.variables, "ROS_DOMAIN_ID": str(domain)}
+        cell = conditions_of(job, variables, self._view)
+        self._sandbox = Sandbox(program, cell, self._launcher, self._network.descriptors)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         self._lives[0] = True
         return {"domain": domain}
@@ -179,7 +208,7 @@ class Supervisor:
 
     def _domain(self) -> int:
         """A ROS domain nobody else uses: in our own network any, else one leased on this machine."""
-        if self._network:
+        if self._network.descriptors:
             return self._launches
         self._domains.close()
         return self._domains.enter_context(environment.exclusive_domain())
@@ -240,8 +269,11 @@ class Supervisor:
             poll.register(descriptor, select.POLLIN)
         if grader_process is not None:
             poll.register(grader_process.fileno(), select.POLLIN)
+        poll.register(self._parent.fileno(), select.POLLIN)
         asked = False
         for descriptor, _ in poll.poll(timeout * 1000):
+            if descriptor == self._parent.fileno():
+                raise GivenUpError
             if descriptor in streams and self._collector is not None:
                 self._collector.take(streams[descriptor])
                 self._lives[0] = not self._collector.over
@@ -274,6 +306,44 @@ class Supervisor:
             # Without it a learner takes an error that a check has provoked for one of the ordinary run.
             self._totals[1].add(f"[The lines above are from a start with: {' '.join(self._arguments)}]\n".encode())
         self._sandbox = self._collector = None
+
+
+class Sandbox:
+    """One running submission."""
+
+    def __init__(self, program: Program, cell: Conditions, launcher: Launcher, network: Sequence[int] = ()) -> None:
+        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
+        self._launcher = launcher
+        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
+        if cell.user:
+            os.chown(self._folder, cell.user, cell.user)
+        self.streams, inside = _pipes()
+        try:
+            launcher.start(program, replace(cell, scratch=self._folder), inside, network)
+        finally:
+            inside.close()
+
+    def ask(self, what: bytes) -> None:
+        """Ask the init process for `SAMPLE`, `STACKS` or `KILL`; the answer comes on its stream."""
+        with suppress(OSError):  # it has ended; so its stream says
+            os.write(self.streams.control, what + b"\n")
+
+    def end(self) -> None:
+        """Kill all that was started; returns when it is dead and its scratch directory gone."""
+        try:
+            self._launcher.end()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _pipes() -> tuple[Streams, Streams]:
+    pipes = [os.pipe() for _ in range(5)]
+    (stdout, stderr, status, evidence, control) = pipes
+    ours = Streams(stdout[0], stderr[0], status[0], evidence[0], control[1])
+    inside = Streams(stdout[1], stderr[1], status[1], evidence[1], control[0])
+    for descriptor in ours.descriptors():
+        os.set_blocking(descriptor, False)
+    return ours, inside
 
 
 def _share_byte() -> mmap.mmap:

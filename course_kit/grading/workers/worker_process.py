@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import select
 import signal
 import socket
 import sys
@@ -15,17 +14,16 @@ import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, needs
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
-from course_kit.grading.sandbox.supervisor import Supervisor
+from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.interfaces.sources import PATH_VARIABLE
-from course_kit.process import tree
 from course_kit.process.fork import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
@@ -97,7 +95,8 @@ def _fork_launchers(
     freeze_memory()
 
     def serve_launchers() -> None:
-        for one in (ours, *channels, *launchers):
+        ours.close()
+        for one in (*channels, *launchers):
             one.close()
         launcher.serve_all(theirs, ends)
 
@@ -121,7 +120,7 @@ def _work_apart(number: int, channels: Sequence[Channel], launchers: Sequence[La
     for one in (*channels[:number], *channels[number + 1 :], *launchers[:number], *launchers[number + 1 :]):
         one.close()  # else nobody would notice the end of that worker
     with (
-        suppress(ChannelClosedError),
+        suppress(ChannelClosedError, GivenUpError),
         tempfile.TemporaryDirectory(prefix="course-kit-worker-", ignore_cleanup_errors=True) as folder,
     ):
         os.chmod(folder, 0o711)  # noqa: PTH101, S103 - a submission with its own user finds its directory in it
@@ -134,6 +133,7 @@ def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> 
     found = common.isolation
     user = isolation.guest(os.getpid()) if found.user else 0
     loaded = set(common.loaded)
+    network = Network()
     channel.send({"isolation": found, "process": os.getpid()})
     while True:
         job = convert_record(channel.receive()["job"], Job)
@@ -142,8 +142,10 @@ def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> 
         if new := [one for one in needed if one not in loaded]:
             starter.load(new)
             loaded.update(new)
+        if found.network and job.mode != "attach" and not network.descriptors:
+            network = enter_own_network(user)
         for _ in range(_TRIES):
-            outcome = _grade(job, channel, starter, common.view)
+            outcome = _grade(job, channel, starter, common.view, network)
             if not outcome["again"]:
                 break
         channel.send(outcome)
@@ -162,48 +164,14 @@ def _prepare(job: Job) -> list[tuple[str, str]]:
     return []
 
 
-def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView) -> GradingOutcome:
-    ours, theirs = Channel.pair()
-
-    def supervise() -> None:
-        ours.close()
-        theirs.send(_run(job, starter, view))
-
-    fork_child(supervise)
-    theirs.close()
+def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, network: Network) -> GradingOutcome:
+    problem = needs.lacking(job.limits, guest=job.user != 0)
     try:
-        return _outcome(ours, channel)
-    finally:
-        ours.close()
-        tree.end_descendants()
-        starter.end()
-
-
-def _run(job: Job, starter: Launcher, view: FileView) -> GradingOutcome:
-    if problem := needs.lacking(job.limits, guest=job.user != 0):
-        return _broken_off(problem, again=False)
-    try:
-        return Supervisor(job, starter, view, grader_process.main).run()
-    except (SandboxStartError, OSError) as problem:  # the machine has run out of something
-        return _broken_off(f"the submission could not be run: {problem}")
-
-
-def _broken_off(problem: str, *, again: bool = True) -> GradingOutcome:
-    """The outcome, as `Supervisor.run` gives it, of a grading that came to nothing by no fault of the submission."""
-    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "again": again}
-
-
-def _outcome(supervisor: Channel, parent: Channel) -> GradingOutcome:
-    poll = select.poll()
-    poll.register(supervisor.fileno(), select.POLLIN)
-    poll.register(parent.fileno(), select.POLLIN)
-    ready = [descriptor for descriptor, _ in poll.poll()]
-    if parent.fileno() in ready:
-        raise ChannelClosedError("the parent process has ended, or sent a message out of turn")
-    try:
-        return cast("GradingOutcome", supervisor.receive())
-    except ChannelClosedError:
-        return _broken_off("the process that supervises it was killed")
+        if not problem:
+            return Supervisor(job, starter, view, network, channel).run(grader_process.main)
+    except (SandboxStartError, OSError) as failure:  # the machine has run out of something
+        problem = f"the submission could not be run: {failure}"
+    return {"results": [], "stdout": "", "stderr": "", "problem": problem, "again": False}
 
 
 def main() -> None:

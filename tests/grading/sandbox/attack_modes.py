@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
-from course_kit.grading.sandbox.supervisor import Supervisor
+from course_kit.grading.sandbox.channel import Channel
+from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job, grader_process
 from course_kit.process import libc
 from course_kit.process.libc import adopt_orphans
@@ -108,7 +109,10 @@ def _grade_each(
         job = replace(job, isolation=found, user=user)
         sys.stdout.flush()
         if os.fork() == 0:
-            outcome = Supervisor(job, handle, file_view.view_of_program(), grader_process.main).run()
+            adopt_orphans()
+            network = enter_own_network(user) if found.network else Network()
+            parent, _open = Channel.pair()
+            outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(grader_process.main)
             print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()

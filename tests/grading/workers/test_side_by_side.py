@@ -58,7 +58,7 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
     victim.ready()
 
     def kill() -> None:
-        wait_until(lambda: len(psutil.Process(victim.process_id).children(recursive=True)) >= 2)  # supervisor, grader
+        wait_until(lambda: len(psutil.Process(victim.process_id).children(recursive=True)) >= 1)  # grader
         os.kill(victim.process_id, signal.SIGKILL)
 
     killer = threading.Thread(target=kill)
