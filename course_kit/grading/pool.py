@@ -55,10 +55,10 @@ class Graders(Protocol):
 class Pool(Closable):
     """Workers of this machine; safe to use from many threads."""
 
-    def __init__(self, slots: int, graders: Sequence[str] = ()) -> None:
-        """Start workers for so many gradings at a time, with the modules `graders` loaded."""
+    def __init__(self, slots: int) -> None:
+        """Start workers for so many gradings at a time."""
         self.slots = slots
-        self._idle = side_by_side(slots, graders)
+        self._idle = side_by_side(slots)
         self._lock = threading.Lock()
         self._busy: set[Worker] = set()
         self._closed = False
@@ -125,8 +125,7 @@ def start_pool(exercises: Sequence[Exercise], workers: int | None = None) -> Poo
         raise GradingError(f"--workers is {workers}, but at least one grading has to be done at a time.")
     memory = machine.free_memory() // (_ROOM * _EACH)
     wanted = workers or max(1, min(_PER_CORE * len(os.sched_getaffinity(0)), memory))
-    graders = [one.grader for one in exercises if one.grader]
-    return Pool(min([wanted, *(needs.side_by_side(one.limits) for one in exercises)]), graders)
+    return Pool(min([wanted, *(needs.side_by_side(one.limits) for one in exercises)]))
 
 
 def grade_all(

@@ -27,7 +27,6 @@ from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
-from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.process import Closable, tree
 from course_kit.process.fork import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
@@ -95,13 +94,10 @@ class Launcher(Closable):
         self._line.close()
 
 
-def serve_all(names: socket.socket, lines: Sequence[socket.socket]) -> None:
-    """The process: load the interfaces that exercises use, then serve each line in an own process."""
+def serve_all(lines: Sequence[socket.socket]) -> None:
+    """The process: serve each line in an own process."""
     set_name("grade launchers")
     die_with_parent()
-    _load(*json.loads(names.recv(_LARGEST_ORDER) or b'["", []]'))
-    names.close()
-    freeze_memory()
     for line in lines:
         fork_child(partial(_serve_one, line, lines))
     for line in lines:
@@ -119,13 +115,11 @@ def _serve_one(line: socket.socket, lines: Iterable[socket.socket]) -> None:
     _serve(line)
 
 
-def _load(folders: str, names: Sequence[Sequence[str]]) -> None:
+def _load(names: Sequence[Sequence[str]]) -> None:
     from importlib import import_module
 
     from rclpy.type_support import check_for_type_support
 
-    if folders:
-        os.environ[PATH_VARIABLE] = folders
     for module, name in names:
         with suppress(Exception):  # the submission meets it again when it imports it, and is told then
             check_for_type_support(getattr(import_module(module), name))
@@ -144,7 +138,7 @@ def _serve(line: socket.socket) -> None:
             with suppress(OSError):
                 line.send(_ENDED)
         elif order.startswith(_LOAD):
-            _load("", json.loads(order.removeprefix(_LOAD)))
+            _load(json.loads(order.removeprefix(_LOAD)))
             freeze_memory()
         elif not order:
             tree.end_descendants()

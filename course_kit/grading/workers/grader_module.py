@@ -16,7 +16,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.exercise_folders import INTERFACES
 from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.text.console import in_points
@@ -45,8 +44,6 @@ def load(grader: str) -> Grader:
     from rclpy.type_support import check_for_type_support
 
     path = Path(grader)
-    if folder := interfaces_beside(grader):
-        os.environ[PATH_VARIABLE] = path_with(folder)
     found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
     if not hasattr(found, "INTERFACES"):
         found.INTERFACES = ()
@@ -81,12 +78,6 @@ def checks_of(grader: Grader, job: Job) -> list[Check]:
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
     return made
-
-
-def interfaces_beside(grader: str) -> str:
-    """The folder of interfaces beside a grader that is a file; empty where there is none."""
-    path = Path(grader)
-    return str(folder) if path.is_absolute() and (folder := path.with_name(INTERFACES)).is_dir() else ""
 
 
 def _of_file(path: Path) -> Grader:

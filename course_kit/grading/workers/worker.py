@@ -21,7 +21,7 @@ from course_kit.process.fork import BOUND_AT_ONCE
 from course_kit.process.output import LastWords
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -74,7 +74,7 @@ _OTHER_GRAPHS = (
 class WarmProcess:
     """The process, seen from the trusted parent."""
 
-    def __init__(self, workers: int, variables: Mapping[str, str], graders: Sequence[str] = ()) -> None:
+    def __init__(self, workers: int, variables: Mapping[str, str]) -> None:
         """Start the process; it gets ready while the caller goes on."""
         pairs = [socket.socketpair() for _ in range(workers)]
         self.channels = [Channel(ours) for ours, _ in pairs]
@@ -84,7 +84,7 @@ class WarmProcess:
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
             self._process = Child(
-                [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *graders],
+                [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors))],
                 folder="/",
                 environ=variables,
                 stdout=self._said.file,
@@ -210,7 +210,7 @@ class Worker(Closable):
         return "It was closed meanwhile." if self._closing else self._process.last_words()
 
 
-def side_by_side(number: int, graders: Sequence[str] = ()) -> list[Worker]:
+def side_by_side(number: int) -> list[Worker]:
     """Start several workers that share the cost of getting warm."""
-    process = WarmProcess(number, variables_of(whole=False, own_graph=True), graders)
+    process = WarmProcess(number, variables_of(whole=False, own_graph=True))
     return [Worker(at=(process, channel)) for channel in process.channels]

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.answers
 
 @pytest.fixture
 def pair() -> Iterator[list[Worker]]:
-    workers = side_by_side(2, [EXERCISE])
+    workers = side_by_side(2)
     yield workers
     for worker in workers:
         worker.close()
@@ -71,7 +71,7 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
 
 def test_closing_them_leaves_no_process_and_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    pair = side_by_side(2, [EXERCISE])
+    pair = side_by_side(2)
     processes = [warm_process(pair[0]), *(psutil.Process(worker.process_id) for worker in pair)]
     assert len(list(tmp_path.iterdir())) == 2
     for worker in pair:
