@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import select
 import subprocess
 import time
 from contextlib import suppress
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PIPE, INTO_STDOUT, NOWHERE = subprocess.PIPE, subprocess.STDOUT, subprocess.DEVNULL
-_LONGEST_MS = 2**31 - 1  # that poll(2) takes, 24 days
 _KILLED_S = 10.0  # the kernel needs some to end a process that is large, or busy with a disk
 
 
@@ -78,23 +76,9 @@ class Child:
 
     def wait(self, seconds: float | None = None) -> int | None:
         """Wait until it has ended; its exit code, None if it has not within so many seconds."""
-        if seconds is not None and self.exit_code() is None:
-            with suppress(OSError):  # there is no room for a descriptor
-                self._await_end(seconds)
-                return self.exit_code()
         with suppress(subprocess.TimeoutExpired):
             return self._popen.wait(seconds)
         return None
-
-    def _await_end(self, seconds: float) -> None:
-        """Wait by the kernel's word (pidfd_open(2)): Python looks every 50 ms in the end."""
-        descriptor = os.pidfd_open(self.pid)
-        try:
-            poll = select.poll()
-            poll.register(descriptor, select.POLLIN)
-            poll.poll(min(seconds * 1000, _LONGEST_MS))
-        finally:
-            os.close(descriptor)
 
     def send(self, number: Signals) -> None:
         """Signal it and what it has started."""

@@ -115,7 +115,6 @@ def _open(path: Path) -> int:
     """A descriptor of an ordinary file."""
     try:
         _require_no_way_out(path)
-        _require_a_file(path, path.stat().st_mode)
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
     except UnreadableError:
         raise
@@ -125,7 +124,7 @@ def _open(path: Path) -> int:
         raise _not_read(path, problem) from None
     try:
         _require_a_file(path, os.fstat(descriptor).st_mode)
-    except UnreadableError:  # it was another one a moment ago
+    except UnreadableError:
         os.close(descriptor)
         raise
     return descriptor

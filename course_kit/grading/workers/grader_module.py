@@ -39,36 +39,24 @@ class Grader(Protocol):
     INTERFACES: Sequence[Any]
 
 
-def load(grader: str) -> Grader:
-    """A grader, its interfaces loaded."""
+def load_for(job: Job) -> Grader:
+    """The grader of a job, its interfaces and those of the job's endpoints loaded."""
     from rclpy.type_support import check_for_type_support
 
-    path = Path(grader)
-    found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(grader)
+    if job.interfaces:
+        os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
+    path = Path(job.grader)
+    found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(job.grader)
     if not hasattr(found, "INTERFACES"):
         found.INTERFACES = ()
-    for interface in found.INTERFACES:
+    for interface in interfaces_of(found, job):
         check_for_type_support(interface)
     return found
 
 
-def load_for(job: Job) -> Grader:
-    """The grader of a job; the interfaces of its endpoints are loaded, too."""
-    if job.interfaces:
-        os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
-    if job.endpoints:
-        from rclpy.type_support import check_for_type_support
-
-        for interface in interfaces_of(None, job):
-            check_for_type_support(interface)
-    return load(job.grader)
-
-
-def interfaces_of(grader: Grader | None, job: Job) -> list[Any]:
+def interfaces_of(grader: Grader, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
-    found = list(grader.INTERFACES) if grader is not None else []
-    found += [get_type(one["type"]) for one in job.endpoints]
-    return found
+    return [*grader.INTERFACES, *(get_type(one["type"]) for one in job.endpoints)]
 
 
 def checks_of(grader: Grader, job: Job) -> list[Check]:

@@ -64,13 +64,8 @@ def serve(channels: Sequence[Channel]) -> None:
     launchers = [launcher for launcher, _ in pairs]
     freeze_memory()
     fork_child(partial(_serve_launchers, [end for _, end in pairs], [*channels, *launchers]))
-    for number, (channel, starter) in enumerate(zip(channels, launchers, strict=True)):
-        others: list[Closable] = [
-            *channels[:number],
-            *channels[number + 1 :],
-            *launchers[:number],
-            *launchers[number + 1 :],
-        ]
+    for channel, starter in zip(channels, launchers, strict=True):
+        others = [one for one in (*channels, *launchers) if one not in (channel, starter)]
         fork_child(partial(_work_apart, channel, starter, others, common))
     for one in (*channels, *launchers):
         one.close()
