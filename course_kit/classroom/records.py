@@ -19,7 +19,6 @@ import msgspec
 
 from course_kit.classroom.rules.adjustments import Adjustment, describe_adjustment
 from course_kit.environment import write_atomically
-from course_kit.grading.errors import GradingError
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.text.sanitize import make_encodable
 
@@ -170,14 +169,6 @@ class RecordFolder:
                 self._copy_superseded(self.path(record.entry))
             write_atomically(self.path(record.entry, ".html"), page)
         write_atomically(self.path(record.entry), record.to_json() + "\n")
-
-    def require_kept(self, records: Iterable[GradeRecord]) -> None:
-        """See that results are still where they were written."""
-        if not all(self.path(one.entry).exists() for one in records):
-            raise GradingError(
-                f"Results are gone from {self.folder}: the folder was removed or emptied while the class was graded. "
-                "Run the same command again, with --resume."
-            )
 
     def find(self, entry: Entry) -> GradeRecord | None:
         """The record of a submission if there is one that can be read."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import secrets
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,11 +55,11 @@ class Plan:
     require_isolation: bool = False  # no submission runs where it is not fully isolated
 
 
-def open_class(plan: Plan, progress: RunProgress, stops: Callable[[], int] = lambda: 0) -> ClassRun:
+def open_class(plan: Plan, stops: Callable[[], int] = lambda: 0) -> ClassRun:
     """Read what an earlier run has left, the instructor's files and what was handed in; grades nothing yet."""
     require_folders_apart(plan.sources, plan.out)
     records = RecordFolder(plan.out)
-    plan = replace(plan, seed=_choose_seed(plan, records))
+    seed = _choose_seed(plan, records)
     reader = Reader(lambda: stops() > 0)
     graded_now = {one.id for one in plan.exercises}
     earlier = tuple(record for record in records if record.entry.exercise not in graded_now)
@@ -77,9 +77,9 @@ def open_class(plan: Plan, progress: RunProgress, stops: Callable[[], int] = lam
     # What the instructor has written is about this class: that is seen before hours go into grading it.
     people = People((*intake.entries, *intake.others, *(record.entry for record in earlier)))
     instructions = instructions.match_people(people)
-    plan = replace(plan, seeds=plan.seeds and plan.seeds.of_class(intake.entries, people))
-    run_folder.write_note(plan)
-    return ClassRun(plan, exercises, intake, instructions, earlier, records, reader, progress, stops)
+    seeds = plan.seeds and plan.seeds.of_class(intake.entries, people)
+    run_folder.write_note(plan.out, seed, plan.exercises)
+    return ClassRun(replace(plan, seed=seed, seeds=seeds), exercises, intake, instructions, earlier, reader)
 
 
 def _choose_seed(plan: Plan, records: RecordFolder) -> int:
@@ -94,52 +94,44 @@ def _choose_seed(plan: Plan, records: RecordFolder) -> int:
     return next(one for one in (before, plan.seed, secrets.randbits(31)) if one is not None)
 
 
+@dataclass
 class ClassRun:
-    """One run over a class."""
+    """One run over a class, with what `open_class` has read."""
 
-    def __init__(  # noqa: PLR0913, PLR0917 - what `open_class` has read
-        self,
-        plan: Plan,
-        exercises: tuple[Exercise, ...],
-        intake: Intake,
-        instructions: Instructions,
-        earlier: tuple[GradeRecord, ...],
-        records: RecordFolder,
-        reader: Reader,
-        progress: RunProgress,
-        stops: Callable[[], int],
-    ) -> None:
-        self.plan = plan
-        self.exercises = exercises  # those that are graded, and those of which there are results already
-        self.intake = intake
-        self.reader = reader
-        self._instructions = instructions
-        self._earlier = earlier  # the results of exercises that are not graded now
-        self._records = records
-        self._progress = progress
-        # No submission may see these: one student's program must not read another's, nor the results.
-        self.hidden_folders = tuple(str(folder.resolve()) for folder in (*plan.sources, plan.out))
-        self._grading = ClassGrading(
-            records, progress, stops, self.hidden_folders, require_isolation=plan.require_isolation
-        )
-        self._kept: list[GradeRecord] = []
-        self.gone: list[str] = []
+    plan: Plan
+    exercises: tuple[Exercise, ...]  # those that are graded, and those of which there are results already
+    intake: Intake
+    instructions: Instructions
+    earlier: tuple[GradeRecord, ...]  # the results of exercises that are not graded now
+    reader: Reader
+    gone: list[str] = field(default_factory=list)  # results whose submission is not there any more
 
-    def grade(self, start: Callable[[], Graders]) -> Gradebook:
+    @property
+    def hidden_folders(self) -> tuple[str, ...]:
+        """No submission may see these: one student's program must not read another's, nor the results."""
+        return tuple(str(folder.resolve()) for folder in (*self.plan.sources, self.plan.out))
+
+    @property
+    def _records(self) -> RecordFolder:
+        return RecordFolder(self.plan.out)
+
+    def grade(self, start: Callable[[], Graders], progress: RunProgress, stops: Callable[[], int]) -> Gradebook:
         """Grade what has no result yet, or has changed."""
         self._take_away_what_is_gone()
         # It gets ready while the submissions are read.
         graders = start() if any(self._records.find(entry) is None for entry in self.intake.entries) else None
+        isolated = self.plan.require_isolation
+        grading = ClassGrading(self._records, progress, stops, self.hidden_folders, require_isolation=isolated)
         try:
-            if groups := self._take_stock():
+            kept, groups = self._take_stock()
+            progress.begin(len(self.intake.entries), kept)
+            if groups:
                 graders = graders or start()
-                self._grading.run(groups, graders)
+                grading.run(groups, graders)
         finally:
             if graders is not None:
                 graders.close()
-        done = [*self._kept, *self._grading.done]
-        self._records.require_kept(done)
-        return self._gradebook(done)
+        return self._gradebook([*kept, *grading.done])
 
     def as_it_is(self) -> Gradebook:
         """The results there are, of what is handed in; nothing is graded."""
@@ -148,7 +140,7 @@ class ClassRun:
 
     def adjusted(self, record: GradeRecord) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
-        return self._instructions.adjusted(record, self.exercises)
+        return self.instructions.adjusted(record, self.exercises)
 
     @property
     def seed(self) -> int:
@@ -163,23 +155,19 @@ class ClassRun:
             whose = record.entry.called if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
 
-    def _take_stock(self) -> list[list[ClassSubmission]]:
-        """Read all submissions; returns those without a result, identical ones together."""
+    def _take_stock(self) -> tuple[list[GradeRecord], list[list[ClassSubmission]]]:
+        """Read all submissions; returns the results there are, and the others, identical ones together."""
         found = ((entry, self._records.find(entry)) for entry in self.intake.entries)
         with self.reader:
             ready, groups = submissions.sort_out((self._read(entry, known), known) for entry, known in found)
-        for one, known in ready:
-            self._keep(one.kept_record(known), known)
-        self._progress.begin(len(self.intake.entries), self._kept)
-        return groups
-
-    def _keep(self, record: GradeRecord, known: GradeRecord) -> None:
         here = {entry.student for entry in self.intake.entries}
-        if record.same_as and record.same_as not in here:
-            record = replace(record, same_as="")
-        if record != known:
-            self._records.keep(record)
-        self._kept.append(record)
+        kept = []
+        for one, known in ready:
+            record = one.kept_record(known)
+            kept.append(record if record.same_as in here else replace(record, same_as=""))
+            if kept[-1] != known:
+                self._records.keep(kept[-1])
+        return kept, groups
 
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
         exercise = next(one for one in self.plan.exercises if one.id == entry.exercise)
@@ -188,7 +176,7 @@ class ClassRun:
         return submissions.read_submission(entry, self.intake.root, exercise, seed, self.reader, known=known)
 
     def _gradebook(self, done: list[GradeRecord]) -> Gradebook:
-        fit, earlier = self.intake.roster, self._earlier
+        fit, earlier = self.intake.roster, self.earlier
         records = sorted([*done, *earlier], key=lambda one: (one.entry.student, one.entry.exercise))
         there = {(one.entry.student, one.entry.exercise) for one in records}
         missing = dict.fromkeys(self.intake.missing)
@@ -213,7 +201,7 @@ class ClassRun:
             unknown=fit.unknown if fit else (),
             canvas_assignments=fit.roster.canvas_assignments if fit else (),
         )
-        return self._instructions.apply(book)
+        return self.instructions.apply(book)
 
 
 def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake:

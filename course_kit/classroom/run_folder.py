@@ -22,9 +22,7 @@ from course_kit.grading.model.exercise import Exercise, load_exercise, read_exer
 from course_kit.text.sanitize import make_encodable, one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from course_kit.classroom.run import Plan
+    from collections.abc import Iterable, Iterator
 
 NOTE = "run.json"
 FORMAT_VERSION = 1
@@ -32,12 +30,11 @@ LOCK = ".run.lock"  # stays when the run has ended: taking it away would let two
 _LONGEST = 1000  # bytes
 
 
-def write_note(plan: Plan) -> None:
+def write_note(out: Path, seed: int, exercises: Iterable[Exercise]) -> None:
     """Note a run."""
-    added = {one.id: str(one.folder.resolve()) for one in plan.exercises if exercise_folders.is_added(one.folder)}
-    folders = {**_noted_folders(plan.out), **added}
-    noted = {"format_version": FORMAT_VERSION, "seed": plan.seed, "exercise_folders": folders}
-    write_atomically(plan.out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
+    added = {one.id: str(one.folder.resolve()) for one in exercises if exercise_folders.is_added(one.folder)}
+    noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": {**_noted_folders(out), **added}}
+    write_atomically(out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 
 
 def read_note(out: Path) -> dict[str, Any]:

@@ -173,9 +173,9 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> in
     tally = RunProgress(sys.stderr)
     with run_folder.hold_folder(plan.out):
         with count_interrupts() as stops:
-            grading = open_class(plan, tally, stops)
+            grading = open_class(plan, stops)
             start = partial(start_graders, options, plan.exercises)
-            book = grading.grade(lambda: early or start())
+            book = grading.grade(lambda: early or start(), tally, stops)
             if options.again and book.complete:
                 book = grade_again(options, grading, tally, start, stops) or book
         tally.end()

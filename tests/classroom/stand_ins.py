@@ -59,7 +59,7 @@ class StandInForGrading:
 
 def run(source: Path, out: Path, executor: StandInForGrading, **options: Any) -> Gradebook:
     plan = Plan((source, *options.pop("more", ())), out, options.pop("exercises", (SERVICE,)), **options)
-    return open_class(plan, RunProgress(io.StringIO())).grade(lambda: executor)
+    return open_class(plan).grade(lambda: executor, RunProgress(io.StringIO()), lambda: 0)
 
 
 def results(book: Gradebook) -> dict[str, tuple[str, float, str]]:

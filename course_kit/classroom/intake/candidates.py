@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Item
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.reading.reader import FileSummary
 
@@ -20,34 +19,10 @@ _AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` a
 
 
 @dataclass(frozen=True)
-class File:
-    """One file of a student; `problem` says why it cannot be had."""
-
-    item: Item
-    unit: Unit
-    problem: str = ""
-
-    @property
-    def path(self) -> str:
-        """From the root."""
-        return self.item.path
-
-    @property
-    def called(self) -> str:
-        """What the student called it."""
-        return (self.item is self.unit.item and self.unit.file) or self.item.name
-
-    @property
-    def folder(self) -> str:
-        """The folder it lies in, among the student's own files."""
-        return self.path.rpartition("/")[0]
-
-
-@dataclass(frozen=True)
 class Candidate:
     """A file that may be the submission for an exercise."""
 
-    file: File  # the file
+    file: Unit  # the file
     sureness: int  # how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE
     changed: float  # when it was written, in seconds
     glance: FileSummary  # what it looks like
@@ -59,7 +34,7 @@ class Candidate:
 
 
 def choose_candidate(
-    candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[File]
+    candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[Unit]
 ) -> tuple[Candidate, dict[str, str]]:
     """Choose one; with it, by their paths, why each of the others was not chosen."""
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
@@ -113,7 +88,7 @@ def _rank(one: Candidate, candidates: Sequence[Candidate]) -> Rank:
     return (
         not one.is_starter,
         lost or one.fits,
-        one.file.unit.attempt,
+        one.file.attempt,
         is_new,
         one.sureness,
         one.file.path,
@@ -149,7 +124,7 @@ def _fit(one: Candidate, exercise: Exercise) -> str:
     return "the only program" if one.file.item.is_program else "the only file"
 
 
-def _imported(one: Candidate, files: Sequence[File]) -> str:
+def _imported(one: Candidate, files: Sequence[Unit]) -> str:
     """A module beside the file that it imports; the sandbox has one file alone."""
     beside = {
         file.called.removesuffix(".py"): file.called

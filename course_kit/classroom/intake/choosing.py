@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections import Counter
 from contextlib import suppress
 from dataclasses import replace
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.classroom.intake import archive, candidates, listing
-from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate, File
+from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate
 from course_kit.classroom.intake.listing import Item
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
@@ -32,13 +31,11 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.sources import OpenedSources
     from course_kit.grading.reading.reader import Reader
 
-_LONGEST_LOOK_S = 30.0  # at one student's files, for what they are for; 200 ordinary ones take 1 s
 _MOST_LISTED = 50  # files of one student that are listed one by one
 _MOST_TOLD = 3  # problems of one student in a sentence
 _MOST_OTHERS = 10  # of an entry
 _NOT_FOUND = "none of it belongs to these exercises"
 _NONE_OF_THESE = "it belongs to none of these exercises"
-_NO_TIME = "it was not looked into, because looking into this student's other files took too long"
 _OF_KIT = "a part of the course kit"
 _PACKAGE = "course_kit/__init__.py"
 _EXERCISE = re.compile(r"exercises/[^/]+/exercise\.toml")
@@ -66,13 +63,9 @@ class Chooser:
         self.dropped: list[tuple[str, str]] = []
         self.others: list[Entry] = []
         self.empty: set[str] = set()
-        self._look_until = 0.0
-        self._unseen: set[str] = set()
 
     def take(self, student: str, units: Sequence[Unit]) -> None:
         """Choose among a student's files."""
-        self._look_until = time.monotonic() + _LONGEST_LOOK_S
-        self._unseen = set()
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
         files, problems = self._files(units)
@@ -99,12 +92,11 @@ class Chooser:
         entries = []
         for exercise, choice, not_chosen in choices:
             of_others = [paths for other, paths in considered.items() if other != exercise.id]
-            for_it = [file for file in files if file.unit.exercise in ("", exercise.id) and file.folder not in chosen]
+            for_it = [file for file in files if file.exercise in ("", exercise.id) and file.folder not in chosen]
             rest = sorted({file.path for file in for_it}.difference(chosen, not_chosen, *of_others))
             reasons_here = {path: why for path, why in not_chosen.items() if path not in chosen}
             entries.append(self._entry(student, exercise, choice, reasons_here, rest))
         taken = {entry.source for entry in entries}
-        reasons = {**dict.fromkeys(self._unseen, _NO_TIME), **reasons}
         rest = [one.path for one in files if taken.isdisjoint((one.path, one.folder))]
         not_taken = [(path, reasons.get(path, _NONE_OF_THESE)) for path in rest]
         self._leave(student, not_taken, "they belong to none of these exercises")
@@ -116,28 +108,28 @@ class Chooser:
         if not (files or problems):
             self.empty.add(student)
         if lost or (not entries and (files or problems)):
-            problems += [f"{one_line(path)}: {_NO_TIME}" for path in sorted(self._unseen)]
             self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
 
-    def _files(self, units: Sequence[Unit]) -> tuple[list[File], list[str]]:
+    def _files(self, units: Sequence[Unit]) -> tuple[list[Unit], list[str]]:
         """All files of a student, and what kept some from being found."""
-        files: list[File] = []
+        files: list[Unit] = []
         problems: list[str] = []
         for unit in units:
             found = listing.look_through(self._listing, unit.item)
             problems += self._note(unit, found.tools, found.unseen)
-            files += [File(item, unit, item.problem or _not_followed(item, unit)) for item in found.files]
+            files += map(unit.narrow, found.files)
             if not (found.files or found.tools or found.unseen):
                 self.left.append((unit.item.path, "an empty folder"))
         files, opened = self._without_zips(self._without_kit(files))
-        of_exercise = Counter(file.unit.exercise for file in files)
+        of_exercise = Counter(file.exercise for file in files)
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.unit.exercise] == 1 or file.item.name in (STAMP, *self._named)
+            if file.item.is_program or of_exercise[file.exercise] == 1 or file.item.name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
-        return [replace(file, problem=file.problem or unpacked.get(file.path, "")) for file in files] + opened, problems
+        files = [file.narrow(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
+        return files + opened, problems
 
     def _note(self, unit: Unit, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
         """List what was found beside a student's files; returns what may have been a submission, as sentences."""
@@ -145,17 +137,17 @@ class Chooser:
         self._leave(unit.student, list(unseen), "the same")
         return [f"{one_line(path)}: {reason}" for path, reason in unseen]
 
-    def _without_kit(self, files: list[File]) -> list[File]:
+    def _without_kit(self, files: list[Unit]) -> list[Unit]:
         """A student's files but for the course's own, where they have handed in a copy of the whole course."""
         own = parts_of_kit(file.path for file in files)
         if own and files:
-            self._leave(files[0].unit.student, [(path, _OF_KIT) for path in sorted(own)], "parts of the course kit")
+            self._leave(files[0].student, [(path, _OF_KIT) for path in sorted(own)], "parts of the course kit")
         return [file for file in files if file.path not in own]
 
-    def _without_zips(self, files: list[File]) -> tuple[list[File], list[File]]:
+    def _without_zips(self, files: list[Unit]) -> tuple[list[Unit], list[Unit]]:
         """A student's files but for zips that could be opened, and what was in these."""
-        kept: list[File] = []
-        opened: list[File] = []
+        kept: list[Unit] = []
+        opened: list[Unit] = []
         zips = 0
         for file in files:
             if not self._may_unpack or not file.item.is_zip or file.problem:
@@ -167,13 +159,13 @@ class Chooser:
                 contents = self._open(file)
             if contents.problem or not (contents.files or contents.unseen):
                 kept.append(file)
-                self._leave(file.unit.student, [(file.path, contents.problem or "an empty zip")], "the same")
+                self._leave(file.student, [(file.path, contents.problem or "an empty zip")], "the same")
                 continue
-            self._note(file.unit, contents.tools, contents.unseen)
-            opened += self._without_kit([File(item, file.unit, item.problem) for item in contents.files])
+            self._note(file, contents.tools, contents.unseen)
+            opened += self._without_kit([file.narrow(item) for item in contents.files])
         return kept, opened
 
-    def _open(self, file: File) -> listing.StudentFiles:
+    def _open(self, file: Unit) -> listing.StudentFiles:
         if problem := self._listing.fetch([file.item]).get(file.path):
             return listing.StudentFiles((), problem=problem)
         return archive.unpack_students_zip(self._root, file.item)
@@ -182,17 +174,16 @@ class Chooser:
         self, student: str, exercise: Exercise, choice: Candidate, reasons: dict[str, str], rest: list[str]
     ) -> Entry:
         file = choice.file
-        unit = file.unit
-        platform = _platform_of(unit)
-        inside = file.path[len(unit.item.path) + 1 :]
-        if unit.has_assignments and "/" in inside:  # as nbgrader lays it out, which notes the time just there
+        platform = _platform_of(file)
+        inside = file.path[len(file.inside) + 1 :]
+        if file.has_assignments and "/" in inside:  # as nbgrader lays it out, which notes the time just there
             assignment = inside.partition("/")[0]
             platform[ASSIGNMENT] = one_line(assignment)
-            if stamp := read_stamp(self._root / unit.item.path / assignment / STAMP):
+            if stamp := read_stamp(self._root / file.inside / assignment / STAMP):
                 platform[SUBMITTED_AT] = one_line(stamp)
         others = _others(reasons, rest)
-        name = one_line(unit.name)
-        return Entry(student, exercise.id, file.path, name, unit.late, platform, choice.why, others, choice.worry)
+        name = one_line(file.name)
+        return Entry(student, exercise.id, file.path, name, file.late, platform, choice.why, others, choice.worry)
 
     def _leave(self, student: str, rest: Left, others: str) -> None:
         """List files of a student; of a heap the first ones, and the number of the others with a reason."""
@@ -200,12 +191,12 @@ class Chooser:
         if len(rest) > _MOST_LISTED:
             self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
 
-    def _candidates(self, files: list[File], exercise: Exercise) -> Iterator[Candidate]:
-        for_it = [file for file in files if file.unit.exercise in ("", exercise.id)]
+    def _candidates(self, files: list[Unit], exercise: Exercise) -> Iterator[Candidate]:
+        for_it = [file for file in files if file.exercise in ("", exercise.id)]
         if exercise.files:
             for_it = _as_one(for_it, exercise)
         programs = [file for file in for_it if may_be_submission(file.item, exercise)]
-        told = len(self._exercises) == 1 or bool(for_it and all(file.unit.exercise for file in for_it))
+        told = len(self._exercises) == 1 or bool(for_it and all(file.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
         seen = {file.path: self._glance(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
@@ -224,7 +215,7 @@ class Chooser:
             changed = _changed(self._root / file.path)
             yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
 
-    def _odd(self, file: File, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
+    def _odd(self, file: Unit, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
         """Why a program will hardly get a point; empty where nothing speaks against it."""
         if file.problem or not file.item.is_program or (glance.found and glance.identity):
             return ""
@@ -241,11 +232,8 @@ class Chooser:
             return f"no cell in it can be read that begins with %%submission {exercise.id}"
         return "no program can be read in it"
 
-    def _glance(self, file: File, exercise: Exercise) -> FileSummary:
+    def _glance(self, file: Unit, exercise: Exercise) -> FileSummary:
         if file.problem or file.item.kind == listing.OTHER or not may_be_submission(file.item, exercise):
-            return FileSummary()
-        if time.monotonic() > self._look_until:
-            self._unseen.add(file.path)
             return FileSummary()
         try:
             copy = Copy(self._root / file.path, whole=False, several=bool(exercise.files))
@@ -258,12 +246,10 @@ class Chooser:
                 return FileSummary(found=True)  # it may be; whoever reads it next says what is wrong with it
 
 
-def _as_one(files: Sequence[File], exercise: Exercise) -> list[File]:
+def _as_one(files: Sequence[Unit], exercise: Exercise) -> list[Unit]:
     """Files of a submission of several: each folder with some of the wanted ones as one, beside what is in no such."""
-    folders = {
-        file.folder: file.unit for file in files if file.called in exercise.files and file.item is not file.unit.item
-    }
-    found = [File(Item(folder, listing.FOLDER), unit) for folder, unit in folders.items()]
+    folders = {file.folder: file for file in files if file.called in exercise.files and file.inside}
+    found = [replace(file, item=Item(folder, listing.FOLDER)) for folder, file in folders.items()]
     return found + [
         file for file in files if file.folder not in folders or text.kind_of_file(file.called) == text.NOTEBOOK
     ]
@@ -280,7 +266,7 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     return (load_exercise(one, folder) for one in list_exercise_ids(folder) if one != exercise.id)
 
 
-def _sureness(file: File, exercise: Exercise, seen: FileSummary) -> int:
+def _sureness(file: Unit, exercise: Exercise, seen: FileSummary) -> int:
     if not may_be_submission(file.item, exercise):
         return 0
     called = _AGAIN.sub("", file.called)
@@ -289,13 +275,6 @@ def _sureness(file: File, exercise: Exercise, seen: FileSummary) -> int:
     if exercise.id in called.lower():
         return CALLED_ALIKE
     return BY_CONTENT if seen.found else 0
-
-
-def _not_followed(item: Item, unit: Unit) -> str:
-    """Why a student's own entry is not opened: a link may lead to anybody's work."""
-    if item is not unit.item or item.kind == listing.FILE:
-        return ""
-    return "it is a link, and links are not followed" if item.kind == listing.LINK else "it is not an ordinary file"
 
 
 def _together(problems: Sequence[str]) -> str:

@@ -63,7 +63,7 @@ Key = tuple[str, str]
 
 @dataclass(frozen=True)
 class Unit:
-    """What one student has control of: a file or folder among those of the others."""
+    """What one student has control of: a file or folder among those of the others, or one of the files in it."""
 
     item: Item  # where
     student: str  # their identifier, as it stands in the name
@@ -77,6 +77,31 @@ class Unit:
     odd: str = ""  # how it does not fit the layout; empty when it does
     download: str = ""  # the name of the download it is in, where there are several
     exercise: str = ""  # the id of the exercise that this download is of; empty where nothing says so
+    inside: str = ""  # of a file in a student's folder or zip: where that is
+
+    @property
+    def path(self) -> str:
+        """From the root."""
+        return self.item.path
+
+    @property
+    def problem(self) -> str:
+        """Why it cannot be had; empty when nothing is known against it."""
+        return self.item.problem
+
+    @property
+    def called(self) -> str:
+        """What the student called it."""
+        return (not self.inside and self.file) or self.item.name
+
+    @property
+    def folder(self) -> str:
+        """The folder it lies in."""
+        return self.path.rpartition("/")[0]
+
+    def narrow(self, item: Item) -> Unit:
+        """Itself, as it was looked at, or one of the files in it."""
+        return replace(self, item=item, inside=self.inside if item.path == self.path else self.inside or self.path)
 
 
 def read_canvas(item: Item, _: str = "") -> Unit | None:

@@ -117,8 +117,9 @@ class StudentFiles:
 
 def look_through(listing: Listing, top: Item) -> StudentFiles:
     """Find the files of one student, however many or deep they are, without following a link."""
-    if top.kind != FOLDER:
-        return StudentFiles((top,))
+    if top.kind != FOLDER:  # a link may lead to anybody's work
+        problem = {LINK: "it is a link, and links are not followed", OTHER: "it is not an ordinary file"}
+        return StudentFiles((replace(top, problem=top.problem or problem.get(top.kind, "")),))
     files: list[Item] = []
     tools: Left = []
     unseen: Left = []

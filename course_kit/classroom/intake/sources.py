@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition
-from course_kit.classroom.intake.archive import LARGEST_OF_ONE, NAMES_OF_ONE, Archive, make_empty
+from course_kit.classroom.intake.archive import LARGEST_OF_ONE, Archive, make_empty
 from course_kit.classroom.intake.gradescope_export import METADATA
 from course_kit.classroom.intake.layouts import CLONES, most_fit
 from course_kit.classroom.intake.listing import FILE, FOLDER, Folder, Item, move_item
@@ -34,11 +34,11 @@ class OpenedSources:
 
     root: Path  # the folder below which each file lies once it is fetched
     listing: Listing  # everything
-    is_copy: bool  # whether the root is a folder of ours, in which more may be unpacked
-    layout: str  # the name of the layout; several, with commas, where downloads have different ones
     units: tuple[Unit, ...]  # what each student has control of
-    left: tuple[tuple[str, str], ...]  # path and reason of what lies beside them
-    lost: tuple[tuple[str, str], ...]  # of these what may be somebody's only file
+    is_copy: bool  # whether the root is a folder of ours, in which more may be unpacked
+    layout: str = ""  # the name of the layout; several, with commas, where downloads have different ones
+    left: tuple[tuple[str, str], ...] = ()  # path and reason of what lies beside them
+    lost: tuple[tuple[str, str], ...] = ()  # of these what may be somebody's only file
 
 
 def open_all(
@@ -131,7 +131,7 @@ def _read_download(path: Path, download: Download, layout: str, root: Path) -> O
     packed = found if isinstance(found, Archive) else None
     left += packed.left if packed else []
     lost = tuple((one_line(path), reason) for path, reason in packed.lost) if packed else ()
-    return OpenedSources(root, found, is_copy, layout, tuple(units), tuple(left), lost)
+    return OpenedSources(root, found, tuple(units), is_copy, layout, tuple(left), lost)
 
 
 def _enter_students(download: Download, layout: str, left: Left) -> tuple[str, str, list[Item]]:
@@ -169,7 +169,7 @@ def _is_download(path: Path, exercises: Sequence[Exercise]) -> bool:
     if _exercise_of(path.stem, exercises):
         return True
     try:
-        with Archive(path, None, NAMES_OF_ONE) as archive:  # of each zip in a folder, whosever it is
+        with Archive(path, None) as archive:
             items = recognition.list_entries(archive, "")
             lone = recognition.likely_entries(items)
             within = recognition.look_inside(archive, lone[0]) if len(lone) == 1 else []
