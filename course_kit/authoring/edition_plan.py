@@ -14,7 +14,6 @@ from enum import Enum
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from course_kit import environment
 from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
@@ -27,7 +26,7 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection
 
 
 README = Path(__file__).parent / "student" / "README.md"
@@ -86,7 +85,6 @@ class EditionPlan:
     untracked: list[str] = field(default_factory=list)  # left out, because git does not know them
     unwanted: list[str] = field(default_factory=list)  # exercises left out, because somebody has asked for it
     changed: list[str] = field(default_factory=list)  # what goes in, or would, and differs from the last commit
-    git: str = ""  # why git could not be asked; empty where it answered
     # the exercises of other folders that go in, and where they lie
     added: dict[str, Path] = field(default_factory=dict)
     solutions: dict[str, Path] = field(default_factory=dict)  # by exercise the file of its solution
@@ -100,7 +98,7 @@ class EditionPlan:
 def plan_edition(root: Path, without: Collection[str] = ()) -> EditionPlan:
     """Decide what goes into the student edition."""
     found, parts = list_course_files(root), read_parts()
-    made = EditionPlan(git=found.git)
+    made = EditionPlan()
     of_exercises: dict[str, list[str]] = {}
     for name in sorted(found.known | found.new):
         owner = parts.owner(name)
@@ -167,52 +165,34 @@ def _require_pristine(changed: list[str], without: Collection[str]) -> None:
         )
 
 
-_GENERATED = {
-    ".git", ".venv", ".venvs", ".course", ".hypothesis", ".mypy_cache", ".pytest_cache", ".ruff_cache",
-    ".ipynb_checkpoints", "__pycache__", "artifacts", "build", "dist", "PKG-INFO",
-    environment.LEARNER_FOLDER,
-}  # fmt: skip
-_GENERATED_ENDINGS = (".so", ".pyc", ".tmp", ".zip")
-
-
 @dataclass(frozen=True)
 class CourseFiles:
     """The files of a course's folder, as paths relative to it."""
 
-    known: frozenset[str]  # those that git knows and that are there; without git all that nobody generated
-    new: frozenset[str] = frozenset()  # those that git has not been told of, and would not ignore
-    changed: frozenset[str] = frozenset()  # those that differ from the last commit, also those that are gone
-    git: str = ""  # why git could not be asked; empty where it answered
+    known: frozenset[str]  # those that git knows and that are there
+    new: frozenset[str]  # those that git has not been told of, and would not ignore
+    changed: frozenset[str]  # those that differ from the last commit, also those that are gone
 
 
 def list_course_files(root: Path) -> CourseFiles:
-    """The files of the course in `root`, by git where this is a clone."""
-    there = frozenset(_walk(root))
-    if not (root / ".git").exists():
-        return CourseFiles(there, git="this folder is no clone")
+    """The files of the course in `root`, by git, which alone can tell them from what somebody has left there."""
+    why = "" if (root / ".git").exists() else "this folder is no clone"
     try:
-        known = _git(root, "ls-files")
-        new = _git(root, "ls-files", "--others", "--exclude-standard")
+        known, new = _git(root, "ls-files"), _git(root, "ls-files", "--others", "--exclude-standard")
         changed = _git(root, "diff", "--name-only", "HEAD")
     except FileNotFoundError:
-        return CourseFiles(there, git="git is not installed")
+        why = "git is not installed"
     except subprocess.CalledProcessError as problem:
-        said = problem.stderr.decode(errors="replace").strip().partition("\n")[0]
-        return CourseFiles(there, git=said.removeprefix("fatal: ") or "git failed")
-    return CourseFiles(frozenset(name for name in known if (root / name).is_file()), new & there, changed)
+        why = why or problem.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
+    if why:
+        raise GradingError(
+            f"Git could not be asked which files belong to the course: {why}. Make the student edition in a clone of "
+            "the course, with git installed."
+        )
+    return CourseFiles(frozenset(name for name in known if (root / name).is_file()), new, changed)
 
 
 def _git(root: Path, *arguments: str) -> frozenset[str]:
     """The names that git lists."""
     listed = subprocess.run(["git", *arguments, "-z"], cwd=root, capture_output=True, check=True)
     return frozenset(name for name in os.fsdecode(listed.stdout).split("\0") if name)
-
-
-def _walk(root: Path) -> Iterator[str]:
-    """What nobody generated; a folder that is a course itself is an edition that was made before."""
-    for folder, folders, files in os.walk(root):
-        inner = Path(folder)
-        folders[:] = [name for name in folders if name not in _GENERATED and not (inner / name / "course_kit").is_dir()]
-        for name in files:
-            if name not in _GENERATED and not name.endswith(_GENERATED_ENDINGS):  # .venv is a link
-                yield (inner / name).relative_to(root).as_posix()

@@ -128,8 +128,6 @@ def describe_edition(planned: EditionPlan) -> Iterator[str]:
         )
     if planned.changed:
         yield f"Differ from the last commit: {_name(planned.changed)}."
-    if planned.git:
-        yield f"Git could not be asked ({planned.git}): all files on the list went in, and no changes are known."
 
 
 def _describe_leaks(found: Sequence[Leak]) -> str:

@@ -15,7 +15,6 @@ from course_kit.environment import PACKAGE
 from course_kit.learner import workspace
 from course_kit.presentation import projected
 from course_kit.presentation.demos import LESSONS, PresentationError, list_demos
-from course_kit.presentation.scratch import make_writable
 from course_kit.text import templates
 
 FILES, SETTINGS, SPEAKER_PAGE = "files", "settings", "speaker.html"  # in the presentation's folder
@@ -41,7 +40,8 @@ def prepare_folder(root: Path, folder: Path, opened: Path) -> None:
     for name in _COPIED:
         kept_out = shutil.ignore_patterns(".ipynb_checkpoints")
         shutil.copytree(root / name, folder / FILES / name, ignore=kept_out, copy_function=shutil.copyfile)
-    make_writable(folder)
+    for copied in (path for path in (folder / FILES).rglob("*") if path.is_dir()):  # read-only, as the course's may be
+        copied.chmod(0o700)
     spoken = []
     for path in dict.fromkeys((*list_demos(root), opened)):
         with suppress(PresentationError) if path != opened else nullcontext():

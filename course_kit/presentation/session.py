@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import signal
+import tempfile
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.integrations import jupyter
 from course_kit.presentation import demos, preparing, web
 from course_kit.presentation.demos import PresentationError
-from course_kit.presentation.scratch import scratch_folder
 from course_kit.process.child import Child
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from pathlib import Path
+    from collections.abc import Iterator, Sequence
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)  # a shutdown, and a terminal that is closed
 _SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
@@ -24,18 +24,17 @@ _SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
 def present_notebook(root: Path, name: str, arguments: Sequence[str]) -> int:
     """Show a notebook to a class until it is over."""
     opened = demos.find_notebook(root, name)
-    parent = environment.state_dir() / "present"
     for number in _ENDING:
         signal.signal(number, _end)
     with _own_domain() as domain_id:
         try:
-            with scratch_folder(parent) as folder:
-                preparing.prepare_folder(root, folder, opened)
-                return _serve(folder, opened.relative_to(root).as_posix(), domain_id, arguments)
+            with tempfile.TemporaryDirectory(prefix="course-present-", ignore_cleanup_errors=True) as made:
+                preparing.prepare_folder(root, Path(made), opened)
+                return _serve(Path(made), opened.relative_to(root).as_posix(), domain_id, arguments)
         except KeyboardInterrupt:
             return 0
         except OSError as problem:
-            what = f"{problem.filename or parent}: {problem.strerror or problem}"
+            what = f"{problem.filename or tempfile.gettempdir()}: {problem.strerror or problem}"
             raise PresentationError(f"The copies for the class could not be made ({what}).") from problem
 
 
@@ -58,28 +57,13 @@ def _serve(folder: Path, notebook: str, domain_id: str, arguments: Sequence[str]
         JUPYTER_RUNTIME_DIR=str(folder / "runtime"),
         **{web.FOLDER_VARIABLE: str(folder), web.OPENS_VARIABLE: opens},
     )
-    let_interrupts_through = _hold_interrupts_back()  # one that came before the server is known would leave it behind
     server = Child(command, environ=environ, dies_with_us=True)
     try:
-        let_interrupts_through()
         return 2 if server.wait() else 0
     finally:
         server.send(signal.SIGTERM)  # after SIGINT it would show where it was while it starts
         server.wait_or_kill(_SHUTDOWN_S)
         server.kill()  # what it has left behind
-
-
-def _hold_interrupts_back() -> Callable[[], None]:
-    """Have Ctrl-C wait until the function that is returned is called, which raises KeyboardInterrupt then."""
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
-
-    def let_through() -> None:
-        signal.signal(signal.SIGINT, before)
-        if pressed:
-            raise KeyboardInterrupt
-
-    return let_through
 
 
 @contextmanager

@@ -8,13 +8,14 @@ the same one: the first try counts, the last is shown.
 from __future__ import annotations
 
 import hashlib
-import json
 import sys
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import msgspec
 
 from course_kit import environment
 
@@ -97,8 +98,7 @@ def _question(lesson: str, kind: str, entry: Mapping[str, Any]) -> LessonQuestio
     return LessonQuestion(name, entry["question"], tuple(choices), kind)
 
 
-@dataclass(frozen=True)
-class Guess:
+class Guess(msgspec.Struct, frozen=True):
     """What was chosen for a question."""
 
     first: str
@@ -134,11 +134,11 @@ class GuessRecord:
         """Keep a choice; the first one stays what it was."""
         chosen = question.choices[place]
         before = self.of(question) or Guess(chosen.text, chosen.is_right, "")
-        now = replace(before, last=chosen.text)
+        now = msgspec.structs.replace(before, last=chosen.text)
         self._known[question.name] = now
         if self._folder is not None:
             with suppress(OSError):  # the panel works and only forgets
-                environment.write_atomically(self._folder / f"{question.name}.json", json.dumps(asdict(now)))
+                environment.write_atomically(self._folder / f"{question.name}.json", msgspec.json.encode(now))
         return now
 
 
@@ -165,11 +165,6 @@ def chosen_answers() -> dict[str, str]:
 
 def _read(folder: Path | None, name: str) -> Guess | None:
     """What a file says; None where there is none, or something else in it."""
-    try:
-        entry = json.loads((folder / f"{name}.json").read_bytes()) if folder is not None else None
-    except (OSError, ValueError, RecursionError):
-        return None
-    match entry:
-        case {"first": str(first), "first_right": bool(right), "last": str(last)}:
-            return Guess(first, right, last)
+    with suppress(OSError, ValueError, RecursionError):
+        return msgspec.json.decode((folder / f"{name}.json").read_bytes(), type=Guess) if folder is not None else None
     return None

@@ -8,6 +8,7 @@ import pytest
 
 from course_kit.authoring import edition_plan, release
 from course_kit.authoring.edition_plan import Owner
+from course_kit.grading.errors import GradingError
 from tests.authoring.conftest import git
 from tests.course_copy import REPOSITORY, Course
 
@@ -60,26 +61,12 @@ def test_new_folders_and_files_stay_out_and_are_named(clone: Course) -> None:
     assert set(planned.left_out) >= {*planned.undecided, *planned.untracked, "course_kit/authoring/release.py"}
 
 
-def test_without_git_what_was_generated_stays_out_and_it_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in (
-        "notebooks/a.ipynb",
-        "exercises/b/b.py",
-        ".venvs/wheels-1/x.py",
-        "course_kit/__pycache__/c.pyc",
-        "student.zip",
-        "student/course_kit/cli/main.py",
-        "solutions/s.py",
-    ):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("{}")
-    (tmp_path / ".venv").symlink_to("nowhere")  # as after somebody has removed .venvs
-    (tmp_path / ".git").mkdir()
+def test_without_git_nobody_knows_what_belongs_to_the_course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(GradingError, match="this folder is no clone"):
+        edition_plan.plan_edition(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path))
-    planned = edition_plan.plan_edition(tmp_path)
-    assert sorted(planned.files) == ["README.md", "exercises/b/b.py", "notebooks/a.ipynb"]
-    assert "Git could not be asked (git is not installed)" in told(planned)
+    with pytest.raises(GradingError, match="git is not installed"):
+        edition_plan.plan_edition(tmp_path)
 
 
 def test_drills_go_in_without_their_solutions_and_proof_sets(clone: Course) -> None:

@@ -31,13 +31,13 @@ def course(tmp_path_factory: pytest.TempPathFactory) -> Course:
 
 
 def environ(course: Course, folder: Path, **changes: str) -> dict[str, str]:
-    own = {**changes, "XDG_STATE_HOME": str(folder / "state of mine")}
+    (folder / "temporary").mkdir(exist_ok=True)
+    own = {**changes, "TMPDIR": str(folder / "temporary")}
     return {name: value for name, value in course.environ(**own).items() if name not in OWN or name in changes}
 
 
 def scratch(folder: Path) -> list[Path]:
-    parent = folder / "state of mine" / "ros2-course-kit" / "present"
-    return [path for path in parent.iterdir() if path.is_dir()] if parent.is_dir() else []
+    return list((folder / "temporary").glob("course-present-*"))
 
 
 def refused(course: Course, folder: Path, *words: str, **changes: str) -> str:
