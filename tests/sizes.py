@@ -22,7 +22,6 @@ WEEKLY = (
     "tests/browser/test_mistakes_and_neighbours.py::test_a_link_lands_at_its_heading_at_the_first_click_in_notebook_7",
     "tests/classroom/test_interrupted_runs.py::test_killed_at_twenty_random_moments",
     "tests/classroom/test_killed_roles.py",
-    "tests/cli/test_locale.py::test_the_commands_work_in_a_folder_with_an_umlaut",
     "tests/graders/test_move_robot.py::test_attach_grades_a_robot",
     "tests/grading/checks/test_fairness.py",
     "tests/grading/checks/test_sending_attacks.py::test_writing_without_end",

@@ -155,8 +155,6 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line."""
     environment.heed_interrupts()
-    if arguments is None:
-        read_names_as_utf_8()
     parser = build_parser()
     arguments = sys.argv[1:] if arguments is None else arguments
     folders, words = _without_folders(arguments)
@@ -335,16 +333,6 @@ def _solution(options: argparse.Namespace) -> int:
     from course_kit.learner import handouts
 
     return handouts.show_solution(options.exercise, anyway=options.show)
-
-
-def read_names_as_utf_8() -> None:
-    """Begin again in Python's UTF-8 mode where Python takes names of files for ASCII (LC_ALL=C with PYTHONUTF8=0).
-
-    Those with an umlaut could neither be printed nor written to a report.
-    """
-    if sys.getfilesystemencoding() == "ascii":
-        sys.stdout.flush()
-        os.execve(sys.executable, sys.orig_argv, {**os.environ, "PYTHONUTF8": "1"})
 
 
 def speak_to_any_terminal() -> None:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 import time
 from contextlib import ExitStack, suppress
 from queue import Empty
@@ -26,7 +25,6 @@ import pytest
 
 from course_kit import environment
 from course_kit.dev import lesson_steps
-from course_kit.ros import compat
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -35,50 +33,48 @@ CELL_TIMEOUT_S = 60.0  # a cell that waits longer than this hangs; nbval's own d
 OUTPUT_TIMEOUT_S = 60.0  # until the next output comes once a cell has ended; nbval's own 5 s fail on a busy machine
 _PICTURE = "text/html"
 _POLL_S = 1.0
-_found = compat.check_features([compat.NOTEBOOK_TESTS])
-if _found.has(compat.NOTEBOOK_TESTS):
 
-    class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has no types
-        """A kernel on a ROS graph that nobody else has, which is asked to end and whose death ends the wait for it."""
 
-        def __init__(self, *arguments: object, **options: object) -> None:
-            self._graph = ExitStack()
-            domain_id = self._graph.enter_context(environment.exclusive_domain())
-            # What says that pytest runs would silence what native libraries of the kernel print, and its width of a
-            # terminal would break lines.
-            changes = dict.fromkeys(("PYTEST_CURRENT_TEST", "COLUMNS", "LINES"))
-            changes |= {"ROS_DOMAIN_ID": str(domain_id), "COURSE_KIT_PROGRESS": "off"}
-            with mock.patch.dict(os.environ, environment.child_environment(**changes), clear=True):
-                super().__init__(*arguments, **options)
+class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has no types
+    """A kernel on a ROS graph that nobody else has, which is asked to end and whose death ends the wait for it."""
 
-        def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
-            """Wait for the reply in short steps, looking each time whether the kernel still lives."""
-            ends = math.inf if timeout is None else time.monotonic() + timeout
-            while not self._replied(msg_id):
-                if not self.is_alive():
-                    raise RuntimeError("The kernel has died while it ran this cell.")
-                if time.monotonic() > ends:
-                    raise Empty
+    def __init__(self, *arguments: object, **options: object) -> None:
+        self._graph = ExitStack()
+        domain_id = self._graph.enter_context(environment.exclusive_domain())
+        # What says that pytest runs would silence what native libraries of the kernel print, and its width of a
+        # terminal would break lines.
+        changes = dict.fromkeys(("PYTEST_CURRENT_TEST", "COLUMNS", "LINES"))
+        changes |= {"ROS_DOMAIN_ID": str(domain_id), "COURSE_KIT_PROGRESS": "off"}
+        with mock.patch.dict(os.environ, environment.child_environment(**changes), clear=True):
+            super().__init__(*arguments, **options)
 
-        def _replied(self, msg_id: str) -> bool:
-            with suppress(Empty):
-                super().await_reply(msg_id, timeout=_POLL_S)
-                return True
-            return False
+    def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
+        """Wait for the reply in short steps, looking each time whether the kernel still lives."""
+        ends = math.inf if timeout is None else time.monotonic() + timeout
+        while not self._replied(msg_id):
+            if not self.is_alive():
+                raise RuntimeError("The kernel has died while it ran this cell.")
+            if time.monotonic() > ends:
+                raise Empty
 
-        def stop(self) -> None:
-            """Ask the kernel to end; only one that does not is killed."""
-            self.kc.stop_channels()
-            try:
-                self.km.shutdown_kernel(now=False)
-            finally:
-                del self.km
-                self._graph.close()
+    def _replied(self, msg_id: str) -> bool:
+        with suppress(Empty):
+            super().await_reply(msg_id, timeout=_POLL_S)
+            return True
+        return False
 
-    nbval.kernel.RunningKernel = CourseKernel
-    nbval.plugin.RunningKernel = CourseKernel
-else:
-    sys.stderr.write("\n".join(_found.sentences()) + "\n")
+    def stop(self) -> None:
+        """Ask the kernel to end; only one that does not is killed."""
+        self.kc.stop_channels()
+        try:
+            self.km.shutdown_kernel(now=False)
+        finally:
+            del self.km
+            self._graph.close()
+
+
+nbval.kernel.RunningKernel = CourseKernel
+nbval.plugin.RunningKernel = CourseKernel
 
 
 @pytest.hookimpl(wrapper=True)

@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from course_kit import environment
+from course_kit.text.console import refuse
 
 # Tests wait for nodes about as long as they compute. Files stay together, for their fixtures are dear, and begin in the
 # order of `tests/sizes.py`, long ones first: xdist by itself begins those with few tests last, the longest among them.
@@ -33,8 +34,7 @@ def main(arguments: list[str]) -> int:
     environment.heed_interrupts()
     root = environment.checkout_folder()
     if root is None:
-        print("course: the tests belong to the course's folder; run ./course test there.", file=sys.stderr)
-        return 2
+        return refuse("the tests belong to the course's folder; run ./course test there.")
     os.chdir(root)
     size = next((one for one in (QUICK, ALL) if one in arguments), "")
     chosen = [argument for argument in arguments if argument not in (QUICK, ALL)]
@@ -50,8 +50,7 @@ def main(arguments: list[str]) -> int:
         if size == ALL:
             codes.append(_run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])))
     except environment.DomainError as problem:
-        print(f"course: {problem}", file=sys.stderr)
-        return 2
+        return refuse(problem)
     except KeyboardInterrupt:  # pytest, which got it too, has said so
         return 130
     return next((code for code in codes if code), 0)

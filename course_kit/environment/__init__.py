@@ -153,8 +153,6 @@ def child_environment(**changes: str | None) -> dict[str, str]:
         environ = dict(os.environ)
     environ["PATH"] = with_scripts_first(environ.get("PATH"))
     environ.pop("PYTHONOPTIMIZE", None)  # asserts and docstrings are wanted: a check's title is one
-    if sys.getfilesystemencoding() == "ascii":  # rclpy refuses arguments that are no text, as a name with an umlaut
-        environ["PYTHONUTF8"] = "1"
     for name, value in changes.items():
         if value is None:
             environ.pop(name, None)

@@ -36,7 +36,6 @@ _GOAL = "rclpy.action.server:ServerGoalHandle."
 _CLIENT = "rclpy.action.client:ActionClient."
 _C = "rclpy.impl.implementation_singleton:rclpy_implementation."
 _LOG = "rcl_interfaces.msg:Log."  # any class that rosidl has generated; rclpy has always loaded this one
-_KERNEL = "nbval.kernel:RunningKernel."
 
 RECORDING = Feature(
     "lab.diagram() shows no services and topics, lab.timeline() no callbacks, a call learns of a failed callback only "
@@ -109,16 +108,12 @@ DIAGNOSES = Feature(
         "rclpy.executors:await_or_execute",
     ),
 )
-NOTEBOOK_TESTS = Feature(
-    "./course test takes long to notice that a notebook's kernel has died",
-    (*_of(_KERNEL, "await_reply", "is_alive", "stop", "kc", "km"), "nbval.plugin:RunningKernel"),
-)
 
 OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
 _OF_GOALS = (FEEDBACK, WAITING_FOR_GOALS)
 _OF_CELLS = (PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
 OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
-ALL = (*OF_THE_LAB, GRADING, DIAGNOSES, NOTEBOOK_TESTS)
+ALL = (*OF_THE_LAB, GRADING, DIAGNOSES)
 _ENDING = "; everything else works."
 
 

@@ -12,7 +12,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import psutil
 import pytest
 
 from course_kit import environment
@@ -83,21 +82,6 @@ def finish(handed_in: Path, *more: object) -> None:
     assert scores == {f"student{number}": 10.0 for number in range(CLASS_SIZE)}
 
 
-def test_a_run_that_was_killed_is_resumed_without_doing_anything_twice(handed_in: Path) -> None:
-    slow_down(handed_in)
-    with started(*class_run(handed_in, "--workers", 1)) as process:
-        wait_until(lambda: len(records(handed_in)) >= 2)
-        workers = psutil.Process(process.pid).children(recursive=True)
-        process.kill()
-        process.wait()
-        _, alive = psutil.wait_procs(workers, PATIENCE_S)
-        assert not alive
-    before = {path: path.read_bytes() for path in records(handed_in).values()}
-    assert 2 <= len(before) < CLASS_SIZE
-    finish(handed_in, "--resume", "--workers", 2)
-    assert all(path.read_bytes() == content for path, content in before.items())
-
-
 def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: Path) -> None:
     """Also where a script has started it in the background."""
     slow_down(handed_in)
@@ -111,17 +95,6 @@ def test_ctrl_c_finishes_what_is_under_way_and_the_rest_comes_later(handed_in: P
     assert "Traceback" not in said
     assert 1 <= len(records(handed_in)) < CLASS_SIZE
     finish(handed_in, "--resume", "--workers", 2)
-
-
-def test_a_worker_that_is_killed_costs_nobody_a_grade(handed_in: Path) -> None:
-    slow_down(handed_in)
-    with started(*class_run(handed_in, "--workers", 2)) as process:
-        wait_until(lambda: len(records(handed_in)) >= 1)
-        below = psutil.Process(process.pid).children()
-        next(one for one in below if "worker_process" in " ".join(one.cmdline())).kill()
-        said, _ = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 0, said
-    finish(handed_in, "--resume")
 
 
 def test_names_steer_nothing_and_whoever_is_left_out_is_named(handed_in: Path) -> None:

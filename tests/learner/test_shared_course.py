@@ -130,7 +130,6 @@ def test_what_cannot_be_written_is_a_sentence(learner: Learner) -> None:
         ["reset", TEMPERATURE, str(inside)],
         ["copy", str(learner.course.root.parent / "copy")],
         ["copy", str(learner.course.root / "copy")],
-        ["release", str(inside.with_suffix(".zip"))],
         [
             "class",
             str(learner.course.root / "exercises"),

@@ -157,19 +157,6 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     assert told.err.count(compat.RECORDING.lost) == 1
 
 
-def test_nbval_goes_on_with_its_own_kernel_where_ours_does_not_fit() -> None:
-    program = (
-        "from nbval import kernel, plugin; from tests.ros.renaming import take_away; its = kernel.RunningKernel; "
-        f"take_away({compat.NOTEBOOK_TESTS.names[0]!r}); import course_kit.dev.nbval_plugin; "
-        "assert kernel.RunningKernel is plugin.RunningKernel is its"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=REPOSITORY, capture_output=True, text=True, timeout=100, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith(compat.NOTEBOOK_TESTS.lost)
-
-
 def test_nbval_waits_longer_than_its_own_5_s_for_an_output() -> None:
     from course_kit.dev import nbval_plugin
 
