@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.authoring import corpus, rules
 from course_kit.authoring.gradings import Gradings
-from course_kit.grading import GradingError, Report
 from course_kit.text.console import in_points, refuse, wrap_text
 
 if TYPE_CHECKING:
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
     from course_kit.authoring.corpus import Corpus, ProofSubmission
     from course_kit.authoring.rules import Fault
+    from course_kit.grading import Report
 
 _WIDTH = 100
 _EACH = 25  # gradings from one line of progress to the next
@@ -104,10 +104,7 @@ def main(arguments: Sequence[str]) -> int:
     root = environment.checkout_folder()
     if root is None or not (root / "tests").is_dir():
         return refuse("the submissions belong to the course's folder; run this in a clone of it.")
-    try:
-        found = check_proofs(root, options.exercises, workers=options.workers, seed=options.seed)
-    except GradingError as problem:
-        return refuse(problem)
+    found = check_proofs(root, options.exercises, workers=options.workers, seed=options.seed)
     print("\n".join(describe_outcome(found)))
     return 1 if found.faults else 0
 

@@ -35,7 +35,7 @@ _IN_PLACE_OF_NAME, _IN_PLACE_OF_CLASS = "@ID@", "@CLASS@"
 _TITLE, _ANSWER = "title", "answer"  # the cells that are made anew; that of the task is filled by `task_text`
 _QUOTES = '"""'
 _MAIN = "\ndef main("
-_METADATA = {
+METADATA = {
     "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
     "language_info": {"name": "python"},
 }
@@ -135,7 +135,7 @@ def _new_notebook(exercise: Exercise) -> str:
         _cell("grading", "markdown", _GRADING.format(class_name=exercise.class_name, id=exercise.id)),
         _cell("grade", "code", f"%grade {exercise.id}"),
     ]
-    return _as_text({"cells": cells, "metadata": _METADATA, "nbformat": 4, "nbformat_minor": 5})
+    return _as_text({"cells": cells, "metadata": METADATA, "nbformat": 4, "nbformat_minor": 5})
 
 
 def _renewed_notebook(text: str, exercise: Exercise, starter: str) -> str:

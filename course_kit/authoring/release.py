@@ -21,7 +21,7 @@ import nbformat
 from course_kit import environment
 from course_kit.authoring import edition_notebooks, edition_plan, leaks
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import note, refuse
+from course_kit.text.console import note
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -36,11 +36,7 @@ _LIST = "course_kit/authoring/edition.toml"
 _NAMED = 10  # files that are named; of more, their folders with counts
 
 
-class ReleaseError(RuntimeError):
-    """The student edition cannot be made; the text is for the user."""
-
-
-class AnswersFoundError(ReleaseError):
+class AnswersFoundError(GradingError):
     """There are answers in the edition; the text names them."""
 
 
@@ -48,17 +44,13 @@ def release_edition(target: str, without: Collection[str] = (), left_out_file: s
     """Make the student edition and say what it is."""
     try:
         path, planned = make_edition(Path(target), without)
-        print("\n".join([f"The student edition is in {path}.", *describe_edition(planned)]))
-        if left_out_file is not None:
-            listed = "".join(f"{name}\n" for name in planned.left_out)
-            environment.write_atomically(Path(left_out_file), os.fsencode(listed))
     except AnswersFoundError as problem:
         note(problem)
         return ANSWERS_FOUND
-    except (ReleaseError, GradingError) as problem:
-        return refuse(problem)
-    except OSError as problem:
-        return refuse(f"{problem.filename or target} could not be written: {problem.strerror}.")
+    print("\n".join([f"The student edition is in {path}.", *describe_edition(planned)]))
+    if left_out_file is not None:
+        listed = "".join(f"{name}\n" for name in planned.left_out)
+        environment.write_atomically(Path(left_out_file), os.fsencode(listed))
     return 0
 
 
@@ -66,7 +58,7 @@ def make_edition(target: Path, without: Collection[str] = ()) -> tuple[Path, Edi
     """Write the student edition, which appears under its name only when it is complete and holds no answers."""
     root = environment.checkout_folder()
     if root is None:
-        raise ReleaseError("A student edition is made from the course's folder. Run ./course release there.")
+        raise GradingError("A student edition is made from the course's folder. Run ./course release there.")
     target = target.absolute()
     _require_free(target)
     planned = edition_plan.plan_edition(root, without)
@@ -145,16 +137,16 @@ def _is_zip(target: Path) -> bool:
 def _require_free(target: Path) -> None:
     if _is_zip(target):
         if target.exists():
-            raise ReleaseError(f"{target} exists already. Remove it, or choose another name.")
+            raise GradingError(f"{target} exists already. Remove it, or choose another name.")
     elif target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise ReleaseError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
+        raise GradingError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
 
 
 def _leave_answers_out(target: Path, name: str) -> None:
     try:
         notebook = nbformat.read(target, as_version=4)
     except (ValueError, KeyError, AttributeError) as problem:
-        raise ReleaseError(f"{name} is not a notebook: {problem}. Repair or remove it.") from problem
+        raise GradingError(f"{name} is not a notebook: {problem}. Repair or remove it.") from problem
     if edition_notebooks.has_answers(notebook):
         nbformat.write(edition_notebooks.remove_answers(notebook), target)
 

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 from packaging.markers import Marker
 from packaging.tags import cpython_tags
 
+from course_kit.grading.errors import GradingError
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
@@ -87,13 +89,13 @@ def parse_lock(text: str) -> list[LockedPackage]:
 
 def read_lock(root: Path, names: Iterable[str]) -> list[LockedPackage]:
     """The packages of several files of the lock, in their order."""
-    return [
-        package for name in names for package in parse_lock((root / LOCK / f"{name}.txt").read_text(encoding="utf-8"))
-    ]
-
-
-class BundleError(RuntimeError):
-    """The files could not be downloaded; the text is for the user."""
+    try:
+        texts = [(root / LOCK / f"{name}.txt").read_text(encoding="utf-8") for name in names]
+        return [package for text in texts for package in parse_lock(text)]
+    except (OSError, ValueError) as problem:
+        raise GradingError(
+            f"The lock in {root / LOCK} cannot be read: {problem}. `course-kit dev lock --upgrade` writes it anew."
+        ) from problem
 
 
 def make_bundle(root: Path, asked: Sequence[str] | None, known: Sequence[str], folder: Path, *, tests: bool) -> None:
@@ -101,7 +103,7 @@ def make_bundle(root: Path, asked: Sequence[str] | None, known: Sequence[str], f
     wanted = list(dict.fromkeys(asked or [".".join(platform.python_version_tuple()[:2])]))
     wanted = list(known) if "all" in wanted else wanted
     if unknown := [version for version in wanted if version not in known]:
-        raise BundleError(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
+        raise GradingError(f"the course is for Python {', '.join(known)}, not {', '.join(unknown)}.")
     folder.mkdir(parents=True, exist_ok=True)
     for python in wanted:
         found = locked_packages(root, python, tests=tests)
@@ -116,10 +118,7 @@ def make_bundle(root: Path, asked: Sequence[str] | None, known: Sequence[str], f
 
 def locked_packages(root: Path, python: str, *, tests: bool = False) -> list[LockedPackage]:
     """What a set-up on a Python such as "3.12" installs where no ROS 2 is sourced."""
-    try:
-        found = read_lock(root, [*_PARTS, *(_TEST_PARTS if tests else ())])
-    except (OSError, ValueError) as problem:
-        raise BundleError(f"The lock in {root / LOCK} cannot be read: {problem}") from problem
+    found = read_lock(root, [*_PARTS, *(_TEST_PARTS if tests else ())])
     return list(dict.fromkeys(package for package in found if package.is_for(python)))
 
 
@@ -152,9 +151,9 @@ def _download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> Non
         try:
             code = subprocess.run(command, stdout=sys.stderr, timeout=_DEADLINE_S, check=False).returncode
         except (OSError, subprocess.TimeoutExpired) as problem:
-            raise BundleError(f"pip did not finish: {problem}") from problem
+            raise GradingError(f"pip did not finish: {problem}") from problem
     if code:
-        raise BundleError(
+        raise GradingError(
             f"The download for Python {python} did not finish; the lines above say why. It needs a network connection. "
             "Then run the same command again: what is in the folder stays."
         )

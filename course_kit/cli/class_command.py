@@ -95,7 +95,6 @@ def add_to(verbs: Any) -> None:
 def grade_class(options: argparse.Namespace) -> int:
     """Grade the class, and say in a sentence what stopped it."""
     from course_kit.classroom.cluster import SchedulerLostError
-    from course_kit.grading import GradingError
 
     try:
         return _run(options)
@@ -107,8 +106,6 @@ def grade_class(options: argparse.Namespace) -> int:
             f"\ncourse-kit: {problem} The results so far are safe. Start a scheduler and its workers, then run:\n"
             f"  {command_to_continue(options)}"
         )
-    except GradingError as problem:
-        note(problem)
     except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
         print_safely(

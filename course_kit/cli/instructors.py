@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.cli import class_command
 from course_kit.integrations import otter
-from course_kit.integrations.jupyter import LabStartError
 from course_kit.text.console import refuse
 
 if TYPE_CHECKING:
@@ -224,17 +223,13 @@ def _bundle(options: argparse.Namespace) -> int:
     root = environment.checkout_folder()
     if root is None:
         return refuse("the list of packages belongs to the course's folder; run this in a clone of it.")
-    try:
-        wheel_bundle.make_bundle(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
-    except wheel_bundle.BundleError as problem:
-        return refuse(problem)
+    wheel_bundle.make_bundle(root, options.python, lock.PYTHONS, options.folder.absolute(), tests=options.test)
     return 0
 
 
 def _present(words: Sequence[str]) -> int:
     """Present the demo that is the first word if that is no option; the others are options of `jupyter lab`."""
     from course_kit.presentation import session
-    from course_kit.presentation.demos import PresentationError
 
     root = environment.course_files()
     if root is None:
@@ -242,10 +237,7 @@ def _present(words: Sequence[str]) -> int:
     named = next((count for count, word in enumerate(words) if word.startswith("-")), len(words))
     if named > 1:
         return refuse(f"present shows one demo, and these are {named}: {' '.join(words[:named])}. Name one of them.")
-    try:
-        return session.present_notebook(root, "".join(words[:named]), words[named:])
-    except (PresentationError, LabStartError) as problem:
-        return refuse(problem)
+    return session.present_notebook(root, "".join(words[:named]), words[named:])
 
 
 def _dev(options: argparse.Namespace) -> int:

@@ -51,17 +51,14 @@ class CourseKernel(nbval.kernel.RunningKernel):  # type: ignore[misc]  # it has 
     def await_reply(self, msg_id: str, timeout: float | None = None) -> None:
         """Wait for the reply in short steps, looking each time whether the kernel still lives."""
         ends = math.inf if timeout is None else time.monotonic() + timeout
-        while not self._replied(msg_id):
+        while True:
+            with suppress(Empty):
+                super().await_reply(msg_id, timeout=_POLL_S)
+                return
             if not self.is_alive():
                 raise RuntimeError("The kernel has died while it ran this cell.")
             if time.monotonic() > ends:
                 raise Empty
-
-    def _replied(self, msg_id: str) -> bool:
-        with suppress(Empty):
-            super().await_reply(msg_id, timeout=_POLL_S)
-            return True
-        return False
 
     def stop(self) -> None:
         """Ask the kernel to end; only one that does not is killed."""
@@ -89,17 +86,13 @@ def pytest_collect_file() -> Generator[None, object, object]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, pytest.CollectReport, object]:
-    """Solve the steps of a notebook once its cells are collected; what they print is not stored."""
+    """Solve the steps of a notebook once its cells are collected, what they print is not stored; wait for outputs."""
     report = yield
     if isinstance(collector, nbval.plugin.IPyNbFile):
         solved = [id(cell) for step in lesson_steps.solve_steps(collector.nb) for cell in (step.empty, step.check)]
         for item in report.result:
-            if isinstance(item, nbval.plugin.IPyNbCell) and id(item.cell) in solved:
-                item.options["check"] = False
+            if isinstance(item, nbval.plugin.IPyNbCell):
+                item.output_timeout = OUTPUT_TIMEOUT_S
+                if id(item.cell) in solved:
+                    item.options["check"] = False
     return report
-
-
-def pytest_itemcollected(item: pytest.Item) -> None:
-    """Have nbval wait longer for the outputs of a cell."""
-    if isinstance(item, nbval.plugin.IPyNbCell):
-        item.output_timeout = OUTPUT_TIMEOUT_S

@@ -14,10 +14,10 @@ from nbclient import NotebookClient
 
 from course_kit import environment
 from course_kit.authoring.edition_notebooks import number_anew
+from course_kit.authoring.new_exercise import METADATA
 from course_kit.dev import lesson_steps
 from course_kit.text.console import refuse
 
-KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 CELL_TIMEOUT_S = 60
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
@@ -35,7 +35,7 @@ def store_outputs(path: Path) -> None:
 
 def normalise_notebook(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """The notebook with times, kernel versions and widget models of this run left out."""
-    notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"}}
+    notebook.metadata = METADATA
     number_anew(notebook)
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)

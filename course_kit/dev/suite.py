@@ -25,7 +25,6 @@ SIDE_BY_SIDE = [
 QUICK, ALL = "--quick", "--all"
 MARKS = {QUICK: ["-m", "not weekly and not slow and not browser"], ALL: ["-m", ""]}
 FIRST_LESSONS = "0[1-3]_*.ipynb"
-
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
@@ -38,28 +37,27 @@ def main(arguments: list[str]) -> int:
     os.chdir(root)
     size = next((one for one in (QUICK, ALL) if one in arguments), "")
     chosen = [argument for argument in arguments if argument not in (QUICK, ALL)]
-    # The tests start thousands of Pythons; each would compile the course anew.
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     try:
         chromium = None if size == QUICK else find_or_install_browser()
-        environ = environment.child_environment(COURSE_BROWSER=chromium, COURSE_KIT_PROGRESS="off")
+        wanted = {"COURSE_KIT_PROGRESS": "off", "PYTHONDONTWRITEBYTECODE": None}  # thousands of Pythons are started
+        environ = environment.child_environment(COURSE_BROWSER=chromium, **wanted)
         if not chosen:
             lessons = Path("notebooks").glob(FIRST_LESSONS) if size == QUICK else list_with_outputs(Path())
             chosen = [*SIDE_BY_SIDE, "--nbval", "tests", *sorted(map(str, lessons))]
-        codes = [run_pytest([*MARKS.get(size, []), *chosen], environ)]
+        code = run_pytest([*MARKS.get(size, []), *chosen], environ)
         if size == ALL:
-            codes.append(_run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])))
+            code = _run_sessions("pythons", *(["hub"] if os.geteuid() == 0 else [])) or code
     except environment.DomainError as problem:
         return refuse(problem)
     except KeyboardInterrupt:  # pytest, which got it too, has said so
         return 130
-    return next((code for code in codes if code), 0)
+    return code or 0
 
 
 def list_with_outputs(course: Path, *, drills: bool = True) -> list[Path]:
     """The notebooks of a course whose outputs are stored: its lessons, demos and drills."""
     folders = ("notebooks", "exercises/drills") if drills else ("notebooks",)
-    found = [path for folder in folders for path in (course / folder).rglob("*.ipynb")]
+    found = (path for folder in folders for path in (course / folder).rglob("*.ipynb"))
     return sorted(path for path in found if ".ipynb_checkpoints" not in path.parts)
 
 

@@ -20,6 +20,7 @@ from urllib.parse import quote
 from jupyter_core import paths
 
 from course_kit import environment
+from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.interfaces.sources import PATH_VARIABLE
 from course_kit.learner import course_list, workspace
@@ -40,7 +41,7 @@ _OF_THE_HUB = "JUPYTERHUB_SERVICE_URL"
 _ROOT_DIR, _DEFAULT_URL = "JUPYTERHUB_ROOT_DIR", "JUPYTERHUB_DEFAULT_URL"
 
 
-class LabStartError(RuntimeError):
+class LabStartError(GradingError):
     """JupyterLab cannot be started here; the text is for the user."""
 
 
@@ -53,24 +54,17 @@ def run_lab(arguments: Sequence[str]) -> int:
     folder = environment.learner_folder() or usual
     if arguments and not arguments[0].startswith("-"):
         named, *arguments = arguments
-        try:
-            folder = Path(named).resolve()
-            is_file = folder.is_file()
-        except OSError as problem:
-            return refuse(f"{named} cannot be your folder: {problem.strerror or problem}.")
-        if is_file or (root in folder.parents and folder != usual):
+        folder = Path(named).resolve()
+        if folder.is_file() or (root in folder.parents and folder != usual):
             return refuse(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     if set(arguments) <= {_NO_BROWSER, _ALLOW_ROOT} and (address := running_server(folder)):
         return _open_running(folder, address, arguments)
-    try:
-        last = last_notebook(folder)
-        opens = PROGRESS_PAGE if (page := course_list.format_progress_page(last)) and folder.resolve() != root else last
-        command, environ = lab_command(folder, f"/lab/tree/{quote(opens)}", arguments)
-        make_ready(root, folder)  # only where JupyterLab can start
-        if opens == PROGRESS_PAGE:
-            environment.write_atomically(folder / PROGRESS_PAGE, page)
-    except (LabStartError, environment.DomainError) as problem:
-        return refuse(problem)
+    last = last_notebook(folder)
+    opens = PROGRESS_PAGE if (page := course_list.format_progress_page(last)) and folder.resolve() != root else last
+    command, environ = lab_command(folder, f"/lab/tree/{quote(opens)}", arguments)
+    make_ready(root, folder)  # only where JupyterLab can start
+    if opens == PROGRESS_PAGE:
+        environment.write_atomically(folder / PROGRESS_PAGE, page)
     sys.stdout.flush()
     return os.execve(sys.executable, command, environ)
 
@@ -110,10 +104,7 @@ def run_on_hub(arguments: Sequence[str]) -> int:
     root = environment.course_files()
     if root is None:
         return refuse("the lessons are missing in this installation. Install the course again.")
-    try:
-        as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), HUB_VERB)
-    except LabStartError as problem:
-        return refuse(problem)
+    as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), HUB_VERB)
     folder = environment.paths.usual_learner_folder()
     lesson = last_notebook(folder)
     try:

@@ -13,7 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
-from course_kit.text.console import WIDTH, refuse
+from course_kit.text.console import WIDTH
 
 if TYPE_CHECKING:
     import argparse
@@ -89,9 +89,5 @@ def add_to(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    try:
-        text = case_file(options.exercise, options.seed)
-    except GradingError as problem:
-        return refuse(problem)
-    sys.stdout.write(text)
+    sys.stdout.write(case_file(options.exercise, options.seed))
     return 0

@@ -50,13 +50,10 @@ def copy_course(target: Path | None) -> int:
     if root is None:
         return refuse("the lessons and exercises are missing in this installation. Install the course again.")
     target = target or _my_folder()
-    try:
-        target = target.absolute() if target == root / environment.LEARNER_FOLDER else target.resolve()
-        if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
-            return refuse(f"{target} is inside the course's folder. Name another folder.")
-        make_copy(root, target, restore=True)
-    except OSError as problem:
-        return refuse(f"{problem.filename or target} could not be written: {problem.strerror or problem}.")
+    target = target.absolute() if target == root / environment.LEARNER_FOLDER else target.resolve()
+    if target != root / environment.LEARNER_FOLDER and (target == root or root in target.parents):
+        return refuse(f"{target} is inside the course's folder. Name another folder.")
+    make_copy(root, target, restore=True)
     print(f"The lessons and exercises are in {target}. What you have changed there stays as it is.")
     return 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from course_kit.grading.errors import GradingError
 from course_kit.interfaces.hints import nearest_name
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ LESSONS = "notebooks"
 DEMOS = f"{LESSONS}/demos"
 
 
-class PresentationError(RuntimeError):
+class PresentationError(GradingError):
     """It cannot be presented; the text is for the speaker."""
 
 

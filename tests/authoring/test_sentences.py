@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import corpus, sentences
+from course_kit.authoring import corpus, rules
 from course_kit.authoring.corpus import Corpus, ProofSubmission
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.model.exercise import Sentence, load_exercise
@@ -20,13 +20,13 @@ ROOT = environment.checkout_folder()
 assert ROOT is not None
 EXERCISES = corpus.all_exercises(ROOT)
 EXERCISE = load_exercise("temperature_service")
-CHECKS = sentences.checks_of(EXERCISE)
+CHECKS = rules.checks_of(EXERCISE)
 
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_sentences_and_checks_fit_together(name: str) -> None:
     exercise = load_exercise(name)
-    assert sentences.find_sentence_faults(exercise, sentences.checks_of(exercise)) == []
+    assert rules.find_sentence_faults(exercise, rules.checks_of(exercise)) == []
     assert len(exercise.sentences) >= 10
 
 
@@ -43,7 +43,7 @@ def without(checks: tuple[Check, ...], name: str) -> list[Check]:
 
 
 def test_sentence_without_a_check_is_named() -> None:
-    assert sentences.find_sentence_faults(EXERCISE, without(tuple(CHECKS), "same_unit")) == [
+    assert rules.find_sentence_faults(EXERCISE, without(tuple(CHECKS), "same_unit")) == [
         "no sentence of the task says what the check 'same_unit' tests.",
         "no check tests the sentence 'same_unit'.",
     ]
@@ -69,12 +69,12 @@ def report(score: float, **statuses: str) -> Report:
 
 def test_a_sentence_is_proven_by_what_breaks_it_and_turns_its_check_red() -> None:
     reports = {BREAKS: report(0.0, node_name="failed", answers="failed"), RIGHT: report(1.0, node_name="passed")}
-    assert list(sentences.find_unproven(ALL, reports)) == []
+    assert list(rules.find_unproven(ALL, reports)) == []
 
 
 def test_freedom_that_costs_points_is_none() -> None:
     reports = {BREAKS: report(0.0, node_name="failed"), RIGHT: report(0.5)}
-    assert list(sentences.find_unproven(ALL, reports)) == [
+    assert list(rules.find_unproven(ALL, reports)) == [
         "the sentence 'free' grants a freedom, and there is no right program 'right' with full marks."
     ]
 
@@ -82,6 +82,6 @@ def test_freedom_that_costs_points_is_none() -> None:
 def test_submission_that_breaks_what_no_sentence_says_is_named() -> None:
     strange = replace(BREAKS, breaks=("node", "moon"))
     reports = {strange: report(0.0, node_name="failed"), RIGHT: report(1.0)}
-    assert list(sentences.find_unproven(replace(ALL, submissions=(strange, RIGHT)), reports)) == [
+    assert list(rules.find_unproven(replace(ALL, submissions=(strange, RIGHT)), reports)) == [
         "slip breaks_it breaks the sentence 'moon', which exercise.toml does not have."
     ]

@@ -10,6 +10,7 @@ import pytest
 
 from course_kit.authoring import wheel_bundle
 from course_kit.authoring.wheel_bundle import LockedPackage
+from course_kit.grading.errors import GradingError
 from tests.course_copy import REPOSITORY
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def test_the_wheels_for_another_python_and_an_older_linux_are_downloaded(source:
 
 def test_a_file_that_is_not_the_one_of_the_lock_is_refused(source: Path, tmp_path: Path) -> None:
     wheel(source, "plain", "py3-none-any")
-    with pytest.raises(wheel_bundle.BundleError, match=r"Python 3\.12 did not finish; the lines above say why"):
+    with pytest.raises(GradingError, match=r"Python 3\.12 did not finish; the lines above say why"):
         wheel_bundle.download_packages([LockedPackage("plain", "1.0", "", ("sha256:" + "0" * 64,))], "3.12", tmp_path)
     assert list(tmp_path.glob("*.whl")) == []
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
+from course_kit.cli.main import main
 from course_kit.integrations import jupyter
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
 ) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     monkeypatch.setattr(environment.paths, "sign_of_container", lambda: "")  # as on a machine of its own
-    assert jupyter.run_lab([str(tmp_path / "folder")]) == 2
+    assert main(["lab", str(tmp_path / "folder")]) == 2
     assert not (tmp_path / "folder").exists()
     said = capsys.readouterr().err
     assert said.startswith("course-kit: JupyterLab does not run as root")

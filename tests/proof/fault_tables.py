@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.authoring import rules, sentences
+from course_kit.authoring import rules
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
 from course_kit.grading.model.exercise import load_exercise
@@ -58,7 +58,7 @@ class Verdicts:
 
 
 def _costs(program: ProofSubmission, seed: int, report: Report) -> bool:
-    checks = sentences.checks_of(load_exercise(program.exercise), seed)
+    checks = rules.checks_of(load_exercise(program.exercise), seed)
     proving = {one.id for one in checks if set(program.breaks) & set(one.proves)}
     return any(one.points < one.max_points for one in report.checks if one.id in proving)
 

@@ -157,14 +157,6 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
     assert told.err.count(compat.RECORDING.lost) == 1
 
 
-def test_nbval_waits_longer_than_its_own_5_s_for_an_output() -> None:
-    from course_kit.dev import nbval_plugin
-
-    cell = object.__new__(nbval_plugin.nbval.plugin.IPyNbCell)
-    nbval_plugin.pytest_itemcollected(cell)
-    assert cell.output_timeout == nbval_plugin.OUTPUT_TIMEOUT_S
-
-
 # Of Python itself, and of ipywidgets; and of classes of the kit's own that others inherit from.
 OTHERS = {
     "_Environ", "_SubParsersAction", "_actions", "_asdict", "_clear", "_current_frames", "_exit", "_fields",

@@ -1,17 +1,39 @@
-"""Every small mistake in a solution, each once."""
+"""Every small mistake in a solution, each once; and those that an author has declared to be right, with the reason.
+
+They stand in a file `equivalent.toml`: beside the solution of one of the course's own exercises, in the folder `proof`
+of another one's.
+
+    [[equivalent]]
+    lines = ['self.status = self.create_publisher(String, "status", 10)']
+    operators = ["another number"]
+    reason = "The depth of a queue is free."
+
+An entry is about all mutants of these operators on lines with these texts; lines may move. With `change` it is about
+those in whose change, `old -> new`, these words stand, and with `ordinal`, where several have the same, about the
+first, second ... of them.
+"""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from course_kit.authoring.prove import mistakes, ros_mistakes
 from course_kit.authoring.prove.program import ParsedProgram, line_of
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from course_kit.authoring.prove.program import New
+    from course_kit.grading.model.exercise import Exercise
+
+FILE = "equivalent.toml"
 
 
 @dataclass(frozen=True)
@@ -59,3 +81,57 @@ def _written(node: ast.AST | New) -> str:
         return "nothing"
     parts = node if isinstance(node, list) else [node]
     return " / ".join(line.strip() for part in parts for line in ast.unparse(part).split("\n"))
+
+
+class _Entry(msgspec.Struct, forbid_unknown_fields=True):
+    lines: list[str]
+    operators: list[str]
+    reason: str
+    change: str = ""
+    ordinal: int = 0
+
+
+@dataclass(frozen=True)
+class DeclaredEquivalent:
+    """One operator on one line; `change` is empty and `ordinal` 0 where they are left open."""
+
+    line: str
+    operator: str
+    change: str = ""
+    ordinal: int = 0
+
+    def covers(self, mutant: Mutant) -> bool:
+        """Whether it is about a mutant."""
+        return (
+            mutant.operator == self.operator
+            and mutant.before == self.line
+            and self.change in mutant.change
+            and self.ordinal in (0, mutant.ordinal)
+        )
+
+    def __str__(self) -> str:
+        return f"{self.operator}: {self.line}{f': {self.change}' if self.change else ''}"
+
+
+def file_of(exercise: Exercise) -> Path:
+    """The declarations of an exercise, in its own proof set, or else beside its solution; the file need not exist."""
+    if exercise.solution.is_relative_to(exercise.folder):
+        return exercise.folder / "proof" / FILE
+    return (exercise.solution if exercise.files else exercise.solution.parent) / FILE
+
+
+def read_equivalents(path: Path) -> list[DeclaredEquivalent]:
+    """The entries of a file, one for each line and operator; none when it is not there."""
+    try:
+        entries = msgspec.toml.decode(path.read_bytes(), type=dict[str, list[_Entry]])
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError) as problem:
+        mistake = re.sub(r"`\$\[\.\.\.\]\[(\d+)\]", lambda place: f"`entry {int(place[1]) + 1}", str(problem))
+        raise GradingError(f"{path} cannot be used: {mistake}.") from problem
+    return [
+        DeclaredEquivalent(line.strip(), operator, entry.change, entry.ordinal)
+        for entry in entries.get("equivalent", ())
+        for line in entry.lines
+        for operator in entry.operators
+    ]

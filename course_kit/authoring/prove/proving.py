@@ -10,7 +10,7 @@ from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from course_kit.authoring.gradings import Gradings
-from course_kit.authoring.prove import equivalent, mutants
+from course_kit.authoring.prove import mutants
 from course_kit.authoring.rules import describe_report
 from course_kit.grading.errors import GradingError
 from course_kit.text.console import wrap_text
@@ -18,8 +18,7 @@ from course_kit.text.console import wrap_text
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from course_kit.authoring.prove.equivalent import DeclaredEquivalent
-    from course_kit.authoring.prove.mutants import Mutant
+    from course_kit.authoring.prove.mutants import DeclaredEquivalent, Mutant
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
 
@@ -59,7 +58,7 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
     made = [
         one for name in programs for one in mutants.make_mutants(texts[name], starts_itself=starts_itself, file=name)
     ]
-    entries = equivalent.read_equivalents(equivalent.file_of(exercise))
+    entries = mutants.read_equivalents(mutants.file_of(exercise))
     declared = {one: entry for one in made for entry in entries if entry.covers(one)}
     chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS

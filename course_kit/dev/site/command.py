@@ -8,6 +8,7 @@ the course's, so that the links between pages hold.
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -21,7 +22,6 @@ import nbformat
 
 from course_kit import environment
 from course_kit.dev import suite
-from course_kit.grading import GradingError
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import export
 from course_kit.ros2cli import parser as ros2_parser
@@ -67,20 +67,13 @@ def main(arguments: Sequence[str]) -> int:
     target = (options.to or root / _USUAL).absolute()
     if _is_in_use(target):
         return refuse(f"{target} is no site that this command has made. Name a folder that is new or empty with --to.")
-    try:
-        return _build(root, target)
-    except GradingError as problem:
-        return refuse(problem)
-    except OSError as problem:
-        return refuse(f"the site cannot be written: {problem}.")
+    return _build(root, target)
 
 
 def _is_in_use(target: Path) -> bool:
     """Whether something else than a site lies there."""
-    if not target.is_dir():
-        return target.exists() or target.is_symlink()
-    if (target / ".git").exists():  # a checkout of a site that was published: making one would remove the folder
-        return True
+    if not target.is_dir() or (target / ".git").exists():  # a file, or a checkout of a site that was published
+        return os.path.lexists(target)
     return any(target.iterdir()) and not (target / _SIGN).is_file()
 
 
@@ -118,10 +111,7 @@ def gather_pages(root: Path, folder: Path) -> None:
     for page in sorted(_PAGES.rglob("*.md")):
         if page.name != _FRONT_END:
             _write(folder / page.relative_to(_PAGES), _filled_in(page.read_text("utf-8"), root, lists))
-    for path in [
-        *suite.list_with_outputs(root, drills=False),
-        *(path for found in lists.values() for path in found),
-    ]:
+    for path in [*suite.list_with_outputs(root, drills=False), *lists["exercises"], *lists["drills"]]:
         _write(folder / path.relative_to(root), nbformat.writes(for_reading(nbformat.read(path, as_version=4))))
 
 

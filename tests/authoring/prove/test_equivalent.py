@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.authoring.prove import equivalent, mutants
+from course_kit.authoring.prove import mutants
 from course_kit.grading import GradingError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ REASON = 'reason = "It does not matter."\n'
 def covered(tmp_path: Path, *more: str) -> list[str]:
     path = tmp_path / "equivalent.toml"
     path.write_text("[[equivalent]]\n" + LINES + OPERATORS + REASON + "".join(f"{line}\n" for line in more))
-    entries = equivalent.read_equivalents(path)
+    entries = mutants.read_equivalents(path)
     return [one.key for one in mutants.make_mutants(SOURCE) if any(entry.covers(one) for entry in entries)]
 
 
@@ -51,7 +51,7 @@ def test_a_wrong_entry_is_named(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "equivalent.toml"
     path.write_text(text)
     with pytest.raises(GradingError, match=said):
-        equivalent.read_equivalents(path)
+        mutants.read_equivalents(path)
 
 
 @pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
@@ -60,6 +60,6 @@ def test_each_declaration_of_the_course_is_about_a_mutant_that_there_is(name: st
     assert root is not None
     folder = root / "solutions" / name
     made = mutants.make_mutants((folder / f"{name}.py").read_text(), starts_itself=False)
-    entries = equivalent.read_equivalents(folder / equivalent.FILE)
+    entries = mutants.read_equivalents(folder / mutants.FILE)
     assert entries
     assert [str(one) for one in entries if not any(one.covers(mutant) for mutant in made)] == []
