@@ -143,7 +143,7 @@ def hint_line(line: str) -> None:
 
 
 def check_line(line: str) -> StepResult:
-    """Ask your running nodes about a step of the lesson: `%check triple`."""
+    """Ask your running nodes about a step of the lesson: `%check subtract`."""
     __tracebackhide__ = True
     from course_kit.learner.step_check import check_step
     from course_kit.learner.steps import STEPS

@@ -68,10 +68,8 @@ def check_step(step: LessonStep) -> StepResult:
     """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress.
 
     Example:
-        >>> print(check_step(STEPS["triple"]).text)
-        Right: `/triple` answers with three times `a`.
-          -> request /triple: a=14
-          <- response: sum=42
+        >>> print(check_step(STEPS["belt"]).text)
+        Right: A parameter: `belt_speed` can be read and changed.
     """
     ends = [_endpoint(one) for one in step.needs if not one.startswith("node ")]
     job = Job("", "attach", "", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))

@@ -52,6 +52,11 @@ def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool],
         raise Failed(Evidence("", words, last), f"{topic} has to say {words}, and its last message says {last}.")
 
 
+def is_text_with(part: str, text: str) -> bool:
+    """Whether a text holds another one."""
+    return part in text
+
+
 def has_data(wanted: object, message: Message) -> bool:
     """Whether a message's only field has this value."""
     return bool(message.data == wanted)
@@ -112,11 +117,15 @@ def too_old(node: GradedNode) -> None:
     node.call("/person_info", name="Ada", age=150).expect(success=True)
 
 
-@step("01_services", f"service /triple {ADD}")
-def triple(node: GradedNode) -> None:
-    """`/triple` answers with three times `a`."""
-    node.call("/triple", a=14).expect(sum=42)
-    node.call("/triple", a=-2).expect(sum=-6)
+@step("01_services", "action /move_robot course_interfaces/action/MoveRobot", POSITION, f"service /where {TRIGGER}")
+def where(node: GradedNode) -> None:
+    """`/where` says where the robot is, also when it has moved."""
+    for x in (0.5, 1.0):
+        node.goal("/move_robot", target={"x": x, "y": 0.0}).accepted_by().ends()
+        expect_robot_at(node, x, 0.0, near=0.01)
+        node.expect("/position")  # so that the one before has come to everybody
+        why = f"The robot is at x={x}, y=0.0, and the message does not say so."
+        node.call("/where").expect(message=partial(is_text_with, f"{x}"), why=why)
 
 
 @step("02_actions", f"action /forgetful {FIBONACCI}")

@@ -1,4 +1,4 @@
-"""A robot to be sent about on a map, from the first lesson on: how an action is used comes before how one is written.
+"""The robot of the lessons, to be sent about on a map: how an action is used comes before how one is written.
 
 It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, cannot climb, and
 does not measure its way.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
@@ -27,7 +28,10 @@ _STEPS = 4  # from one feedback message to the next: five a metre, as exercise 2
 
 
 class DemoRobot(Node):
-    """Offers `course_interfaces/action/MoveRobot` under /move_robot, and publishes where it is on /position."""
+    """Offers `course_interfaces/action/MoveRobot` under /move_robot, and publishes where it is on /position.
+
+    Its parameter `max_velocity`, 0.2 to 2.0 m/s, takes effect while it drives.
+    """
 
     def __init__(self) -> None:
         super().__init__("demo_robot")
@@ -38,6 +42,9 @@ class DemoRobot(Node):
         self._place = self.create_publisher(Point, "position", 10)
         self.create_timer(_TELLS_S, self._tell)
         self._robot = SimulatedRobot()
+        limits = FloatingPointRange(from_value=0.2, to_value=2.0)
+        about = ParameterDescriptor(description="how fast it drives, in m/s", floating_point_range=[limits])
+        self.declare_parameter("max_velocity", self._robot.SPEED, about)
         self._free = threading.Semaphore()
         self._server = ActionServer(
             self,
@@ -80,6 +87,7 @@ class DemoRobot(Node):
         for corner in (Place(target.x, begin.y), target):
             while tuple(self._robot.position) != corner:
                 yield way
+                self._robot.SPEED = self.get_parameter("max_velocity").value
                 self._robot.step_towards(*corner)
 
     def _feedback(self, target: Place, way: float) -> Message:

@@ -1,6 +1,6 @@
 // Questions of a lesson as forms of the browser's own parts, so that keyboard and screen reader work as everywhere.
 // The arrow keys only move between the choices; the button, or Enter, makes one of them the guess. What is right is
-// known to the kernel only, until then.
+// known to the kernel only, until then. Several questions come one after the other, so that a page is never tall at once.
 
 let forms = 0;
 
@@ -12,7 +12,7 @@ function verdictOf(answer, choices) {
   const right = answer.chosen === answer.right;
   const verdict = make("p", {}, make("strong", {}, right ? "✓ Right. " : "✗ Not quite. "), ...marked(answer.why));
   const parts = [verdict];
-  if (!right) {
+  if (!right && answer.right !== null) {
     const text = choices[answer.right];
     parts.push(make("p", {}, make("strong", {}, "The answer: "), ...marked(text), /[.?!`]$/.test(text) ? " " : ". "));
     parts[1].append(...marked(answer.why_right));
@@ -97,11 +97,16 @@ function formOf(model, question, number, count) {
 function render({ model, el }) {
   const questions = model.get("questions");
   const all = questions.map((question, place) => formOf(model, question, place + 1, questions.length));
+  for (const { form } of all) form.hidden = true;
   const summary = make("p", { role: "status", class: "ck-guess-summary" });
   const name = questions.length > 1 ? "Check yourself" : questions[0].title;
   el.append(make("section", { class: "ck-panel ck-guess", "aria-label": name }, ...all.map(({ form }) => form), summary));
   function refresh() {
-    for (const each of all) each.refresh();
+    const done = Object.keys(model.get("answers")).length;
+    all.forEach(({ form, refresh: show }, place) => {
+      show();
+      form.hidden &&= place > done; // what was shown stays, also when an answer is taken back
+    });
     summary.textContent = model.get("summary");
     summary.hidden = !summary.textContent;
   }

@@ -1,7 +1,8 @@
-"""A question of a lesson, to be answered with a click: before a cell is run, or at the lesson's end."""
+"""A question of a lesson, to be answered with a click. A guess is explained when its cell has run."""
 
 from __future__ import annotations
 
+import sys
 import threading
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _LETTERS = "ABCDEFGH"
 _TITLES = {guesses.GUESS: "Guess before you run the next cell", guesses.CHECK: "Check yourself", "demo": "Guess"}
+_LOOK = "Run the next cell and look."
 _HOW = "(To be answered with a click in a live notebook.)"
 
 
@@ -42,6 +44,7 @@ class GuessPanel(WordedWidget):
         self._one_at_a_time = threading.RLock()
         self._record = guesses.GuessRecord()
         self._again: set[str] = set()
+        self._cell_has_run = not any(map(_is_about_next_cell, questions)) or not self._await_next_cell()
         self.widget = GuessForm(questions=[_asked(one) for one in questions])
         self.widget.on_msg(self._told)
         self._show()
@@ -77,34 +80,54 @@ class GuessPanel(WordedWidget):
         elif isinstance(place, int) and 0 <= place < len(self._questions[str(name)].choices):
             self.answer(str(name), place)
 
+    def _await_next_cell(self) -> bool:
+        """Explain when the cell below has run; False where no cells are run."""
+        shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+        if shell is None:
+            return False
+
+        def end_own_cell(_result: object) -> None:
+            shell.events.unregister("post_run_cell", end_own_cell)
+            shell.events.register("post_run_cell", explain)
+
+        def explain(_result: object) -> None:
+            shell.events.unregister("post_run_cell", explain)
+            with self._one_at_a_time:
+                self._cell_has_run = True
+                self._show()
+
+        shell.events.register("post_run_cell", end_own_cell)
+        return True
+
     def _show(self) -> None:
-        answers = {name: _answered(one, self._record) for name, one in self._questions.items()}
+        answers = {name: self._describe_answer(one) for name, one in self._questions.items()}
         self.widget.answers = {name: found for name, found in answers.items() if found and name not in self._again}
         done = [found for found in answers.values() if found]
         right = sum(bool(found["first_right"]) for found in done)
         if len(answers) > 1 and done:
             self.widget.summary = f"{right} of {len(answers)} right at the first try, {len(done)} answered."
 
+    def _describe_answer(self, question: LessonQuestion) -> dict[str, object] | None:
+        """What the browser shows of an answer; None where there is none, or its choice is no longer there."""
+        known = self._record.of(question)
+        place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)
+        if known is None or place is None:
+            return None
+        shown: dict[str, object] = {"chosen": place, "first_right": known.first_right}
+        if not self._cell_has_run:
+            return {**shown, "right": place if place == question.right else None, "why": _LOOK, "why_right": ""}
+        whys = {"why": question.choices[place].why, "why_right": question.choices[question.right].why}
+        return {**shown, "right": question.right, **whys}
+
+
+def _is_about_next_cell(question: LessonQuestion) -> bool:
+    return question.kind == guesses.GUESS and not question.name.startswith("demos/")
+
 
 def _asked(question: LessonQuestion) -> dict[str, object]:
     title = _TITLES["demo" if question.name.startswith("demos/") else question.kind]
     choices = [choice.text for choice in question.choices]
     return {"name": question.name, "title": title, "text": question.text, "choices": choices}
-
-
-def _answered(question: LessonQuestion, record: guesses.GuessRecord) -> dict[str, object] | None:
-    """What the browser shows of an answer; None where there is none, or its choice is no longer among the choices."""
-    known = record.of(question)
-    place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)
-    if known is None or place is None:
-        return None
-    return {
-        "chosen": place,
-        "right": question.right,
-        "why": question.choices[place].why,
-        "why_right": question.choices[question.right].why,
-        "first_right": known.first_right,
-    }
 
 
 def _in_words(question: LessonQuestion) -> str:

@@ -66,6 +66,21 @@ def start(kernel: Kernel, name: str, node: str) -> str:
     return shown.stdout
 
 
+def test_a_renamed_notebook_has_its_new_name_for_the_others(two: tuple[Kernel, Kernel]) -> None:
+    """The page tells the kernel. A script that runs goes on with the mark it has, and is still this notebook's."""
+    first, second = two
+    program = f"{SERVER.format(name='Old', node='old')}\nimport rclpy\nrclpy.init()\nrclpy.spin(Old())"
+    assert first.run(f"%%ros_script old\n{program}").ok
+    start(first, "Robot", "robot")
+    wait_until(lambda: others(second) == [f"{FIRST}: old, robot"], lambda: others(second))
+    for old, new in ((FIRST, "mine.ipynb"), ("mine.ipynb", FIRST)):
+        assert first.run(f"lab.current().rename_notebook({old!r}, {new!r})").ok
+        wait_until(lambda new=new: others(second) == [f"{new}: old, robot"], lambda: others(second))
+        assert others(first) == []
+    second.run("lab.stop_others()")
+    wait_until(lambda: others(second) == [], lambda: others(second))
+
+
 def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) -> None:
     first, second = two
     start(first, "Robot", "robot")

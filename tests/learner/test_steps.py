@@ -52,7 +52,7 @@ SLIPS = {
     "subtract": Slip("request.a - request.b", "request.b - request.a", "sum has to be 2, and is -2."),
     "greet": Slip("response.success = True", "response.success = False", "success has to be True", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),
-    "triple": Slip("3 * ", "2 * ", "sum has to be 42, and is 28."),
+    "where": Slip("self.here = message", "pass", "The robot is at x=0.5, y=0.0, and the message does not say so."),
     "succeed": Slip("goal_handle.succeed()", "goal_handle.abort()", "ABORTED", FIBONACCI),
     "short_orders": Slip("<= 20", "<= 21", "Your server accepted an order of 21.", FIBONACCI),
     "corner": Slip('"y": 2.0', '"y": 0.5', "has to say x=1, y=2", ("34cf6d0a", "5240fb15")),
@@ -142,20 +142,20 @@ def test_a_slip_is_found(name: str, kernel: Kernel) -> None:
 
 
 def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel) -> None:
-    assert kernel.run(f"lab.stop()\n{cells_of('01_services')['triple'].solution}").ok
-    assert kernel.run("%check triple").result["text/plain"].splitlines()[:3] == [
-        "Right: `/triple` answers with three times `a`.",
-        "  -> request /triple: a=14, b=0",
-        "  <- response: sum=42",
+    assert kernel.run(f"lab.stop()\n{cells_of('01_services')['subtract'].solution}").ok
+    assert kernel.run("%check subtract").result["text/plain"].splitlines()[:3] == [
+        "Right: `/subtract_two_ints` answers with `a - b`.",
+        "  -> request /subtract_two_ints: a=5, b=3",
+        "  <- response: sum=2",
     ]
     counted = kernel.run(
-        "from course_kit.learner import progress; progress.read_progress()[0]['01_services/triple'].passed"
+        "from course_kit.learner import progress; progress.read_progress()[0]['01_services/subtract'].passed"
     )
     assert counted.result["text/plain"] == "True"
 
 
 def test_what_is_not_there_is_named(kernel: Kernel) -> None:
     assert kernel.run("lab.stop()").ok
-    said = kernel.run("%check triple").result["text/plain"]
-    assert said.startswith("Not yet: No service /triple of type example_interfaces/srv/AddTwoInts is there.")
-    assert "There is no step 'tripel'. Did you mean triple?" in kernel.run("%check tripel").error
+    said = kernel.run("%check subtract").result["text/plain"]
+    assert said.startswith("Not yet: No service /subtract_two_ints of type example_interfaces/srv/AddTwoInts is there.")
+    assert "There is no step 'substract'. Did you mean subtract?" in kernel.run("%check substract").error

@@ -10,6 +10,7 @@ import pytest
 from course_kit import panels
 from course_kit.quiz import guesses
 from tests.course_copy import Course
+from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,6 +42,21 @@ def test_a_guess_reveals_and_explains_and_stays_when_the_cell_is_run_again() -> 
     assert (shown["chosen"], shown["right"], shown["first_right"]) == (wrong, asked.right, False)
     assert (shown["why"], shown["why_right"]) == (asked.choices[wrong].why, asked.choices[asked.right].why)
     assert panels.guess(NAME).describe() == panels.guess("01_services/late_display").describe()
+
+
+def test_a_guess_of_a_lesson_is_explained_when_the_next_cell_has_run(tmp_path: Path) -> None:
+    asked = guesses.find_question(NAME)
+    with Kernel(cwd=tmp_path) as kernel:
+        assert kernel.run(f"%load_ext course_kit\nfrom course_kit import panels\npanel = panels.guess({NAME!r})").ok
+        shown = f"panel.answer({NAME!r}, {{}}); print(panel.widget.answers[{NAME!r}])"
+        in_one_cell = "\n".join(["panel = panels.guess(panel_name)", shown.format((asked.right + 1) % 3)])
+        waiting = kernel.run(f"panel_name = {NAME!r}\n{in_one_cell}").stdout
+        assert "'right': None" in waiting
+        assert "Run the next cell and look." in waiting
+        assert asked.choices[asked.right].why not in waiting
+        found = kernel.run(f"print(panel.widget.answers[{NAME!r}])").stdout
+        assert asked.choices[asked.right].why not in found  # this cell still runs
+        assert asked.choices[asked.right].why in kernel.run(f"print(panel.widget.answers[{NAME!r}])").stdout
 
 
 def test_trying_again_hides_the_answer_and_does_not_count() -> None:

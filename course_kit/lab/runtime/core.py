@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 import sys
 import threading
 import time
@@ -207,6 +208,14 @@ class Lab:
             pause.wait(_POLL)
         if there:
             self._neighbours.node_started()
+
+    def rename_notebook(self, old: str, new: str) -> None:
+        """The page has given the notebook another path on its server."""
+        session = os.environ.get("JPY_SESSION_NAME", "")
+        if session.endswith(old):
+            os.environ["JPY_SESSION_NAME"] = session.removesuffix(old) + new
+        if self._engine is not None:
+            self._neighbours.rename(self._notebook.title)
 
     def _script_nodes(self) -> dict[str, str]:
         return self._scripts.nodes() if self._scripts is not None else {}

@@ -26,12 +26,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rclpy.node import Node
+    from rclpy.publisher import Publisher
 
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.nodes import LiveNode
     from course_kit.ros.messages import Message
 
 MARK_VARIABLE = "COURSE_KIT_LAB_MARK"  # in the environment of scripts
+_SCRIPT, _NOTEBOOK = "s", "t"  # whose mark it is; the notebook's own comes last
 _MARK, _STOP = "/_lab/of/", "/_lab/stop"
 # Without ROS's prefix on the name, so that no `ros2 topic list` shows a learner what no lesson speaks of.
 _HIDDEN = QoSProfile(depth=10, avoid_ros_namespace_conventions=True)
@@ -54,14 +56,14 @@ class OtherNotebook(NamedTuple):
         return f"{self.title}: {', '.join(name.lstrip('/') for name in self.nodes)}"
 
 
-def mark_of(title: str) -> str:
+def mark_of(title: str, kind: str = _SCRIPT) -> str:
     """The topic by which other notebooks know those processes of this one."""
-    return f"{_MARK}p{os.getpid()}/t{title.encode()[:_LONGEST].hex()}"
+    return f"{_MARK}p{os.getpid()}/{kind}{title.encode()[:_LONGEST].hex()}"
 
 
-def mark_as(topic: str, node: Node) -> None:
+def mark_as(topic: str, node: Node) -> Publisher:
     """Have the nodes in the process of `node` be known as a notebook's."""
-    node.create_publisher(String, topic, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
+    return node.create_publisher(String, topic, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
 
 
 class Neighbours:
@@ -72,30 +74,36 @@ class Neighbours:
     ) -> None:
         """Begin; `on_stop` is called on its own thread, `script_nodes` says which script has which node."""
         self._on_stop, self._script_nodes = on_stop, script_nodes
-        self._mark = mark_of(title)
+        self._key = _key_of(mark_of(title))
         self._lab, self._node, self._title = lab, lab.node, title
-        mark_as(self._mark, self._node)
+        self._mark = mark_as(mark_of(title, _NOTEBOOK), self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
         self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
         self._answered: set[tuple[str, str]] = set()
 
+    def rename(self, title: str) -> None:
+        """Be known by another title from now on."""
+        self._node.destroy_publisher(self._mark)
+        self._title, self._mark = title, mark_as(mark_of(title, _NOTEBOOK), self._node)
+
     def others(self) -> list[OtherNotebook]:
         """The other notebooks that have nodes, by title."""
         topics = [name for name, _ in self._node.get_topic_names_and_types(no_demangle=True)]
-        marks = [name for name in topics if name.startswith(_MARK) and name != self._mark]
+        marks = sorted(name for name in topics if name.startswith(_MARK) and _key_of(name) != self._key)
         if not marks:
             return []
+        titles = {_key_of(mark): _title_of(mark) for mark in marks}  # scripts keep the name it had
         marked = {
-            graph.process_of(end): mark
+            graph.process_of(end): _key_of(mark)
             for mark in marks
             for end in self._node.get_publishers_info_by_topic(mark, no_mangle=True)
         }
         nodes: dict[str, set[str]] = {}
         for end in self._node.get_publishers_info_by_topic(_OF_EVERY_NODE):
-            mark = marked.get(graph.process_of(end))
-            if mark is not None and not end.node_name.startswith("_"):
-                nodes.setdefault(mark, set()).add(full_name(end.node_name, end.node_namespace))
-        return sorted(OtherNotebook(_title_of(mark), tuple(sorted(names)), mark) for mark, names in nodes.items())
+            key = marked.get(graph.process_of(end))
+            if key is not None and not end.node_name.startswith("_"):
+                nodes.setdefault(key, set()).add(full_name(end.node_name, end.node_namespace))
+        return sorted(OtherNotebook(titles[key], tuple(sorted(names)), key) for key, names in nodes.items())
 
     def stop(self, others: list[OtherNotebook]) -> list[OtherNotebook]:
         """Have others stop their nodes; returns those that have not within some seconds."""
@@ -110,7 +118,7 @@ class Neighbours:
 
     def _hear_stop(self, message: Message) -> None:
         key, _, by = message.data.partition(" ")
-        if key == self._mark:  # ending scripts takes seconds, in which callbacks go on
+        if key == self._key:  # ending scripts takes seconds, in which callbacks go on
             threading.Thread(target=self._on_stop, args=(by,), name="lab-stop", daemon=True).start()
 
     def tell_who_answers(self, role: graph.Role, name: str) -> None:
@@ -166,8 +174,12 @@ class Neighbours:
         return any(use.channel == name for use in graph.uses_of(self._node, node, role))
 
 
+def _key_of(mark: str) -> str:
+    return mark.rpartition("/")[0]
+
+
 def _title_of(mark: str) -> str:
-    return bytes.fromhex(mark.rpartition("/t")[2]).decode(errors="ignore")
+    return bytes.fromhex(mark.rpartition("/")[2][1:]).decode(errors="ignore")
 
 
 def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:

@@ -101,7 +101,8 @@
   class Sleepers {
     constructor(app, panel) {
       // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
-      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
+      const { path } = panel.context;
+      Object.assign(this, { app, panel, path, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
       for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
@@ -114,6 +115,7 @@
         if (content.execution_state === 'idle' && cause.msg_id !== this.asked) this.keepSoon();
       });
       new MutationObserver(() => this.drawSoon()).observe(panel.node, { childList: true, subtree: true });
+      panel.context.pathChanged.connect((_, path) => this.tellPath(path));
       void context.ready.then(() => this.askKernel());
       this.draw();
     }
@@ -152,6 +154,14 @@
         content.addWidget(content._cell.cloneOutputArea());
       }
       this.draw();
+    }
+
+    /** A kernel knows only the name that its notebook had when it started. */
+    tellPath(path) {
+      const paths = JSON.stringify([this.path, path]).slice(1, -1);
+      const tell = `__import__('course_kit.lab', fromlist=['current']).current().rename_notebook(${paths})`;
+      this.path = path;
+      this.panel.sessionContext.session?.kernel?.requestExecute({ code: '', silent: true, user_expressions: { tell } });
     }
 
     allFallAsleep() {
