@@ -36,5 +36,5 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         sys.stderr.write(f"{told}\n")
     from course_kit import lab
 
-    lab.current().watch_output()
+    lab.current().notebook.watch_output()
     lab.record()

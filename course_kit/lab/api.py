@@ -78,20 +78,15 @@ def others() -> list[OtherNotebook]:
     return current().neighbours.others()
 
 
-def stop_others(title: str | None = None, /) -> None:
-    """Have other notebooks stop their nodes and scripts: the one of this title, such as "02_actions.ipynb", or all.
+def stop_others() -> None:
+    """Have all other notebooks stop their nodes and scripts.
 
     Raises:
-        LabError: no such notebook has nodes here, or one has not stopped them within some seconds.
+        LabError: one has not stopped them within some seconds.
     """
     current().not_in_callback("lab.stop_others()")
     neighbours = current().neighbours
-    found = neighbours.others()
-    chosen = [one for one in found if title is None or one.title == title]
-    if title is not None and not chosen:
-        known = ", ".join(one.title for one in found) or "none"
-        raise LabError(f"{title} runs no nodes on this graph. Other notebooks that do: {known}.")
-    if left := neighbours.stop(chosen):
+    if left := neighbours.stop(neighbours.others()):
         raise LabError(
             f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
         )

@@ -54,7 +54,7 @@ class Pending(Coroutine[Any, Any, T]):
         self._make = make
         self._missing = missing
         self._running: Coroutine[Any, Any, T] | None = None
-        current().expect(self)
+        current().notebook.expect(self, awaited=False)
 
     @property
     def begun(self) -> bool:
@@ -79,7 +79,7 @@ class Pending(Coroutine[Any, Any, T]):
         return self._begin().__await__()
 
     def __repr__(self) -> str:
-        current().expect(self, awaited=True)  # it has said so now
+        current().notebook.expect(self, awaited=True)  # it has said so now
         return self._missing
 
     def __getattr__(self, name: str) -> NoReturn:
@@ -97,13 +97,13 @@ class Pending(Coroutine[Any, Any, T]):
         self._complain()
 
     def _complain(self) -> NoReturn:
-        current().expect(self, awaited=True)
+        current().notebook.expect(self, awaited=True)
         raise NotAwaitedError(self._missing)
 
     def _begin(self) -> Coroutine[Any, Any, T]:
         if self._running is None:
             self._running = self._make()
-            current().expect(self, awaited=True)
+            current().notebook.expect(self, awaited=True)
         return self._running
 
 

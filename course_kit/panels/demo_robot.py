@@ -28,10 +28,7 @@ _STEPS = 4  # from one feedback message to the next: five a metre, as exercise 2
 
 
 class DemoRobot(Node):
-    """Offers `course_interfaces/action/MoveRobot` under /move_robot, and publishes where it is on /position.
-
-    Its parameter `max_velocity`, 0.2 to 2.0 m/s, takes effect while it drives.
-    """
+    """Offers `course_interfaces/action/MoveRobot` as /move_robot, publishes /position, drives at `max_velocity`."""
 
     def __init__(self) -> None:
         super().__init__("demo_robot")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from course_kit.lab.recording.events import Event
     from course_kit.lab.runtime.neighbours import OtherNotebook
-    from course_kit.ros.graph import Role
 
 
 class Hop(NamedTuple):

@@ -12,7 +12,7 @@ function verdictOf(answer, choices) {
   const right = answer.chosen === answer.right;
   const verdict = make("p", {}, make("strong", {}, right ? "✓ Right. " : "✗ Not quite. "), ...marked(answer.why));
   const parts = [verdict];
-  if (!right && answer.right !== null) {
+  if (!right && answer.right >= 0) {
     const text = choices[answer.right];
     parts.push(make("p", {}, make("strong", {}, "The answer: "), ...marked(text), /[.?!`]$/.test(text) ? " " : ". "));
     parts[1].append(...marked(answer.why_right));
@@ -60,18 +60,21 @@ function formOf(model, question, number, count) {
     const chosen = rows.find(({ radio }) => radio.checked);
     if (chosen && !send.hidden) {
       moved = true;
-      model.send({ do: "answer", name: question.name, place: chosen.place });
+      taken = false;
+      model.send({ name: question.name, place: chosen.place });
+      if (chosen.place === model.get("answers")[question.name]?.chosen) refresh();
     }
   });
   again.addEventListener("click", () => {
-    moved = true;
-    model.send({ do: "again", name: question.name });
+    moved = taken = true;
+    refresh();
   });
 
   let moved = false; // whether this form's own button was used, so that the focus goes on from there
+  let taken = false; // whether the answer is hidden here, to try once more; what was chosen first still counts
   let shown = null;
   function refresh() {
-    const answer = model.get("answers")[question.name];
+    const answer = taken ? undefined : model.get("answers")[question.name];
     const words = JSON.stringify(answer ?? null);
     if (words === shown) return;
     shown = words;
@@ -97,7 +100,6 @@ function formOf(model, question, number, count) {
 function render({ model, el }) {
   const questions = model.get("questions");
   const all = questions.map((question, place) => formOf(model, question, place + 1, questions.length));
-  for (const { form } of all) form.hidden = true;
   const summary = make("p", { role: "status", class: "ck-guess-summary" });
   const name = questions.length > 1 ? "Check yourself" : questions[0].title;
   el.append(make("section", { class: "ck-panel ck-guess", "aria-label": name }, ...all.map(({ form }) => form), summary));
@@ -105,7 +107,7 @@ function render({ model, el }) {
     const done = Object.keys(model.get("answers")).length;
     all.forEach(({ form, refresh: show }, place) => {
       show();
-      form.hidden &&= place > done; // what was shown stays, also when an answer is taken back
+      form.hidden = place > done;
     });
     summary.textContent = model.get("summary");
     summary.hidden = !summary.textContent;

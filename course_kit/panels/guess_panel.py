@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from course_kit.quiz.guesses import LessonQuestion
 
 _LETTERS = "ABCDEFGH"
-_TITLES = {guesses.GUESS: "Guess before you run the next cell", guesses.CHECK: "Check yourself", "demo": "Guess"}
+_TITLES = {guesses.GUESS: "Guess before you run the next cell", guesses.CHECK: "Check yourself"}
 _LOOK = "Run the next cell and look."
 _HOW = "(To be answered with a click in a live notebook.)"
 
@@ -43,8 +43,11 @@ class GuessPanel(WordedWidget):
         # With several subshells, two events of the browser may be handled at once.
         self._one_at_a_time = threading.RLock()
         self._record = guesses.GuessRecord()
-        self._again: set[str] = set()
-        self._cell_has_run = not any(map(_is_about_next_cell, questions)) or not self._await_next_cell()
+        module = sys.modules.get("IPython") if questions[0].kind == guesses.GUESS else None
+        self._shell = module.get_ipython() if module else None
+        self._cells_to_end = 2 if self._shell else 0  # its own, and the one it asks about
+        if self._shell:
+            self._shell.events.register("post_run_cell", self._count_cell)
         self.widget = GuessForm(questions=[_asked(one) for one in questions])
         self.widget.on_msg(self._told)
         self._show()
@@ -61,47 +64,24 @@ class GuessPanel(WordedWidget):
         """Choose, as a click in the form does."""
         with self._one_at_a_time:
             self._record.choose(self._questions[name], place)
-            self._again.discard(name)
-            self._show()
-
-    def again(self, name: str) -> None:
-        """Hide the answer, to try once more. What was chosen first still counts."""
-        with self._one_at_a_time:
-            self._again.add(name)
             self._show()
 
     def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
-        """A button of the form."""
+        """The button of a form."""
         name, place = content.get("name"), content.get("place")
-        if name not in self._questions:
-            return
-        if content.get("do") == "again":
-            self.again(str(name))
-        elif isinstance(place, int) and 0 <= place < len(self._questions[str(name)].choices):
+        if name in self._questions and isinstance(place, int) and 0 <= place < len(self._questions[str(name)].choices):
             self.answer(str(name), place)
 
-    def _await_next_cell(self) -> bool:
-        """Explain when the cell below has run; False where no cells are run."""
-        shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
-        if shell is None:
-            return False
-
-        def end_own_cell(_result: object) -> None:
-            shell.events.unregister("post_run_cell", end_own_cell)
-            shell.events.register("post_run_cell", explain)
-
-        def explain(_result: object) -> None:
-            shell.events.unregister("post_run_cell", explain)
+    def _count_cell(self, _result: object) -> None:
+        self._cells_to_end -= 1
+        if not self._cells_to_end:
+            self._shell.events.unregister("post_run_cell", self._count_cell)
             with self._one_at_a_time:
-                self._cell_has_run = True
                 self._show()
-
-        shell.events.register("post_run_cell", end_own_cell)
-        return True
 
     def _show(self) -> None:
         answers = {name: self._describe_answer(one) for name, one in self._questions.items()}
-        self.widget.answers = {name: found for name, found in answers.items() if found and name not in self._again}
+        self.widget.answers = {name: found for name, found in answers.items() if found}
         done = [found for found in answers.values() if found]
         right = sum(bool(found["first_right"]) for found in done)
         if len(answers) > 1 and done:
@@ -113,21 +93,15 @@ class GuessPanel(WordedWidget):
         place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)
         if known is None or place is None:
             return None
-        shown: dict[str, object] = {"chosen": place, "first_right": known.first_right}
-        if not self._cell_has_run:
-            return {**shown, "right": place if place == question.right else None, "why": _LOOK, "why_right": ""}
-        whys = {"why": question.choices[place].why, "why_right": question.choices[question.right].why}
-        return {**shown, "right": question.right, **whys}
-
-
-def _is_about_next_cell(question: LessonQuestion) -> bool:
-    return question.kind == guesses.GUESS and not question.name.startswith("demos/")
+        right, why, why_right = question.right, question.choices[place].why, question.choices[question.right].why
+        if self._cells_to_end:
+            right, why, why_right = right if place == right else -1, _LOOK, ""
+        return {"chosen": place, "first_right": known.first_right, "right": right, "why": why, "why_right": why_right}
 
 
 def _asked(question: LessonQuestion) -> dict[str, object]:
-    title = _TITLES["demo" if question.name.startswith("demos/") else question.kind]
     choices = [choice.text for choice in question.choices]
-    return {"name": question.name, "title": title, "text": question.text, "choices": choices}
+    return {"name": question.name, "title": _TITLES[question.kind], "text": question.text, "choices": choices}
 
 
 def _in_words(question: LessonQuestion) -> str:

@@ -25,7 +25,7 @@ from course_kit.ros.filling import unknown_field
 from course_kit.ros.messages import is_message_type, type_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
     from rclpy.qos import QoSProfile
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
     Samples = npt.NDArray[np.float64]
-    from collections.abc import Mapping
 
 _KEPT = 20_000  # samples, however fast they come
 _DRAWN = 600  # points a line has at most; a screen has hardly more

@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.lab.errors import LabError
@@ -35,9 +36,9 @@ class Lab:
     def __init__(self) -> None:
         self.events = EventStream()
         self.output = Output()
-        self._notebook = Notebook.of_this_process(self.output)
-        self._notebook.nodes_run = lambda: bool(self.live_nodes())
-        self._notebook.on_end = self._end_strays
+        self.notebook = Notebook.of_this_process(self.output)
+        self.notebook.nodes_run = lambda: bool(self.live_nodes())
+        self.notebook.on_end = self._end_strays
         self._engine: Engine | None = None
         self._neighbours: Neighbours  # made with the engine
         self._scripts: Scripts | None = None
@@ -65,19 +66,11 @@ class Lab:
                 from course_kit.lab.runtime.neighbours import mark_of
                 from course_kit.lab.scripts.running import Scripts
 
-                self._notebook.watch_output()
-                self._scripts = scripts = Scripts(self.output, self.events.forward, mark_of(self._notebook.title))
+                self.notebook.watch_output()
+                self._scripts = scripts = Scripts(self.output, self.events.forward, mark_of(self.notebook.title))
                 scripts.wait_for_nodes, scripts.tell_once = self._wait_for_nodes, self.tell_once
                 _at_exit(self.close)
             return self._scripts
-
-    def watch_output(self) -> None:
-        """In a notebook: see to it from now on that lines land in the right cell; otherwise from the first node on."""
-        self._notebook.watch_output()
-
-    def expect(self, verb: object, *, awaited: bool = False) -> None:
-        """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
-        self._notebook.expect(verb, awaited=awaited)
 
     @property
     def has_engine(self) -> bool:
@@ -155,7 +148,7 @@ class Lab:
             if self._engine is not None:
                 self._engine.close()
             self.output.drain()
-            self._notebook.detach()
+            self.notebook.detach()
 
     def _start_engine(self) -> Engine:
         from course_kit import environment
@@ -167,12 +160,12 @@ class Lab:
         from course_kit.ros import compat
 
         found = compat.check_features()
-        engine = Engine(self.events, self.output, self._notebook, found)
+        engine = Engine(self.events, self.output, self.notebook, found)
         rclpy_functions.replace_functions(engine)
         callbacks.require_callables(engine.patches, engine.locate)
-        self._neighbours = Neighbours(engine, self._notebook.title, self._stop_for, self._script_nodes)
+        self._neighbours = Neighbours(engine, self.notebook.title, self._stop_for, self._script_nodes)
         engine.before_call = self._neighbours.tell_who_answers
-        self._notebook.attach(engine.executor_thread.thread_id, found)
+        self.notebook.attach(engine.executor_thread.thread_id, found)
         self.tell_once(found.sentences())
         _at_exit(self.close)
         return engine
@@ -209,13 +202,11 @@ class Lab:
         if there:
             self._neighbours.node_started()
 
-    def rename_notebook(self, old: str, new: str) -> None:
-        """The page has given the notebook another path on its server."""
-        session = os.environ.get("JPY_SESSION_NAME", "")
-        if session.endswith(old):
-            os.environ["JPY_SESSION_NAME"] = session.removesuffix(old) + new
+    def rename_notebook(self, name: str) -> None:
+        """The page has given the notebook another name."""
+        os.environ["JPY_SESSION_NAME"] = str(Path(os.environ.get("JPY_SESSION_NAME", "")).parent / name)
         if self._engine is not None:
-            self._neighbours.rename(self._notebook.title)
+            self._neighbours.rename(name)
 
     def _script_nodes(self) -> dict[str, str]:
         return self._scripts.nodes() if self._scripts is not None else {}

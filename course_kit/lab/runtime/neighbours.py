@@ -74,7 +74,7 @@ class Neighbours:
     ) -> None:
         """Begin; `on_stop` is called on its own thread, `script_nodes` says which script has which node."""
         self._on_stop, self._script_nodes = on_stop, script_nodes
-        self._key = _key_of(mark_of(title))
+        self._key = f"{_MARK}p{os.getpid()}"
         self._lab, self._node, self._title = lab, lab.node, title
         self._mark = mark_as(mark_of(title, _NOTEBOOK), self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
@@ -89,19 +89,20 @@ class Neighbours:
     def others(self) -> list[OtherNotebook]:
         """The other notebooks that have nodes, by title."""
         topics = [name for name, _ in self._node.get_topic_names_and_types(no_demangle=True)]
-        marks = sorted(name for name in topics if name.startswith(_MARK) and _key_of(name) != self._key)
-        if not marks:
+        marks = [name.rpartition("/") for name in sorted(topics) if name.startswith(_MARK)]
+        # A script's title is the one at its start.
+        titles = {key: bytes.fromhex(mark[1:]).decode(errors="ignore") for key, _, mark in marks if key != self._key}
+        if not titles:
             return []
-        titles = {_key_of(mark): _title_of(mark) for mark in marks}  # scripts keep the name it had
         marked = {
-            graph.process_of(end): _key_of(mark)
+            graph.process_of(end): mark[0]
             for mark in marks
-            for end in self._node.get_publishers_info_by_topic(mark, no_mangle=True)
+            for end in self._node.get_publishers_info_by_topic("".join(mark), no_mangle=True)
         }
         nodes: dict[str, set[str]] = {}
         for end in self._node.get_publishers_info_by_topic(_OF_EVERY_NODE):
             key = marked.get(graph.process_of(end))
-            if key is not None and not end.node_name.startswith("_"):
+            if key in titles and not end.node_name.startswith("_"):
                 nodes.setdefault(key, set()).add(full_name(end.node_name, end.node_namespace))
         return sorted(OtherNotebook(titles[key], tuple(sorted(names)), key) for key, names in nodes.items())
 
@@ -172,14 +173,6 @@ class Neighbours:
 
     def _offers(self, node: str, role: graph.Role, name: str) -> bool:
         return any(use.channel == name for use in graph.uses_of(self._node, node, role))
-
-
-def _key_of(mark: str) -> str:
-    return mark.rpartition("/")[0]
-
-
-def _title_of(mark: str) -> str:
-    return bytes.fromhex(mark.rpartition("/")[2][1:]).decode(errors="ignore")
 
 
 def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:

@@ -101,8 +101,7 @@
   class Sleepers {
     constructor(app, panel) {
       // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
-      const { path } = panel.context;
-      Object.assign(this, { app, panel, path, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
+      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
       for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
@@ -158,9 +157,8 @@
 
     /** A kernel knows only the name that its notebook had when it started. */
     tellPath(path) {
-      const paths = JSON.stringify([this.path, path]).slice(1, -1);
-      const tell = `__import__('course_kit.lab', fromlist=['current']).current().rename_notebook(${paths})`;
-      this.path = path;
+      const name = JSON.stringify(path.split('/').pop());
+      const tell = `__import__('course_kit.lab', fromlist=['current']).current().rename_notebook(${name})`;
       this.panel.sessionContext.session?.kernel?.requestExecute({ code: '', silent: true, user_expressions: { tell } });
     }
 
