@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anywidget
 import traitlets
@@ -44,7 +44,7 @@ class GuessPanel(WordedWidget):
         self._one_at_a_time = threading.RLock()
         self._record = guesses.GuessRecord()
         module = sys.modules.get("IPython") if questions[0].kind == guesses.GUESS else None
-        self._shell = module.get_ipython() if module else None
+        self._shell: Any = module.get_ipython() if module else None
         self._cells_to_end = 2 if self._shell else 0  # its own, and the one it asks about
         if self._shell:
             self._shell.events.register("post_run_cell", self._count_cell)
