@@ -13,7 +13,6 @@ from hypothesis import HealthCheck, settings
 from course_kit import environment
 from course_kit.dev import suite
 from tests import sizes
-from tests.attack_table import AttackTable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -36,11 +35,6 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 def pytest_addoption(parser: pytest.Parser) -> None:
     """`--freeze`, for a change of tests/frozen that is meant: git then shows what it is."""
     parser.addoption("--freeze", action="store_true", help="write what lies in tests/frozen anew")
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Have the attacks listed."""
-    config.pluginmanager.register(AttackTable())
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

@@ -26,8 +26,6 @@ SERVICE = load_exercise("temperature_service")
 PROGRAM = "temperature_service.py"
 OTHERS = ("ann", "bob", "cem")
 
-pytestmark = pytest.mark.attack("An inbox")
-
 
 def collect(source: Path, *exercises: Exercise, layout: str = "auto") -> collecting.Intake:
     return collecting.collect_submissions(source, exercises or (SERVICE,), source.parent / "workspace", layout)

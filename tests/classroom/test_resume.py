@@ -202,7 +202,6 @@ def test_lateness_comes_from_timestamps_and_costs_what_the_rules_say(inbox: Path
     assert [one.entry.student for one in book.records if one.adjustment.warning] == ["bob"]
 
 
-@pytest.mark.attack("A timestamp.txt that a student hands in")
 @pytest.mark.parametrize("packed", [True])
 def test_a_timestamp_of_a_students_own_does_not_replace_nbgraders(packed: bool, tmp_path: Path) -> None:
     """It lies in a folder, or in a zip, that they have handed in; nbgrader's lies around it."""

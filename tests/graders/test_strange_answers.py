@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading import Report
 
-pytestmark = [pytest.mark.answers, pytest.mark.timeout(1200), pytest.mark.attack("Strange answers")]
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(1200)]
 
 
 @pytest.fixture(scope="module")

@@ -60,8 +60,6 @@ LONGER = 4  # times as long is the second text; twice could be one step in the p
 MOST = 9.0  # times as long does it take: a square would be 16
 RUNS = 3  # the fastest counts, where one run has shown something
 
-pytestmark = pytest.mark.attack("Texts that make a pattern slow")
-
 
 def modules() -> Iterator[Path]:
     for package in PACKAGES:

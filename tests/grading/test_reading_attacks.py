@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PATIENCE_S = 200.0  # against hanging only
-pytestmark = [pytest.mark.answers, pytest.mark.timeout(300), pytest.mark.attack("What is hard to read")]
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(300)]
 
 
 @pytest.mark.parametrize("what", FILES)

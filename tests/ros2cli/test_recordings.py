@@ -1,9 +1,8 @@
-"""Every recorded sample of the real command against ours; the table goes to artifacts/."""
+"""Every recorded sample of the real command against ours."""
 
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -16,7 +15,6 @@ from .commands import GOLDEN, OURS, Ros2, interrupt, lines_until
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-TABLE = Path(__file__).resolve().parents[2] / "artifacts" / "ros2_comparison.md"
 # Where ours differs on purpose: errors are one line with the nearest right name, and children get one SIGINT.
 ANNOUNCED = {
     "action_send_goal_unknown_type": "the error names the nearest right type",
@@ -52,17 +50,6 @@ def generate_launch_description():
 
 
 @pytest.fixture(scope="module")
-def table() -> Iterator[dict[str, str]]:
-    """Case to result; written down when all have been compared."""
-    rows: dict[str, str] = {}
-    yield rows
-    TABLE.parent.mkdir(exist_ok=True)
-    lines = [f"| {name} | {result} |" for name, result in sorted(rows.items())]
-    head = f"# The course kit's ros2 against the recordings of the real one: {len(rows)} cases"
-    TABLE.write_text("\n".join([head, "", "| case | result |", "|---|---|", *lines, ""]))
-
-
-@pytest.fixture(scope="module")
 def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros2]:
     """The command, where the add server and the Fibonacci server run."""
     with environment.exclusive_domain() as domain, Ros2(domain, tmp_path_factory.mktemp("pair")) as command:
@@ -71,25 +58,18 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros2]:
         yield command
 
 
-def compare(name: str, exit_code: int, stdout: str, stderr: str, table: dict[str, str]) -> None:
-    """Hold ours against the recording and write the result down."""
+def compare(name: str, exit_code: int, stdout: str, stderr: str) -> None:
     real = recordings.read(name)
-    same_ends = exit_code == real.exit_code
-    same_stdout = recordings.normal(stdout) == recordings.normal(real.stdout)
-    same_stderr = stderr == real.stderr
+    printed, recorded = recordings.normal(stdout), recordings.normal(real.stdout)
+    assert exit_code == real.exit_code
     if name not in ANNOUNCED:
-        table[name] = "same" if same_ends and same_stdout and same_stderr else "DIFFERENT"
-        assert recordings.normal(stdout) == recordings.normal(real.stdout)
-        assert stderr == real.stderr
-        assert exit_code == real.exit_code
+        assert (printed, stderr) == (recorded, real.stderr)
         return
-    table[name] = f"announced difference: {ANNOUNCED[name]}"
-    assert same_ends
-    assert not (same_stdout and same_stderr), "there is no difference any more: take it out of ANNOUNCED"
+    assert (printed, stderr) != (recorded, real.stderr), "there is no difference any more: take it out of ANNOUNCED"
     if name in LAUNCHES:
-        assert recordings.normal(stdout) == cleanly_ended(recordings.normal(real.stdout))
+        assert printed == cleanly_ended(recorded)
         return
-    assert same_stdout
+    assert printed == recorded
     assert len(stderr.splitlines()) == 1
     assert "Traceback" not in stderr
     if "Traceback" not in real.stderr:
@@ -102,45 +82,45 @@ def cleanly_ended(recorded: str) -> str:
     return "\n".join([*lines, "[INFO] [robot_node-1]: process has finished cleanly [pid <pid>]", ""])
 
 
-def run_and_compare(name: str, command: Ros2, table: dict[str, str]) -> None:
+def run_and_compare(name: str, command: Ros2) -> None:
     words = [word.replace("DEMO", str(command.folder)) for word in recordings.read(name).words]
     done = command.process(*words) if name in PAIR else command(*words)
-    compare(name, done.returncode, done.stdout, done.stderr, table)
+    compare(name, done.returncode, done.stdout, done.stderr)
 
 
 @pytest.mark.parametrize("name", EMPTY)
-def test_on_an_empty_graph(name: str, ros2: Ros2, table: dict[str, str]) -> None:
-    run_and_compare(name, ros2, table)
+def test_on_an_empty_graph(name: str, ros2: Ros2) -> None:
+    run_and_compare(name, ros2)
 
 
 @pytest.mark.parametrize("name", ASKING)
-def test_what_changes_nothing(name: str, robot: Ros2, table: dict[str, str]) -> None:
-    run_and_compare(name, robot, table)
+def test_what_changes_nothing(name: str, robot: Ros2) -> None:
+    run_and_compare(name, robot)
 
 
 @pytest.mark.parametrize("name", PAIR)
-def test_with_the_tutorial_servers(name: str, pair: Ros2, table: dict[str, str]) -> None:
-    run_and_compare(name, pair, table)
+def test_with_the_tutorial_servers(name: str, pair: Ros2) -> None:
+    run_and_compare(name, pair)
 
 
 @pytest.mark.parametrize("name", INTERRUPTED)
-def test_ctrl_c_cancels_the_goal(name: str, robot: Ros2, table: dict[str, str]) -> None:
+def test_ctrl_c_cancels_the_goal(name: str, robot: Ros2) -> None:
     sending = robot.begin(*OURS, *recordings.read(name).words)
     before = "".join([*lines_until(sending, "Feedback:"), *lines_until(sending, "- 3")])
     after, stderr = interrupt(sending)
-    compare(name, sending.returncode, before + after, stderr, table)
+    compare(name, sending.returncode, before + after, stderr)
 
 
 @pytest.mark.parametrize("name", SETTING)
-def test_parameters_one_after_another(name: str, robot: Ros2, table: dict[str, str]) -> None:
+def test_parameters_one_after_another(name: str, robot: Ros2) -> None:
     (robot.folder / "_load.yaml").write_text(
         "/robot:\n  ros__parameters:\n    max_velocity: 2.5\n    robot_name: r2d2\n"
     )
-    run_and_compare(name, robot, table)
+    run_and_compare(name, robot)
 
 
 @pytest.mark.parametrize("name", LAUNCHES)
-def test_launch_until_ctrl_c(name: str, ros2: Ros2, table: dict[str, str]) -> None:
+def test_launch_until_ctrl_c(name: str, ros2: Ros2) -> None:
     # Ctrl-C can leave a MultiThreadedExecutor's pool locked, and Python then waits for its threads for ever.
     program = (GOLDEN / "demo_node.py").read_text()
     program = program.replace("MultiThreadedExecutor(4)", "rclpy.executors.SingleThreadedExecutor()")
@@ -162,7 +142,7 @@ def test_launch_until_ctrl_c(name: str, ros2: Ros2, table: dict[str, str]) -> No
     before = "".join(lines_until(launch, "ready:"))
     assert "hello" in ros2("topic", "echo", "--once", "/chatter").stdout  # the node spins
     after, stderr = interrupt(launch)
-    compare(name, launch.returncode, before + after, stderr, table)
+    compare(name, launch.returncode, before + after, stderr)
 
 
 def test_every_recording_is_compared() -> None:

@@ -166,7 +166,6 @@ def test_the_folder_for_classroom_50_grades_with_the_kit_beside_it(tmp_path: Pat
     assert told == f"grade {SERVICE.id} . --seed=5 --format classroom50 --to result.json"
 
 
-@pytest.mark.attack("Files beside a submission")
 @pytest.mark.parametrize("where", ["beside the script", "where it is called"])
 def test_the_script_of_classroom_50_loads_nothing_of_a_students(where: str, tmp_path: Path) -> None:
     """Whatever a workflow copies where. An empty entry of PYTHONPATH means the folder in which it is called."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Grade = Callable[[str, str], grading.Report]
 
-pytestmark = [pytest.mark.answers, pytest.mark.attack("Its own clock and its own starvation")]
+pytestmark = [pytest.mark.answers]
 
 
 @pytest.fixture

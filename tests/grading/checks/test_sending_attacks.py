@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SERVICE, MOVE, LIMITER, CHOICE = "temperature_service", "move_robot", "robot_parameters", "pattern_choice"
 LONGEST_REPORT = 256 * 1024  # bytes of JSON
-pytestmark = [pytest.mark.answers, pytest.mark.timeout(300), pytest.mark.attack("What a submission sends")]
+pytestmark = [pytest.mark.answers, pytest.mark.timeout(300)]
 
 
 def solution(exercise: str) -> str:

@@ -1,6 +1,6 @@
 """Programs that attack the grader instead of solving an exercise; each prints a line that begins with WON if it gets there.
 
-They are data: `test_attacks` runs each under several kinds of isolation and writes the table of what held.
+They are data: `test_attacks` runs each under several kinds of isolation.
 """
 
 from __future__ import annotations
@@ -18,15 +18,11 @@ class Attack:
     """One of them.
 
     Attributes:
-        tries: what it tries, in a few words for the table.
-        held_by: what stops it where all kinds of isolation work.
         source: the program; `{file}` stands for a file of the user's, `{socket}` for a server's socket, `{name}` for an
             abstract one and `%PORT%` for a port.
         admitted: names of what may be missing, in `Isolation`'s words, for it to succeed; LIMITS.md says so.
     """
 
-    tries: str
-    held_by: str
     source: str
     admitted: tuple[str, ...] = ()
 
@@ -75,8 +71,6 @@ def call(name, *arguments):
 
 ATTACKS = {
     "reads_the_solution": Attack(
-        "runs the solution that lies in the checkout",
-        "its file system has no checkout",
         f"""
 try:
     source = open({str(ROOT / _SOLUTION)!r}).read()
@@ -88,8 +82,6 @@ except OSError:
         ("files", "landlock"),
     ),
     "asks_git": Attack(
-        "has git show the solution",
-        "its file system has no checkout and no .git",
         f"""
 import subprocess
 command = ["git", "-c", "safe.directory=*", "-C", {str(ROOT)!r}, "show", "HEAD:{_SOLUTION}"]
@@ -104,8 +96,6 @@ if source:
         ("files", "landlock"),
     ),
     "reads_a_file": Attack(
-        "reads a file of the user's, such as another submission",
-        "its file system has none",
         """
 try:
     print("WON:", open(%FILE%).read())
@@ -115,8 +105,6 @@ except OSError:
         ("files", "landlock"),
     ),
     "imports_the_grader": Attack(
-        "imports the graders, the checks and the quiz's bank",
-        "they are not among the modules it has",
         """
 import importlib
 for name in ("graders.temperature_service", "grading.checks.check", "grading.engine", "quiz.bank", "quiz", "cli.main", "lab"):
@@ -128,8 +116,6 @@ for name in ("graders.temperature_service", "grading.checks.check", "grading.eng
         ("files", "landlock"),
     ),
     "searches_its_memory": Attack(
-        "searches its memory and its frames for the seed and for what was graded before",
-        "the process it was forked from was never told either",
         f"""
 import gc, re, sys
 # Character classes keep the words themselves out of this program.
@@ -154,8 +140,6 @@ while frame:
 """,
     ),
     "writes_to_the_terminal": Attack(
-        "writes a forged verdict to the instructor's terminal",
-        "it has no terminal, and no devices but null, zero, random and urandom",
         """
 import glob, os
 for path in ("/dev/tty", "/dev/console", *glob.glob("/dev/pts/*"), *glob.glob("/dev/tty*"), *glob.glob("/dev/vcs*")):
@@ -168,8 +152,6 @@ for path in ("/dev/tty", "/dev/console", *glob.glob("/dev/pts/*"), *glob.glob("/
         ("files", "landlock"),
     ),
     "opens_devices": Attack(
-        "opens or makes devices",
-        "there are none in its file system, and it may not make any",
         """
 import glob, os, stat
 for path in (*glob.glob("/dev/[svx]d[a-z]*"), *glob.glob("/dev/nvme*"), "/dev/mem", "/dev/kmsg", "/dev/fuse", "/dev/kvm"):
@@ -188,8 +170,6 @@ except OSError:
         ("files", "landlock"),
     ),
     "changes_the_kernel": Attack(
-        "opens settings of the kernel for writing, such as the program that is run when one crashes",
-        "its /proc is read-only",
         """
 import os
 mine = [name for name in os.listdir("/proc") if name.isdigit() or name in ("self", "thread-self", "net", "mounts")]
@@ -205,8 +185,6 @@ for folder, folders, files in os.walk("/proc"):
         ("files", "landlock"),
     ),
     "reads_the_machines_keys": Attack(
-        "lists the machine's private keys",
-        "its file system has none",
         """
 import os
 for folder in ("/etc/ssl/private", "/etc/ssh"):
@@ -218,8 +196,6 @@ for folder in ("/etc/ssl/private", "/etc/ssh"):
         ("files", "landlock"),
     ),
     "leaves_keys": Attack(
-        "leaves a key in the user's session keyring",
-        "the calls are refused",
         _SYSCALL
         + """
 if call("add_key", b"user", b"course-kit-attack", b"x", 1, -3) > 0:
@@ -230,8 +206,6 @@ if call("keyctl", 0, -3, 0) > 0:
         ("syscalls",),
     ),
     "leaves_shared_memory": Attack(
-        "leaves System V memory, semaphores and queues behind",
-        "the calls are refused",
         _SYSCALL
         + """
 if call("shmget", 0x50BABE, 4096, 0o1666) >= 0 or call("semget", 0x50BABE, 1, 0o1666) >= 0:
@@ -242,8 +216,6 @@ if call("msgget", 0x50BABE, 0o1666) >= 0:
         ("syscalls",),
     ),
     "gains_capabilities": Attack(
-        "gains capabilities in a user namespace of its own, or by a set-uid program",
-        "the calls are refused, and no program gives it more rights",
         _SYSCALL
         + """
 import subprocess
@@ -265,8 +237,6 @@ except (ValueError, OSError):
         ("syscalls",),
     ),
     "takes_descriptors": Attack(
-        "takes sockets and other descriptors from the supervisor or any other process",
-        "it sees no process but its own, and the call is refused",
         _SYSCALL
         + """
 for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
@@ -281,8 +251,6 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
         ("syscalls",),
     ),
     "reads_processes": Attack(
-        "traces other processes, reads their memory and their variables",
-        "it sees no process but its own, and the calls are refused",
         _SYSCALL
         + """
 for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
@@ -301,8 +269,6 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
         ("processes", "landlock"),
     ),
     "connects": Attack(
-        "connects to servers of this machine: by a file, by an abstract name, by TCP",
-        "its network is its own, and the file does not exist for it",
         """
 import socket
 for family, address in ((socket.AF_UNIX, %SOCKET%), (socket.AF_UNIX, "\\0" + %NAME%), (socket.AF_INET, ("127.0.0.1", %PORT%))):
@@ -317,8 +283,6 @@ for family, address in ((socket.AF_UNIX, %SOCKET%), (socket.AF_UNIX, "\\0" + %NA
         ("network", "files"),
     ),
     "lends_its_output": Attack(
-        "sends its output to a process that lives on, so that whoever reads it never comes to an end",
-        "no more is read of a program that has ended than it can have left",
         """
 import socket
 for address in (%SOCKET%, "\\0" + %NAME%):
@@ -331,8 +295,6 @@ for address in (%SOCKET%, "\\0" + %NAME%):
 """,
     ),
     "plants_files": Attack(
-        "writes outside its scratch directory",
-        "all else is read-only",
         """
 import os, sysconfig
 folders = (sysconfig.get_path("purelib"), os.path.dirname(os.__file__), "/tmp", "/var/tmp", "/run", os.path.dirname(%FILE%))
@@ -348,8 +310,6 @@ for folder in folders:
         ("files", "landlock"),
     ),
     "takes_memory_that_nothing_counts": Attack(
-        "takes memory that belongs to no process: files in memory, shared pages that it gives back, pages in a pipe",
-        "the calls are refused",
         """
 import ctypes, mmap, os
 taken = []
@@ -370,8 +330,6 @@ if taken:
         ("syscalls",),
     ),
     "maps_the_device_zero": Attack(
-        "takes shared pages of /dev/zero, which it could give back while they stay",
-        "there is no /dev/zero",
         """
 import mmap, os
 try:
@@ -382,8 +340,6 @@ except OSError:
         ("files", "landlock"),
     ),
     "fills_page_tables": Attack(
-        "reads one byte of each 2 MB of 1 TB: no page is its own, but their tables take 2 GB",
-        "tables of pages count as memory",
         """
 import mmap, time
 for _ in range(16):
@@ -397,8 +353,6 @@ time.sleep(2)
 """,
     ),
     "floods_with_ended_children": Attack(
-        "starts children without end, that end at once, so that the process beside it computes and others wait",
-        "who starts too many is stopped",
         """
 import os, time
 begun, started = time.monotonic(), 0
@@ -417,8 +371,6 @@ if started > 4000:
         ("processes",),
     ),
     "fills_sockets": Attack(
-        "takes 400 MB in sockets: open, closed, waiting to be accepted, with larger buffers",
-        "sockets count with what they can hold, and get no larger buffers",
         """
 import os, socket, time
 def fill(line):
@@ -453,8 +405,6 @@ time.sleep(2)
         ("network",),
     ),
     "makes_strange_sockets": Attack(
-        "makes sockets of families and protocols that nobody counts, such as one to the host of a virtual machine",
-        "the calls are refused",
         """
 import socket
 for family, kind, protocol in ((40, 1, 0), (38, 5, 0), (30, 5, 0), (17, 3, 3), (31, 3, 1), (2, 1, 262), (2, 5, 132), (2, 2, 136)):
@@ -467,8 +417,6 @@ for family, kind, protocol in ((40, 1, 0), (38, 5, 0), (30, 5, 0), (17, 3, 3), (
         ("syscalls",),
     ),
     "fills_the_disk": Attack(
-        "writes a thousand files of a megabyte",
-        "its scratch directory lies in memory and is small",
         """
 written = 0
 for number in range(1000):
@@ -484,8 +432,6 @@ if written > 100:
         ("files",),
     ),
     "closes_files": Attack(
-        "takes the rights to a file of the user's away, and its time",
-        "its file system has none; without namespaces the calls change nothing",
         """
 import os
 before = os.stat(%FILE%) if os.path.exists(%FILE%) else None
@@ -500,8 +446,6 @@ if before and (before.st_mode, before.st_mtime) != (os.stat(%FILE%).st_mode, os.
         ("syscalls",),
     ),
     "leases_files": Attack(
-        "has everybody else wait for a file of the user's, watches it, or puts a flag on it that only root takes off",
-        "the system call filter",
         """
 import ctypes, fcntl, os, signal, struct
 signal.signal(signal.SIGIO, signal.SIG_IGN)
@@ -524,8 +468,6 @@ if libc.inotify_add_watch(libc.inotify_init(), os.getcwd().encode(), 2) >= 0:
         ("syscalls",),
     ),
     "limits_others": Attack(
-        "changes the limits, priority and processors of other processes, the guard beside it included",
-        "it sees none but its guard, and the calls are refused",
         """
 import os, resource
 for name in [name for name in os.listdir("/proc") if name.isdigit() and name != os.readlink("/proc/self")]:
@@ -549,8 +491,6 @@ for name in [name for name in os.listdir("/proc") if name.isdigit() and name != 
         ("syscalls",),
     ),
     "kills_others": Attack(
-        "kills every process it can name",
-        "it sees no process but its own",
         """
 import os, signal
 for name in os.listdir("/proc"):

@@ -1,4 +1,4 @@
-"""Attacks under each kind of isolation this machine can show; the table of what held goes to artifacts/attacks.md."""
+"""Attacks under each kind of isolation that this machine can show."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.attack_table import TABLE
 from tests.grading.sandbox import attack_modes
 from tests.grading.sandbox.attacks import ATTACKS, SECRET_OF_A_STUDENT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from course_kit.grading import Isolation
 
@@ -108,18 +107,3 @@ def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: Outcomes)
         assert outcomes[attack_modes.USER]["isolation"].reason
         return
     assert outcomes[attack_modes.USER]["isolation"].full, outcomes[attack_modes.USER]["isolation"].describe()
-
-
-def test_the_table_says_what_held(outcomes: Outcomes, record_property: Callable[[str, object], None]) -> None:
-    lines = ["# Attacks on the grader", "", "Written by the tests from what happened in their last run.", ""]
-    lines += [f"- **{mode}**: {found['isolation'].describe()}." for mode, found in outcomes.items()]
-    lines += ["", f"| a submission | {' | '.join(outcomes)} | what holds it |", f"|---|{'---|' * len(outcomes)}---|"]
-    for name, attack in ATTACKS.items():
-        held = [_held(outcomes[mode][name]) for mode in outcomes]
-        lines.append(f"| {attack.tries} | {' | '.join(held)} | {attack.held_by} |")
-    record_property(TABLE, "\n".join(lines))
-    assert len(lines) > len(ATTACKS)
-
-
-def _held(outcome: dict[str, Any]) -> str:
-    return "**not held**" if "WON" in outcome["stdout"] else "held"

@@ -20,7 +20,6 @@ from tests.refused import WITHOUT_NAMESPACES
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = pytest.mark.attack("The solution and the grader of an exercise that lies among libraries")
 OTHER = "other_exercise"
 SPY = """
 import os, subprocess, sys

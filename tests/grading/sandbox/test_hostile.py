@@ -15,7 +15,6 @@ import pytest
 from course_kit import environment, grading
 from tests import several_files
 from tests.grading.conftest import IDLE, processes_of
-from tests.grading.sandbox.hostile_table import Table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -24,13 +23,8 @@ if TYPE_CHECKING:
     Grade: TypeAlias = Callable[..., grading.Report]
     Strict: TypeAlias = Callable[..., Path]
 
-FORKS, DAEMONISES = "forks without end", "leaves daemons that ignore every signal"
-HIDES_A_SERVER = "hides a right server for the submission after it"
-LISTENS, REACHES = "listens on a port", "calls another student's node, in that node's ROS domain"
-STAYS = "drops sitecustomize files for the submission after it"
 KILLS = "kills_its_parents"
 OUR_PROCESSES = os.readlink("/proc/self/ns/pid")  # noqa: PTH115 - no path, but the name of this PID namespace
-OTHER_TRIES = (FORKS, DAEMONISES, HIDES_A_SERVER, LISTENS, REACHES, STAYS)
 ATTACKS = {
     "prints_a_report": """
 print('{"format_version": 1, "status": "graded", "score": 10.0, "max_score": 10.0, "passed": true, "checks": []}')
@@ -78,17 +72,6 @@ course_kit.grading.model.report.Report.score = 10.0
 rclpy.client.Client.service_is_ready = lambda self: True
 """,
 }
-TRIES = {
-    "prints_a_report": ("prints a report with full marks", "output is shown in the report and never read"),
-    "writes_into_every_descriptor": (
-        "forges a report on every open descriptor",
-        "it holds no line to the grader but its output and its notes, which earn nothing",
-    ),
-    "sends_strange_notes": ("writes nonsense where the runner leaves its notes", "notes of another shape are dropped"),
-    "leaves_at_once": ("exits early, with status 0", "only what is seen on the ROS graph counts"),
-    KILLS: ("kills its parent, process 1 and all it can name", "it has no right to, and sees no others"),
-    "patches_rclpy": ("patches rclpy and the grader's modules", "the grader is another process"),
-}
 DAEMON = """
 import os, signal, time
 for _ in range(3):
@@ -106,8 +89,6 @@ for _ in range(3):
 {then}
 """
 
-pytestmark = pytest.mark.attack("Programs that want points, or to do harm")
-
 
 @pytest.fixture
 def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
@@ -120,26 +101,15 @@ def nothing_lives(worker: grading.Worker) -> Iterator[Callable[[], bool]]:
     assert look()
 
 
-@pytest.fixture(scope="module")
-def table(worker: grading.Worker) -> Iterator[Table]:
-    """Takes a row for each attack, and is written when none of them is missing."""
-    written = Table(worker.ready())
-    yield written
-    written.write({attack for attack, _ in TRIES.values()} | set(OTHER_TRIES))
-
-
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_attack_earns_nothing(attack: str, grade_source: Grade, table: Table) -> None:
+def test_attack_earns_nothing(attack: str, grade_source: Grade, worker: grading.Worker) -> None:
     report = grade_source(ATTACKS[attack])
     assert report.score == 0.0
     assert not report.passed
     assert report.status == "crashed"
     assert {check.id for check in report.checks if check.status == "failed"} == {"offered"}
-    tried, held = TRIES[attack]
     if attack == KILLS:
-        assert ("EVERYBODY" in report.stdout) == table.isolation.processes
-        held = held if table.isolation.processes else "nothing: its parent is dead, and it with it; others were spared"
-    table.add(tried, report, held)
+        assert ("EVERYBODY" in report.stdout) == worker.ready().processes
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -161,11 +131,10 @@ def test_among_the_testers_own_processes_no_attack_kills_more_than_its_parent() 
     assert (done.stdout, done.stderr) == ("True\n", "")
 
 
-def test_daemons_die(grade_source: Grade, nothing_lives: Callable[[], bool], table: Table) -> None:
+def test_daemons_die(grade_source: Grade, nothing_lives: Callable[[], bool]) -> None:
     report = grade_source(DAEMON.format(body="time.sleep(600)", then="time.sleep(0.5)"))
     assert report.score == 0.0
     assert nothing_lives()
-    table.add(DAEMONISES, report, "no daemon lives when the grade is written")
 
 
 def test_daemons_of_a_program_that_stays_die(
@@ -177,7 +146,7 @@ def test_daemons_of_a_program_that_stays_die(
 
 
 def test_server_left_behind_does_not_help_the_next(
-    grade_source: Grade, nothing_lives: Callable[[], bool], solution: str, table: Table
+    grade_source: Grade, nothing_lives: Callable[[], bool], solution: str
 ) -> None:
     serve = f"exec({solution!r}, {{'__name__': '__main__'}})"
     grade_source(DAEMON.format(body=serve, then="time.sleep(1)"))
@@ -185,14 +154,12 @@ def test_server_left_behind_does_not_help_the_next(
     report = grade_source("import time\ntime.sleep(2)\n")
     assert report.score == 0.0
     assert report.checks[0].diagnosis == "start.nothing"
-    table.add(HIDES_A_SERVER, report, "the next submission finds an empty graph")
 
 
-def test_fork_bomb(grade_source: Grade, nothing_lives: Callable[[], bool], table: Table) -> None:
+def test_fork_bomb(grade_source: Grade, nothing_lives: Callable[[], bool]) -> None:
     report = grade_source("import os\nwhile True:\n    os.fork()\n")
     assert report.checks[0].diagnosis == "limit.processes"
     assert nothing_lives()
-    table.add(FORKS, report, "every fork is dead")
 
 
 def test_exit_in_a_callback(grade_source: Grade, solution: str) -> None:
@@ -256,7 +223,7 @@ for folder in (os.getcwd(), f"{home}/.local/lib/{version}/site-packages", os.env
 """
 
 
-def test_dropped_files_are_gone_with_the_submission(grade_source: Grade, solution: str, table: Table) -> None:
+def test_dropped_files_are_gone_with_the_submission(grade_source: Grade, solution: str) -> None:
     report = grade_source(DROP)
     written = [Path(line.removeprefix("WROTE ")) for line in report.stdout.splitlines() if line.startswith("WROTE")]
     assert written
@@ -264,7 +231,6 @@ def test_dropped_files_are_gone_with_the_submission(grade_source: Grade, solutio
     after = grade_source(solution)
     assert after.score == 10.0
     assert "DROPPED" not in after.stderr
-    table.add(STAYS, report, f"{len(written)} files in its scratch directory, gone with it")
 
 
 LISTEN = """
@@ -282,7 +248,7 @@ with socket.create_server(("0.0.0.0", {port})) as server:
 """
 
 
-def test_a_port_it_listens_on_is_not_to_be_reached(grade_source: Grade, table: Table) -> None:
+def test_a_port_it_listens_on_is_not_to_be_reached(grade_source: Grade, worker: grading.Worker) -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     over = threading.Event()
@@ -295,10 +261,9 @@ def test_a_port_it_listens_on_is_not_to_be_reached(grade_source: Grade, table: T
     assert "LISTENING" in report.stdout
     assert report.score == 0.0
     assert not visits(port, over)
-    isolated = table.isolation.network
+    isolated = worker.ready().network
     assert visited == [not isolated]
     assert ("VISITED" in report.stdout) == (not isolated)
-    table.add(LISTENS, report, "nobody outside can connect" if isolated else "closed after the grade; open until then")
 
 
 def visits(port: int, over: threading.Event) -> bool:
@@ -328,7 +293,7 @@ context.shutdown()
 
 
 def test_another_students_node_is_out_of_reach(
-    grade_source: Grade, solution: str, domain: int, tmp_path: Path, table: Table
+    grade_source: Grade, solution: str, domain: int, tmp_path: Path, worker: grading.Worker
 ) -> None:
     (tmp_path / "victim.py").write_text(solution)
     (tmp_path / "burglar.py").write_text(REACH.format(domain=domain, patience=30.0))
@@ -343,6 +308,5 @@ def test_another_students_node_is_out_of_reach(
             victim.kill()
     assert outside.stdout == "REACHED\n", outside.stderr
     assert report.score == 0.0
-    isolated = table.isolation.network
+    isolated = worker.ready().network
     assert report.stdout == ("ALONE\n" if isolated else "REACHED\n")
-    table.add(REACHES, report, "it is not on its network" if isolated else "nothing: it shares the loopback interface")

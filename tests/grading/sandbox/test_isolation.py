@@ -140,7 +140,6 @@ def test_a_command_that_requires_isolation_refuses_to_grade_without_namespaces(t
         assert done.stdout == ""
 
 
-@pytest.mark.attack("Machines")
 def test_each_worker_of_a_class_insists_on_isolation() -> None:
     """Also one of a cluster, on a machine that nobody has asked before, and one that replaces another."""
     solution = str(ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py")

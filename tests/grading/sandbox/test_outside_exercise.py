@@ -18,7 +18,6 @@ from tests.outside_exercises import ID
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = pytest.mark.attack("The folder of an instructor's exercise")
 SPY = """
 import gc, os, sys
 folders = {folders}

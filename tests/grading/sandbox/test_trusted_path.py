@@ -27,8 +27,6 @@ COMMANDS = {
     ],
 }
 
-pytestmark = pytest.mark.attack("Files beside a submission")
-
 
 @pytest.fixture
 def inbox(tmp_path: Path) -> Path:
