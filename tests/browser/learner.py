@@ -37,6 +37,10 @@ NOTEBOOK_7_ITSELF = (
 # JupyterLab's debugger and subshells ask a kernel that has just been restarted or ended.
 KERNEL_ENDED = r"Canceled future for \w+ message before replies were done|widget model not found"
 PATIENCE_MS = 240_000  # against hanging only
+ROLL = """panel => {
+    const isAtEnd = panel.scrollTop + panel.clientHeight >= panel.scrollHeight - 1;
+    panel.scrollTo(0, isAtEnd ? 0 : panel.scrollTop + panel.clientHeight / 2);
+}"""
 SETTINGS = {
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false", "checkForUpdates": False},
@@ -84,13 +88,12 @@ class JupyterLab:
         )
 
     def scroll_to(self, wanted: Locator) -> Locator:
-        """Roll the wheel from the top until it is there: JupyterLab draws outputs only when they come near."""
+        """Roll the wheel down, and on from the top, until it is there: JupyterLab draws what comes near, no more."""
         notebook = self.page.locator(".jp-Notebook .jp-WindowedPanel-outer").first
-        notebook.evaluate("panel => panel.scrollTo(0, 0)")
         deadline = time.monotonic() + PATIENCE_MS / 1000
         while not wanted.count():
             assert time.monotonic() < deadline, f"{wanted} is nowhere in the notebook"
-            notebook.evaluate("panel => panel.scrollBy(0, 300)")
+            notebook.evaluate(ROLL)
             self.page.wait_for_timeout(50)
         wanted.first.scroll_into_view_if_needed()
         return wanted.first

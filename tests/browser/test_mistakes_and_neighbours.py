@@ -1,4 +1,4 @@
-"""What a learner sees in the browser of mistakes, of other notebooks, and behind links."""
+"""What a learner sees in the browser of grades, of other notebooks, and behind links."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 BROKEN = REPOSITORY / "tests/broken/temperature_service/service.no_return.py"
 EXERCISE = "exercises/temperature_service/temperature_service.ipynb"
-FLOOD = "for number in range(300_000): print('line', number)"
 
 
 def grade_the_broken_one(lab: JupyterLab) -> None:
@@ -69,29 +68,6 @@ def test_nodes_left_in_another_notebook_are_shown_apart_until_they_are_stopped(l
     lab.replace_cell_that_begins("from rclpy.node import Node", "lab.stop_others()")
     lab.page.keyboard.press("Shift+Enter")
     expect(lab.page.locator(".ck-graph [data-node=coffee_machine]")).to_have_count(0)
-
-
-def test_mistakes_are_told_where_a_learner_looks(lab: JupyterLab) -> None:
-    lab.open(EXERCISE)
-    lab.run_cell_that_begins("%load_ext course_kit")
-    cell = lab.page.locator(".jp-CodeCell").first
-
-    def run(code: str) -> None:
-        cell.locator(".cm-content").click()
-        lab.page.keyboard.press("Control+A")
-        lab.page.keyboard.insert_text(code)
-        lab.page.keyboard.press("Control+Enter")
-
-    run("from course_kit import lab\nfrom std_srvs.srv import Trigger\nanswer = lab.call('/ask', Trigger)")
-    expect(cell).to_contain_text("Nothing was sent: write `await lab.call(...)`.")
-    run(FLOOD)
-    expect(cell).to_contain_text("... This cell has printed 2,000 lines: the rest is left out.")
-    expect(cell).to_contain_text("line 299999")
-    run("import asyncio\nprint('waiting')\nawait asyncio.sleep(3600)")
-    expect(cell).to_contain_text("waiting")
-    lab.page.locator("[data-command='notebook:interrupt-kernel']").first.click()
-    expect(cell).to_contain_text(re.compile(r"Interrupted in In\[\d+\], line 3\."))
-    expect(cell).not_to_contain_text("Traceback")
 
 
 @pytest.mark.answers

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.browser, pytest.mark.answers, pytest.mark.timeout(900)]
 
-DEMOS = ["01_deadlock", "03_silent_parameter"]  # tests/notebooks repairs each
+SIZES = [(1280, 900, "light"), (900, 700, "dark")]
 # What JupyterLab has around a notebook.
 AROUND = (
     "#jp-top-panel, #jp-menu-panel, #jp-main-statusbar, .jp-SideBar, .lm-DockPanel-tabBar, .jp-NotebookPanel-toolbar"
@@ -68,14 +68,16 @@ class Stage:
     def outputs(self) -> str:
         return "\n".join(self.page.locator(".jp-OutputArea-output").all_inner_texts())
 
+    def require(self, outcome: str) -> None:
+        """The demo says this, once, and no line of it is wider than the page: a projector of 1024 by 768, at first."""
+        assert re.findall(r"^It (?:fails|works):", self.outputs(), re.MULTILINE) == [outcome]
+        assert self.page.evaluate(TOO_WIDE) == []
+
     def open_notes(self) -> Page:
         with self.page.expect_popup() as opened:
             self.bar.get_by_role("button", name="Notes").click()
         expect(opened.value.get_by_role("status")).to_be_hidden()
         return opened.value
-
-    def picture(self, name: str) -> None:
-        take(self.page, name)
 
 
 def take(shown: Page, name: str) -> None:
@@ -97,39 +99,23 @@ def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
         yield Stage(opened, server.address, server.token)
 
 
-@pytest.mark.parametrize("demo", DEMOS)
-def test_it_fails_before_the_class_and_one_button_repairs_it(stage: Stage, demo: str) -> None:
-    """And no line is wider than a projector of 1024 by 768, before and after."""
-    stage.open(demo)
+def test_it_fails_before_the_class_and_one_button_repairs_it(stage: Stage) -> None:
+    """And the class sees nothing else of the notebook."""
+    stage.open("01_deadlock")
+    require_nothing_around(stage)
     expect(stage.repair).to_be_disabled()
     assert "It " not in stage.outputs()
     stage.run_all()
-    assert re.findall(r"^It (?:fails|works):", stage.outputs(), re.MULTILINE) == ["It fails:"]
-    assert stage.page.evaluate(TOO_WIDE) == []
+    stage.require("It fails:")
     expect(stage.page.locator(".cm-line.ck-repaired")).to_have_count(0)
     stage.repair.click()
     expect(stage.bar.get_by_role("status")).to_contain_text("cells run, repaired")
-    assert re.findall(r"^It (?:fails|works):", stage.outputs(), re.MULTILINE) == ["It works:"]
+    stage.require("It works:")
     expect(stage.page.locator(".cm-line.ck-repaired").first).to_be_in_viewport()
-    assert stage.page.evaluate(TOO_WIDE) == []
-    stage.picture(f"stage_{demo}_repaired_1024")
+    take(stage.page, "stage_01_deadlock_repaired_1024")
 
 
-def test_a_repair_can_be_taken_back(stage: Stage) -> None:
-    stage.open("04_float_or_int")
-    stage.run_all()
-    stage.page.keyboard.press("Alt+r")
-    expect(stage.repair).to_have_text("Undo the repair")
-    expect(stage.repair).to_be_enabled()
-    stage.repair.click()
-    expect(stage.repair).to_have_text("Repair")
-    expect(stage.repair).to_be_enabled()
-    assert "It fails:" in stage.outputs()
-    assert "It works:" not in stage.outputs()
-
-
-def test_a_class_sees_the_demo_and_nothing_else(stage: Stage) -> None:
-    stage.open("01_deadlock")
+def require_nothing_around(stage: Stage) -> None:
     for around in stage.page.locator(AROUND).all():
         expect(around).to_be_hidden()
     whole = nbformat.read(REPOSITORY / "notebooks/demos/01_deadlock.ipynb", as_version=4)
@@ -145,52 +131,28 @@ def test_a_class_sees_the_demo_and_nothing_else(stage: Stage) -> None:
     expect(stage.page.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "19.968px")
 
 
-def test_closing_the_page_asks_nothing(stage: Stage) -> None:
+def test_a_repair_can_be_taken_back_and_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
+    """Though the kernel still runs, with the repaired class in it. Closing the page asks nothing."""
     stage.open("04_float_or_int")
     stage.run_all()
-    asked: list[str] = []
-    stage.page.once("dialog", lambda dialog: (asked.append(dialog.message), dialog.accept()))
-    stage.page.goto("about:blank")
-    assert asked == []
-
-
-def test_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
-    """The kernel still runs, with the repaired class in it."""
-    stage.open("04_float_or_int")
-    stage.run_all()
+    stage.page.keyboard.press("Alt+r")
+    expect(stage.repair).to_have_text("Undo the repair")
+    expect(stage.repair).to_be_enabled()
+    stage.repair.click()
+    expect(stage.repair).to_have_text("Repair")
+    expect(stage.repair).to_be_enabled()
+    stage.require("It fails:")
     stage.repair.click()
     expect(stage.repair).to_have_text("Undo the repair")
     stage.page.reload()
     expect(stage.bar.get_by_role("status")).to_have_text(re.compile("^0 of"))
     stage.run_all()
     expect(stage.page.locator(".jp-CodeCell .jp-InputPrompt").first).to_have_text("[1]:")
-    assert "It fails:" in stage.outputs()
-
-
-@pytest.mark.parametrize(("width", "height", "scheme"), [(1280, 900, "light"), (900, 700, "dark")])
-def test_both_windows_can_be_read_at_any_size(stage: Stage, width: int, height: int, scheme: str) -> None:
-    stage.page.set_viewport_size({"width": width, "height": height})
-    stage.page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-    stage.open("04_float_or_int")
-    notes = stage.open_notes()
-    notes.set_viewport_size({"width": width, "height": height})
-    notes.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-    without_findings(notes, "body")
-    without_findings(stage.page, "#ck-stage-bar")
-    stage.run_all()
-    stage.picture(f"stage_failure_{width}_{scheme}")
-    expect(notes.get_by_role("button", name="Repair")).to_be_enabled()
-    stage.repair.click()
-    expect(notes.get_by_role("button", name="Undo the repair")).to_be_enabled()
-    without_findings(notes, "body")
-    without_findings(stage.page, "#ck-stage-bar")
-    stage.picture(f"stage_repaired_{width}_{scheme}")
-    take(notes, f"stage_notes_{width}_{scheme}")
-    assert stage.page.evaluate(TOO_WIDE) == []
-    assert notes.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    ground = stage.page.locator(".jp-Notebook").evaluate("one => getComputedStyle(one).backgroundColor")
-    assert (int(re.findall(r"\d+", ground)[0]) < 128) == (scheme == "dark")
-    notes.close()
+    stage.require("It fails:")
+    asked: list[str] = []
+    stage.page.once("dialog", lambda dialog: (asked.append(dialog.message), dialog.accept()))
+    stage.page.goto("about:blank")
+    assert asked == []
 
 
 def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
@@ -214,9 +176,10 @@ def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
         if said[cell.cell_id]:
             expect(shown).to_contain_text(said[cell.cell_id])
     expect(notes.locator("#next")).to_contain_text("Put the repair in place")
+    stage.require("It fails:")
     notes.locator("#step").click()
     expect(notes.get_by_role("button", name="Undo the repair")).to_be_enabled()
-    assert "It works:" in stage.outputs()
+    stage.require("It works:")
     expect(shown).to_contain_text("Reading a parameter is cheap")
     expect(notes.locator("#elapsed")).not_to_have_text("0:00")
     stage.page.locator(".jp-CodeCell .cm-content").first.click()
@@ -242,14 +205,39 @@ def test_the_notes_lead_to_the_next_demo_whose_nodes_are_the_only_ones(stage: St
     notes.close()
 
 
-def test_without_a_page_for_the_class_the_notes_say_so(stage: Stage) -> None:
+def test_both_windows_can_be_read_at_any_size(stage: Stage) -> None:
+    """Before a demo is run, and repaired. Without a page for the class, the notes say so."""
     stage.open("04_float_or_int")
     notes = stage.open_notes()
+    for size in SIZES:
+        require_readable(stage, notes, "opened", size)
+    stage.run_all()
+    expect(notes.get_by_role("button", name="Repair")).to_be_enabled()
+    stage.repair.click()
+    expect(notes.get_by_role("button", name="Undo the repair")).to_be_enabled()
+    for size in SIZES:
+        require_readable(stage, notes, "repaired", size)
     stage.page.goto("about:blank")
     expect(notes.get_by_role("status")).to_contain_text("Waiting for the page that the class sees")
     expect(notes.get_by_role("button", name="Start this demo again")).to_be_disabled()
     without_findings(notes, "body")
     notes.close()
+
+
+def require_readable(stage: Stage, notes: Page, state: str, size: tuple[int, int, str]) -> None:
+    width, height, scheme = size
+    for shown in (stage.page, notes):
+        shown.set_viewport_size({"width": width, "height": height})
+        shown.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+    expect(stage.page.locator("body")).to_have_attribute("data-jp-theme-light", str(scheme == "light").lower())
+    without_findings(notes, "body")
+    without_findings(stage.page, "#ck-stage-bar")
+    take(stage.page, f"stage_{state}_{width}_{scheme}")
+    take(notes, f"stage_notes_{state}_{width}_{scheme}")
+    assert stage.page.evaluate(TOO_WIDE) == []
+    assert notes.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    ground = stage.page.locator(".jp-Notebook").evaluate("one => getComputedStyle(one).backgroundColor")
+    assert (int(re.findall(r"\d+", ground)[0]) < 128) == (scheme == "dark")
 
 
 def test_the_notes_are_for_whoever_has_the_token(stage: Stage) -> None:

@@ -9,6 +9,8 @@ import pytest
 from playwright.sync_api import expect
 
 if TYPE_CHECKING:
+    from playwright.sync_api import Locator
+
     from tests.browser.learner import JupyterLab, OpenServer
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
@@ -37,6 +39,24 @@ def require_no_dead_widget(lab: JupyterLab) -> None:
         assert not [one for one in lab.page.get_by_text(words).all() if one.is_visible()], words
 
 
+def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
+    """The keyboard goes on in the notebook, below the panel's cell, and a second click docks nothing again."""
+    expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
+    expect(docked.get_by_role("button", name="Dock beside the notebook")).to_have_count(0)
+    notebook = lab.page.locator(".jp-NotebookPanel").bounding_box()
+    beside = docked.bounding_box()
+    assert notebook is not None
+    assert beside is not None
+    assert beside["x"] >= notebook["x"] + notebook["width"]
+    below = lab.page.locator(".jp-Cell:has(.ck-graph) + .jp-Cell")
+    expect(below).to_have_class(re.compile("jp-mod-active"))
+    for _ in range(2):
+        lab.page.keyboard.press("Shift+Enter")
+    expect(below).not_to_have_class(re.compile("jp-mod-active"))
+    graph.get_by_role("button", name="Dock beside the notebook").click()
+    expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(1)
+
+
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
     page = lab.page
     lab.open(LESSON)
@@ -48,9 +68,11 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     graph.get_by_role("button", name="Dock beside the notebook").click()
     docked = page.locator(".jp-LinkedOutputView")
-    expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
+    require_docked(lab, graph, docked)
     lab.run_cell_that_begins("from rclpy.node import Node")
     expect(docked.locator("[data-node='battery']").first).to_be_visible()
+    expect(docked.locator(".ck-dot").first).to_be_attached()
+    lab.picture("graph_docked")
     page.wait_for_function(KEPT)
     save(lab)
 

@@ -1,4 +1,4 @@
-"""Lessons 0 and 1 in the browser: the graph that follows, the form that calls."""
+"""Lessons 0 and 1 in the browser: the graph that follows, with its messages; the form that calls; the diagram."""
 
 from __future__ import annotations
 
@@ -20,6 +20,47 @@ if TYPE_CHECKING:
     from tests.browser.learner import JupyterLab
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+
+# Notes each dot that begins to run, where its two halves of a way lead.
+WATCH_DOTS = """() => {
+  window.dots = [];
+  new MutationObserver(changes => {
+    for (const { addedNodes } of changes)
+      for (const one of addedNodes)
+        if (one.classList?.contains("ck-dot"))
+          window.dots.push(`${one.dataset.way} ${one.dataset.of} ${one.dataset.on}`);
+  }).observe(document.body, { childList: true, subtree: true });
+}"""
+
+# Whether a second goes by in which none begins.
+NO_MORE_DOTS = """() => new Promise(done => {
+  const before = window.dots.length;
+  setTimeout(() => done(window.dots.length === before), 1000);
+})"""
+# The battery of the lesson without its timer.
+QUIET = """lab.stop("battery")
+
+class Quiet(Node):
+    def __init__(self):
+        super().__init__("battery")
+        self.publisher = self.create_publisher(Float64, "battery_voltage", 10)
+
+battery = lab.start(Quiet)"""
+# A node whose messages are long.
+LONG = """class Chatty(Node):
+    def __init__(self):
+        super().__init__("chatty")
+        self.create_subscription(String, "said", self.hear, 10)
+        self.publisher = self.create_publisher(String, "echo", 10)
+
+    def hear(self, message):
+        self.publisher.publish(message)
+
+from std_msgs.msg import String
+lab.start(Chatty)
+await lab.call("/add_two_ints", AddTwoInts, a=3, b=4)
+lab.publish("/said", String, data="word " * 20)
+lab.diagram()"""
 
 
 def require_nothing_told_and_nothing_unsaved(lab: JupyterLab) -> None:
@@ -82,7 +123,7 @@ def choose(panel: Locator, place: int) -> None:
     expect(panel.get_by_role("radio").nth(place)).to_be_checked()
 
 
-def test_lesson_zero_shows_nodes_come_and_go(lab: JupyterLab) -> None:
+def test_lesson_zero_shows_nodes_and_messages_come_and_go(lab: JupyterLab) -> None:
     lab.open("notebooks/00_welcome.ipynb")
     require_nothing_told_and_nothing_unsaved(lab)
     lab.run_cell_that_begins("%load_ext course_kit")
@@ -113,9 +154,56 @@ def test_lesson_zero_shows_nodes_come_and_go(lab: JupyterLab) -> None:
     expect(graph.locator("[data-channel='/rosout']")).to_be_visible()
     graph.get_by_label("Show ROS's own plumbing too").uncheck()
     expect(graph.locator("[data-channel='/rosout']")).to_have_count(0)
+    see_messages_run_along_the_arrows(lab, graph)
 
 
-def test_the_form_of_lesson_one_answers(lab: JupyterLab) -> None:
+def see_messages_run_along_the_arrows(lab: JupyterLab, graph: Locator) -> None:
+    places = [
+        middle_of(graph.locator(one)) for one in ("[data-node=battery]", ".ck-box.ck-topic", "[data-node=dashboard]")
+    ]
+    assert places == sorted(places)
+    lab.page.evaluate(WATCH_DOTS)
+    lab.page.wait_for_function("window.dots.length >= 4")  # the battery's own messages
+    photograph(lab, graph, "graph")
+
+    run_elsewhere(lab, QUIET)
+    expect(graph.locator(".ck-use[data-of=dashboard]")).to_be_attached()
+    lab.page.wait_for_function(NO_MORE_DOTS)
+    lab.page.evaluate("window.dots.length = 0")
+    run_elsewhere(lab, "battery.publisher.publish(Float64(data=11.0))")
+    lab.page.wait_for_function("window.dots.length >= 2")
+    assert lab.page.evaluate("window.dots") == ["out battery /battery_voltage", "in dashboard /battery_voltage"]
+    expect(graph.locator(".ck-dot")).to_have_count(0)
+
+    # What no eye can follow is a number, and no dot moves.
+    run_elsewhere(lab, "for n in range(40): battery.publisher.publish(Float64(data=float(n)))")
+    expect(graph.locator(".ck-rate").first).to_have_text(re.compile(r"\d+/s"))
+    expect(graph.locator(".ck-rate")).to_have_count(0)
+    lab.page.emulate_media(reduced_motion="reduce")
+    lab.page.evaluate("window.dots.length = 0")
+    run_elsewhere(lab, "battery.publisher.publish(Float64(data=11.0))")
+    expect(graph.locator(".ck-crossed").first).to_be_attached()
+    assert lab.page.evaluate("window.dots") == []
+
+
+def middle_of(shown: Locator) -> float:
+    frame = shown.bounding_box()
+    assert frame is not None
+    return frame["x"] + frame["width"] / 2
+
+
+def run_elsewhere(lab: JupyterLab, code: str) -> None:
+    """Run a line in the notebook's kernel while the graph stays in view."""
+    lab.page.evaluate(
+        """async code => {
+            const panel = [...window.jupyterapp.shell.widgets("main")].find(one => one.sessionContext && one.context);
+            await panel.sessionContext.session.kernel.requestExecute({ code }).done;
+        }""",
+        code,
+    )
+
+
+def test_the_form_of_lesson_one_answers_and_the_diagram_draws(lab: JupyterLab) -> None:
     page = lab.page
     lab.open("notebooks/01_services.ipynb")
     for start in (
@@ -142,3 +230,30 @@ def test_the_form_of_lesson_one_answers(lab: JupyterLab) -> None:
     expect(outcome).to_contain_text("[INFO] [minimal_service]: Incoming request")
     expect(form.get_by_label("b", exact=True)).not_to_have_attribute("aria-invalid", "true")
     lab.picture("lesson_one_form_answers")
+    go_through_the_diagram_by_keyboard(lab)
+
+
+def go_through_the_diagram_by_keyboard(lab: JupyterLab) -> None:
+    page = lab.page
+    lab.run_cell_that_begins("lab.record()")
+    lab.replace_cell_that_begins("lab.diagram()", LONG)
+    lab.run_cell_that_begins("class Chatty(Node)")
+    drawn = lab.scroll_to(page.locator(".ck-exchange", has_text="word"))
+    slider = drawn.get_by_role("slider")
+    steps = drawn.locator(".ck-step")
+    count = steps.count()
+    assert count >= 6
+    expect(drawn.locator(".ck-later")).to_have_count(0)
+    slider.click()
+    expect(slider).to_be_focused()
+    page.keyboard.press("Home")
+    expect(drawn.locator(".ck-later")).to_have_count(count - 1)
+    expect(drawn.locator("output")).to_have_text(f"1 of {count}")
+    expect(slider).to_be_focused()
+    page.keyboard.press("ArrowRight")
+    expect(drawn.locator(".ck-later")).to_have_count(count - 2)
+    expect(drawn.locator(".ck-current")).to_have_count(1)
+    expect(slider).to_have_attribute("aria-valuetext", re.compile(f"^2 of {count}: minimal_service -> lab"))
+    photograph(lab, drawn, "diagram")
+    page.keyboard.press("End")
+    expect(drawn.locator(".ck-later")).to_have_count(0)
