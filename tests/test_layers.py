@@ -67,7 +67,6 @@ STILL_ABOVE = {
     "course_kit/learner": 1441,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 2536,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1391,  # the capstone, %check, %solution, the second day; 150 for the tutor
-    "tests": 40397,  # with those of the tutor and the capstone
 }
 STILL_IN_CIRCLES = {"grading"}  # for a type checker; nothing is added
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.
