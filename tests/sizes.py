@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 WEEKLY = (
     "tests/authoring/test_new_exercise.py::test_what_is_made_is_proven_by_its_own_set[parameters]",
@@ -35,21 +35,19 @@ WEEKLY = (
     "tests/presentation/test_present_command.py::test_two_at_a_time",
     "tests/test_wheel.py",
 )
-# The folders with the longest files, which begin first; those of others fill up what is left of the time.
-FIRST = (
+# The folders with the files that compute the longest: they begin in the first part of a run, beside those that mostly
+# wait for nodes, so that the processors are busy to the end.
+LONG = (
     "tests/proof/",
     "tests/browser/",
     "notebooks/",
     "tests/classroom/",
     "tests/authoring/",
     "tests/dev/",
-    "tests/grading/",
     "tests/presentation/",
     "tests/course_setup/",
-    "tests/graders/",
-    "tests/ros2cli/",
-    "tests/lab/",
 )
+FIRST_PART = 0.7  # of a run
 # More than some seconds each: whole classes, set-ups, editions, kernels, attacks, and all submissions.
 SLOW = (
     "tests/authoring/",
@@ -113,9 +111,20 @@ SLOW = (
 )
 
 
-def place(test: str) -> int:
-    """How early a test begins, by its id: a lower number comes first."""
-    return next((number for number, folder in enumerate(FIRST) if test.startswith(folder)), len(FIRST))
+def places(files: Iterable[str]) -> dict[str, float]:
+    """When each file begins, from 0 to 1, as a share of the run."""
+    kinds: dict[bool, list[str]] = {True: [], False: []}
+    for file in sorted(files, key=_place_of_folder):
+        kinds[_place_of_folder(file) < len(LONG)].append(file)
+    return {
+        file: place / len(found) * (FIRST_PART if is_long else 1.0)
+        for is_long, found in kinds.items()
+        for place, file in enumerate(found)
+    }
+
+
+def _place_of_folder(file: str) -> int:
+    return next((place for place, folder in enumerate(LONG) if file.startswith(folder)), len(LONG))
 
 
 def marks_of(test: str) -> Iterator[pytest.MarkDecorator]:

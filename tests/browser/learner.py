@@ -37,6 +37,7 @@ NOTEBOOK_7_ITSELF = (
 # JupyterLab's debugger and subshells ask a kernel that has just been restarted or ended.
 KERNEL_ENDED = r"Canceled future for \w+ message before replies were done|widget model not found"
 PATIENCE_MS = 240_000  # against hanging only
+POLLING_MS = 100  # Playwright itself asks at each frame, which has a page that waits draw frames
 ROLL = """panel => {
     const isAtEnd = panel.scrollTop + panel.clientHeight >= panel.scrollHeight - 1;
     panel.scrollTo(0, isAtEnd ? 0 : panel.scrollTop + panel.clientHeight / 2);
@@ -84,7 +85,8 @@ class JupyterLab:
                 const ran = prompts.filter(p => /\\[\\d+\\]/.test(p)).length;
                 const idle = document.querySelector(".jp-Notebook-ExecutionIndicator[data-status='idle']");
                 return ran > 0 && idle && !prompts.some(p => p.includes('*'));
-            }"""
+            }""",
+            polling=POLLING_MS,
         )
 
     def scroll_to(self, wanted: Locator) -> Locator:

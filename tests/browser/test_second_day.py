@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import expect
 
+from tests.browser.learner import POLLING_MS
+
 if TYPE_CHECKING:
     from playwright.sync_api import Locator
 
     from tests.browser.learner import JupyterLab, OpenServer
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 LESSON = "notebooks/00_welcome.ipynb"
 GRAPH = "graph = panels.graph()"
 # Whether the notebook holds the graph as it is now, for the next day.
@@ -73,7 +75,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(docked.locator("[data-node='battery']").first).to_be_visible()
     expect(docked.locator(".ck-dot").first).to_be_attached()
     lab.picture("graph_docked")
-    page.wait_for_function(KEPT)
+    page.wait_for_function(KEPT, polling=POLLING_MS)
     save(lab)
 
     open_again(lab)  # the kernel goes on
