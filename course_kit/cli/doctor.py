@@ -269,9 +269,9 @@ def check_discovery() -> Finding:
 
 def check_isolation() -> Finding:
     """What isolates a submission when it is graded."""
-    from course_kit.grading.sandbox import isolation as sandbox
+    from course_kit.grading import isolation_status
 
-    found = sandbox.status()
+    found = isolation_status()
     advice = "What it stops and what it does not: course_kit/grading/LIMITS.md"
     return Finding("grader isolation", found.describe(), "note" if found.reason else "ok", advice)
 

@@ -11,9 +11,8 @@ from course_kit.grading.model.report import CheckReport, Report, exit_code
 from course_kit.grading.render.html import render_html
 from course_kit.grading.render.text import render_text
 from course_kit.grading.sandbox.isolation import advice_for_root
-from course_kit.grading.sandbox.isolation import status as isolation_status
 from course_kit.grading.sandbox.needs import require_machine
-from course_kit.grading.workers.worker import Worker
+from course_kit.grading.workers.worker import Worker, isolation_status
 
 __all__ = [
     "CheckReport",

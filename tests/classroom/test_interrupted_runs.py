@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.grading.sandbox import isolation
+from course_kit.grading import isolation_status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -170,7 +170,7 @@ def test_a_full_disk_is_said_and_costs_nothing(place: str, inbox: Path, tmp_path
         check=False,
     )
     if done.stderr.strip() == "REFUSED":
-        assert not isolation.status().files, "whoever may not mount is not isolated in files either"
+        assert not isolation_status().files, "whoever may not mount is not isolated in files either"
         return
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("2\n"), done.stdout

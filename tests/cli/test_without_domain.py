@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.environment import domains
-from course_kit.grading.sandbox import isolation
+from course_kit.grading import advice_for_root, isolation_status
 from tests.course_copy import SOLUTION, TEMPERATURE
 from tests.lab.kernel import Kernel
 from tests.refused import COMMAND_WITHOUT_NAMESPACES
@@ -36,7 +36,7 @@ environment.Leases = domains.Leases = functools.partial(domains.Leases, {scope!r
 """
 COURSE = ("-m", "course_kit.cli.main")
 ROS2 = ("-m", "course_kit.ros2cli")
-AS_ROOT = f"course-kit: {isolation.advice_for_root()}\n" if os.geteuid() == 0 else ""
+AS_ROOT = f"course-kit: {advice_for_root()}\n" if os.geteuid() == 0 else ""
 START = """
 from course_kit import lab
 from rclpy.node import Node
@@ -172,7 +172,7 @@ def test_a_notebook_says_so_and_grades(machine: Machine, tmp_path: Path, monkeyp
             assert len(shown.stderr.splitlines()) == at_import
         kernel.run(f"%%submission {TEMPERATURE}\n{SOLUTION.read_text()}")
         graded = kernel.run(f"%grade {TEMPERATURE}").result["text/plain"]
-        assert "10 of 10 points" in graded or (not isolation.status().network and "no ROS domain" in graded)
+        assert "10 of 10 points" in graded or (not isolation_status().network and "no ROS domain" in graded)
         machine.give_back()
         works = kernel.run("%env ROS_DOMAIN_ID=\n%load_ext course_kit\n" + START)
         assert works.ok, works
@@ -206,7 +206,7 @@ def test_what_has_a_network_of_its_own_is_graded_all_the_same(machine: Machine) 
     machine.take_all()
     done = machine.run(*COURSE, "grade", TEMPERATURE, SOLUTION, "--format", "json", COURSE_KIT_PROGRESS="off")
     report = json.loads(done.stdout)
-    if isolation.status().network:
+    if isolation_status().network:
         assert (done.returncode, report["score"], done.stderr) == (0, 10.0, AS_ROOT)
     else:
         assert (done.returncode, report["status"]) == (2, "error")

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.grading import isolation_status
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.pool import start_pool
-from course_kit.grading.sandbox import isolation, machine, needs
+from course_kit.grading.sandbox import machine, needs
 from course_kit.process import tree
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.refused import WITHOUT_NAMESPACES
@@ -122,7 +123,7 @@ def test_a_class_is_not_begun_and_goes_on_later(tmp_path: Path) -> None:
 def test_a_file_system_that_is_missing_or_full(place: str, then: str, said: str) -> None:
     done = grade(ELSEWHERE + then, place, "size=4k" if then else "size=1m")
     if done.stderr.strip() == "REFUSED":
-        assert not isolation.status().files
+        assert not isolation_status().files
     else:
         assert said in told(done)
 

@@ -7,18 +7,14 @@ for real in a child process that is thrown away. The grader then uses what worke
 from __future__ import annotations
 
 import errno
-import json
 import os
-import subprocess
 import sys
 import tempfile
 from contextlib import suppress
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit import environment
 from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, seccomp
 from course_kit.process.fork import fork_child
@@ -34,7 +30,6 @@ _REASONS = {
     errno.ENOSYS: "this kernel is too old: ",
     errno.EINVAL: "this kernel lacks a kind of namespace: ",
 }
-_PATIENCE_S = 20.0  # a hang of the trial is a fault of ours; a noisy machine needs less than one second
 
 
 # Numbers that systemd hands out to services for as long as they run, and that containers have, too.
@@ -54,25 +49,6 @@ def advice_for_root() -> str:
 def guest(worker: int) -> int:
     """The number of a user for the submissions of a worker process, where the grader is root."""
     return _FIRST_GUEST + worker % _GUESTS
-
-
-def status() -> Isolation:
-    """What holds on this machine, tried out in a fresh process; safe from a kernel or any other thread.
-
-    Never raises: where even the trial fails, nothing holds and the reason tells why.
-    """
-    try:
-        trial = subprocess.run(
-            environment.trusted_python("course_kit.grading.sandbox.isolation", "print_trial"),
-            cwd="/",
-            capture_output=True,
-            text=True,
-            timeout=_PATIENCE_S,
-            check=True,
-        )
-        return Isolation(**json.loads(trial.stdout))
-    except (OSError, subprocess.SubprocessError, ValueError, TypeError) as problem:
-        return Isolation(reason=f"trying it out failed ({problem})")
 
 
 class Trial:
@@ -174,8 +150,3 @@ def _works(writer: int, name: str, build: Callable[[], None]) -> bool:
 
 def _say(writer: int, line: str) -> None:
     os.write(writer, line.replace("\n", " ").encode() + b"\n")
-
-
-def print_trial() -> None:
-    """Try out and print the outcome as JSON, for `status`."""
-    sys.stdout.write(json.dumps(asdict(Trial().outcome())))

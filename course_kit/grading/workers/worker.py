@@ -210,6 +210,15 @@ class Worker(Closable):
         return "It was closed meanwhile." if self._closing else self._process.last_words()
 
 
+def isolation_status() -> Isolation:
+    """What isolates submissions on this machine, as a worker has found; nothing where it cannot even start."""
+    try:
+        with Worker() as worker:
+            return worker.ready()
+    except GradingError as problem:
+        return Isolation(reason=f"trying it out failed ({problem})")
+
+
 def side_by_side(number: int) -> list[Worker]:
     """Start several workers that share the cost of getting warm."""
     process = WarmProcess(number, variables_of(whole=False, own_graph=True))

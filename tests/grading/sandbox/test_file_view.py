@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.grading import isolation_status
 from course_kit.grading.sandbox import file_view, isolation, landlock
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.fork import fork_child
@@ -87,8 +88,8 @@ def inside(arrange: Callable[[], None], folder: Path, *, processes: bool) -> dic
 
 
 def test_a_file_system_of_its_own_shows_nothing_masked_by_any_name(places: Path) -> None:
-    if not isolation.status().files:
-        assert isolation.status().reason
+    if not isolation_status().files:
+        assert isolation_status().reason
         return
     scratch = str(places / "scratch")
     read = inside(lambda: file_view.lay_out(scratch, view_of(places), scratch, 1), places, processes=True)
@@ -98,7 +99,7 @@ def test_a_file_system_of_its_own_shows_nothing_masked_by_any_name(places: Path)
 
 def test_landlock_shows_nothing_masked_by_any_name(places: Path) -> None:
     if not landlock.version():
-        assert not isolation.status().landlock
+        assert not isolation_status().landlock
         return
     rules = list(file_view.readable(view_of(places)))
     read = inside(lambda: landlock.restrict(rules, ()), places, processes=False)
