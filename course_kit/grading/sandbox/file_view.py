@@ -6,7 +6,9 @@ directory. There is no home, no checkout, no other submission, and nothing of th
 
 from __future__ import annotations
 
+import ctypes
 import os
+import struct
 import sys
 import tempfile
 from contextlib import suppress
@@ -14,7 +16,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import landlock, mounts
+from course_kit.grading.sandbox import landlock
+from course_kit.process import libc
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -39,6 +42,14 @@ _ACCOUNTS = {
     "nsswitch.conf": "passwd: files\ngroup: files\nhosts: files\n",
 }
 _MOST_LINKS = 40  # that Linux follows, too
+# Of mount(2), mount_setattr(2) and pivot_root(2).
+_MS_NOSUID, _MS_NODEV, _MS_NOEXEC = 0x2, 0x4, 0x8
+_MS_BIND, _MS_REC, _MS_PRIVATE = 0x1000, 0x4000, 0x40000
+_MNT_DETACH = 2
+_SYS_MOUNT_SETATTR = 442  # the same number on every architecture, Linux 5.12 and later
+_SYS_PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
+_AT_FDCWD, _AT_RECURSIVE = -100, 0x8000
+_ATTR_RDONLY, _ATTR_NOSUID, _ATTR_NODEV = 0x1, 0x2, 0x4
 _ROOT_MB = 1  # of the root itself, which holds nothing but folders and the files above
 
 
@@ -142,24 +153,24 @@ def _is_safe(path: str) -> bool:
 def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
     """Make the view the file system of this process. Only in a mount namespace and a PID namespace of its own."""
     umask = os.umask(0o022)  # another user has to find the way
-    mounts.detach()
-    mounts.memory(root, _ROOT_MB)
+    detach_mounts()
+    mount_memory(root, _ROOT_MB)
     for path, is_mask in _in_order(view):
         _mask(root, path) if is_mask else _show(root, path)
     _write_accounts(root, scratch, user)
     for folder in ("/proc", "/dev", "/tmp", scratch):  # noqa: S108 - of the new root, where it is empty
         os.makedirs(f"{root}{folder}", exist_ok=True)  # noqa: PTH103 - a name within another root
     _make_devices(f"{root}/dev")
-    mounts.make_read_only(root)
+    _make_read_only(root)
     _open_devices(f"{root}/dev")
-    mounts.memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
-    mounts.memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
+    mount_memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
+    mount_memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
     try:
-        mounts.processes(f"{root}/proc")
+        _mount_processes(f"{root}/proc")
     except OSError:  # refused in containers that mask parts of /proc: the old one shows more, and allows no more
-        mounts.bind("/proc", f"{root}/proc")
-    mounts.make_read_only(f"{root}/proc")  # the kernel's settings ask who writes, and not what he is capable of
-    mounts.change_root(root)
+        bind("/proc", f"{root}/proc")
+    _make_read_only(f"{root}/proc")  # the kernel's settings ask who writes, and not what he is capable of
+    _change_root(root)
     os.umask(umask)
 
 
@@ -182,20 +193,20 @@ def _show(root: str, path: str) -> None:
             os.symlink(os.path.realpath(path), target)  # noqa: PTH211 - its own text may lead through other links
     elif os.path.isdir(path):  # noqa: PTH112
         os.makedirs(target, exist_ok=True)  # noqa: PTH103
-        mounts.bind(path, target)
+        bind(path, target)
     elif os.path.isfile(path):  # noqa: PTH113
         os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
         Path(target).touch()
-        mounts.bind(path, target)
+        bind(path, target)
 
 
 def _mask(root: str, path: str) -> None:
     if os.path.isdir(path) and os.path.isdir(f"{root}{path}"):  # noqa: PTH112
-        mounts.memory(f"{root}{path}", _ROOT_MB)
+        mount_memory(f"{root}{path}", _ROOT_MB)
     elif os.path.isfile(path) and os.path.isfile(f"{root}{path}"):  # noqa: PTH113
         empty = Path(f"{root}/.empty")
         empty.touch()
-        mounts.bind(str(empty), f"{root}{path}")
+        bind(str(empty), f"{root}{path}")
         empty.unlink()  # what is mounted stays
 
 
@@ -217,8 +228,55 @@ def _make_devices(folder: str) -> None:
 def _open_devices(folder: str) -> None:
     for name in _DEVICES:
         with suppress(OSError):  # some containers have fewer
-            mounts.bind(f"/dev/{name}", f"{folder}/{name}")
-            mounts.make_read_only(f"{folder}/{name}", devices=True)
+            bind(f"/dev/{name}", f"{folder}/{name}")
+            _make_read_only(f"{folder}/{name}", devices=True)
+
+
+def _mount(source: str, target: str, kind: str, flags: int, options: str = "") -> None:
+    arguments = [os.fsencode(text) or None for text in (source, target, kind)]
+    data = os.fsencode(options) or None
+    libc.call_libc("mount", *arguments, ctypes.c_ulong(flags), data, what=f"mount {kind or source} on {target}")
+
+
+def detach_mounts() -> None:
+    """Keep what is mounted from now on out of the sight of every other process."""
+    _mount("", "/", "", _MS_REC | _MS_PRIVATE)
+
+
+def bind(source: str, target: str) -> None:
+    """Show a file or folder, with all that is mounted in it, at a second place."""
+    _mount(source, target, "", _MS_BIND | _MS_REC)
+
+
+def mount_memory(target: str, megabytes: int, *, mode: int = 0o755, user: int = 0) -> None:
+    """Mount an empty file system in memory, gone with the last process that sees it."""
+    owner = f",uid={user},gid={user}" if user else ""
+    options = f"size={megabytes}m,nr_inodes=4096,mode={mode:o}{owner}"
+    _mount("tmpfs", target, "tmpfs", _MS_NOSUID | _MS_NODEV, options)
+
+
+def _mount_processes(target: str) -> None:
+    """Mount a /proc that shows the processes of this PID namespace only."""
+    _mount("proc", target, "proc", _MS_NOSUID | _MS_NODEV | _MS_NOEXEC)
+
+
+def _make_read_only(folder: str, *, devices: bool = False) -> None:
+    """Make all that is mounted at a folder and below it read-only and its set-uid programs ordinary ones."""
+    attributes = _ATTR_RDONLY | _ATTR_NOSUID | (0 if devices else _ATTR_NODEV)
+    packed = struct.pack("QQQQ", attributes, 0, 0, 0)
+    where = (ctypes.c_int(_AT_FDCWD), os.fsencode(folder), ctypes.c_uint(_AT_RECURSIVE))
+    size = ctypes.c_size_t(len(packed))
+    libc.system_call(_SYS_MOUNT_SETATTR, *where, packed, size, what=f"mount_setattr {folder}")
+
+
+def _change_root(folder: str) -> None:
+    """Make a mount point the root of all file names; what was mounted before is out of reach from then on."""
+    number = _SYS_PIVOT_ROOT[os.uname().machine]
+    os.chdir(folder)
+    # The old root comes to lie on top of the new one, from where it is taken away: no folder is needed for it.
+    libc.system_call(number, b".", b".", what="pivot_root")
+    libc.call_libc("umount2", b".", _MNT_DETACH, what="umount the old root")
+    os.chdir("/")
 
 
 def readable(view: FileView) -> Iterator[landlock.Readable]:

@@ -11,7 +11,6 @@ import shlex
 import sys
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
 from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -90,7 +89,8 @@ def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:
     found += files_beside(exercise.solution, exercise.grader)
     for folder in exercises:
         with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for
-            found += _named_outside(folder, (folder / exercise_folders.TOML).stat().st_mtime_ns)
+            brought = read_exercise(folder)
+            found += files_beside(brought.solution, brought.grader)
     return tuple(dict.fromkeys(map(str, found)))
 
 
@@ -118,18 +118,6 @@ def _with_bytecode(module: Path) -> Iterator[Path]:
             yield written
 
 
-@lru_cache(maxsize=256)
-def _named_outside(folder: Path, written: int) -> tuple[Path, ...]:
-    """What the exercise.toml of a folder names outside of it; read again when it was written at another time."""
-    del written
-    brought = read_exercise(folder)
-    return tuple(files_beside(brought.solution, brought.grader))
-
-
 def _is_of_libraries(folder: Path) -> bool:
     """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
-    return any(Path(entry).resolve().is_relative_to(folder) for entry in _absolute(sys.path))
-
-
-def _absolute(entries: list[str]) -> Iterator[str]:
-    return (entry for entry in entries if os.path.isabs(entry))  # noqa: PTH117 - hot
+    return any(Path(entry).resolve().is_relative_to(folder) for entry in sys.path if os.path.isabs(entry))  # noqa: PTH117

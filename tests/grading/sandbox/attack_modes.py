@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model.exercise import Exercise, load_exercise
-from course_kit.grading.sandbox import file_view, isolation, launcher, mounts, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, seccomp
 from course_kit.grading.sandbox.channel import Channel
 from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job, grader_process
@@ -134,23 +134,23 @@ def open_the_way(path: str) -> None:
     private = [place for place in reversed(Path(path).parents) if not place.stat().st_mode & stat.S_IXOTH]
     if private:
         libc.call_libc("unshare", namespaces.CLONE_NEWNS)
-        mounts.detach()
+        file_view.detach_mounts()
         opened = os.open(path, os.O_PATH)
-        mounts.memory(str(private[0]), 1)
+        file_view.mount_memory(str(private[0]), 1)
         Path(path).mkdir(parents=True)
-        mounts.bind(f"/proc/self/fd/{opened}", path)
+        file_view.bind(f"/proc/self/fd/{opened}", path)
         os.close(opened)
 
 
 def hide_the_kit(path: str) -> None:
     """Have nobody but root read a file that submissions need, as with a Python in root's home; as root."""
     libc.call_libc("unshare", namespaces.CLONE_NEWNS)
-    mounts.detach()
+    file_view.detach_mounts()
     opened, private = tempfile.mkstemp()  # its mode is 0600
     atexit.register(os.unlink, private)
     os.write(opened, Path(path).read_bytes())
     os.close(opened)
-    mounts.bind(private, path)
+    file_view.bind(private, path)
 
 
 def become_nobody() -> None:
