@@ -61,7 +61,7 @@ BUDGETS = {
 STILL_ABOVE = {
     "course_kit/lab": 6563,
     "course_kit/reader": 853,  # the files of the capstone, out of a zip or a notebook
-    "course_kit/grading": 10891,  # with the capstone
+    "course_kit/grading": 10830,  # with the capstone
     "course_kit/launch": 2016,  # with respawn, and programs that are forked
     "course_kit/graders": 3029,  # with the capstone
     "course_kit/learner": 1441,  # with the steps of the lessons and the page of progress
