@@ -35,8 +35,8 @@ WEEKLY = (
     "tests/presentation/test_present_command.py::test_two_at_a_time",
     "tests/test_wheel.py",
 )
-# The folders with the files that compute the longest: they begin in the first part of a run, beside those that mostly
-# wait for nodes, so that the processors are busy to the end.
+# The folders with the files that compute the longest. Those of each are spread over the first part of a run, among
+# those that mostly wait for nodes: the processors are busy to the end, and never have many browsers at once.
 LONG = (
     "tests/proof/",
     "tests/browser/",
@@ -113,18 +113,14 @@ SLOW = (
 
 def places(files: Iterable[str]) -> dict[str, float]:
     """When each file begins, from 0 to 1, as a share of the run."""
-    kinds: dict[bool, list[str]] = {True: [], False: []}
-    for file in sorted(files, key=_place_of_folder):
-        kinds[_place_of_folder(file) < len(LONG)].append(file)
+    kinds: dict[str, list[str]] = {folder: [] for folder in LONG}
+    for file in files:
+        kinds.setdefault(next((folder for folder in LONG if file.startswith(folder)), ""), []).append(file)
     return {
-        file: place / len(found) * (FIRST_PART if is_long else 1.0)
-        for is_long, found in kinds.items()
+        file: place / len(found) * (FIRST_PART if folder else 1.0)
+        for folder, found in kinds.items()
         for place, file in enumerate(found)
     }
-
-
-def _place_of_folder(file: str) -> int:
-    return next((place for place, folder in enumerate(LONG) if file.startswith(folder)), len(LONG))
 
 
 def marks_of(test: str) -> Iterator[pytest.MarkDecorator]:
