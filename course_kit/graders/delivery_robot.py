@@ -1,7 +1,4 @@
-"""The capstone: three programs, each by itself, and then the graph that the launch file makes of them.
-
-Alone, a program meets the grader in place of the others: as its door, its battery, its carrier.
-"""
+"""The capstone: three programs, each alone, the grader in place of the others; then the graph of the launch file."""
 
 from __future__ import annotations
 
@@ -324,10 +321,11 @@ def carrier_silent(node: GradedNode) -> None:
 
 
 @robot_check(points=1.5, proves=["launch", "argument", "yaml_battery", "yaml_door", "yaml_carrier", "nodes"])
-def delivery_graph(node: GradedNode) -> None:
+def delivery_graph(node: GradedNode) -> Evidence:
     """delivery.launch.py: three nodes, all connections, the values of robot.yaml, and the speed."""
     robot.have_running(node, *LAUNCH)
     robot.require_graph(node, LAUNCHED)
+    return Evidence(LAUNCH_FILE, "three nodes, connected", "three nodes, connected", node.context.see_graph())
 
 
 @robot_check(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])

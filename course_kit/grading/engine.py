@@ -13,12 +13,14 @@ from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import bounds, catalogue, exercise_folders, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
 from course_kit.grading.workers.worker import Worker
+from course_kit.ros.graph import Overview
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
@@ -210,6 +212,7 @@ def _check(exercise: Exercise, result: Record) -> CheckReport:
         "message": catalogue.complete(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
         "proves": tuple(result["proves"]),
+        "graph": result["graph"] and convert_record(result["graph"], Overview),
     }
     return CheckReport(
         **{**result, **more},

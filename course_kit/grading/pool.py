@@ -134,14 +134,9 @@ def grade_all(
     stops: Callable[[], int] = lambda: 0,
     listen: Callable[[int], None] = lambda _: None,
 ) -> Iterator[tuple[Thing, Report]]:
-    """Grade; each report comes out with its thing as soon as it is there, in whatever order.
+    """Grade; each report comes out with its thing as soon as it is there, in whatever order; a report as it is.
 
-    Args:
-        graders: who grades.
-        requests: things and what is to be graded of each, taken one by one as graders get free; a report comes out as
-            it is.
-        stops: how often somebody has asked to stop: once lets what is under way be finished, twice gives it up.
-        listen: called now and then with the number of gradings that are under way.
+    After one of `stops` what is under way is finished, after two it is given up; `listen` learns how many are.
     """
     waiting = iter(requests)
     under_way: dict[Future[Report], tuple[Thing, GradingRequest]] = {}

@@ -72,7 +72,7 @@ class Overview(NamedTuple):
         """What may be amiss, sentences for kind and name of a channel: without the other side, or with two types."""
         found: dict[tuple[str, str], list[str]] = {}
         for (kind, name), uses in self.channels().items():
-            if _is_plumbing(uses[0]):
+            if is_plumbing(uses[0]):
                 continue
             types = sorted({one for use in uses for one in use.types})
             said = []
@@ -87,10 +87,10 @@ class Overview(NamedTuple):
         return found
 
 
-def read_graph(node: Node, *, plumbing: bool = False) -> Overview:
-    """The graph as a node sees it."""
-    shown = [name for name in node_names(node) if plumbing or not names.is_hidden(name)]
-    uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not _is_plumbing(use)}
+def read_graph(node: Node, *, plumbing: bool = False, most: int | None = None) -> Overview:
+    """The graph as a node sees it, or so many nodes of it."""
+    shown = [name for name in node_names(node) if plumbing or not names.is_hidden(name)][:most]
+    uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not is_plumbing(use)}
     return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
 
 
@@ -98,7 +98,8 @@ def _order(use: Use) -> tuple[str, int, bool, str]:
     return use.node, KINDS.index(use.role.kind), not use.role.offers, use.channel
 
 
-def _is_plumbing(use: Use) -> bool:
+def is_plumbing(use: Use) -> bool:
+    """Whether ROS itself has made it."""
     if use.role.kind == "service" and names.is_of_every_node(use.channel):
         return True
     return names.is_hidden(use.channel) or names.is_of_ros(use.channel)

@@ -1,7 +1,4 @@
-"""A drawing of the ROS graph as it flows: nodes and channels as boxes, an arrow for each thing that a node does.
-
-The panel of the graph and the report of a grade draw theirs with it. `templates/graph.svg` has the picture.
-"""
+"""A drawing of the ROS graph as it flows, for the panel of the graph and for reports; see `templates/graph.svg`."""
 
 from __future__ import annotations
 
@@ -149,6 +146,12 @@ def count_parts(seen: Overview) -> str:
     kinds: Sequence[str] = [kind for kind, _ in seen.channels()]
     counts += [(kinds.count(kind), kind) for kind in dict.fromkeys(kinds)]
     return ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts)
+
+
+def in_sentences(seen: Overview) -> list[str]:
+    """Each node and what it does, then what may be amiss."""
+    nodes = [box.words for (kind, _), box in boxes_of(seen).items() if kind == NODE]
+    return nodes + [remark for said in seen.remarks().values() for remark in said]
 
 
 def in_lines(seen: Overview) -> str:

@@ -87,7 +87,7 @@ def test_a_cut_text_is_as_short_as_it_was_asked_to_be_and_can_be_written(text: s
 
 
 def result(**texts: str) -> dict[str, Any]:
-    return {**dict.fromkeys(TEXTS, ""), "id": "x", "steps": [], **texts}
+    return {**dict.fromkeys(TEXTS, ""), "id": "x", "steps": [], "graph": None, **texts}
 
 
 @pytest.mark.parametrize("letter", ["x", "\x01", "\U0001f600", '"', "\ud800"])

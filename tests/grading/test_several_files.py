@@ -10,6 +10,8 @@ from course_kit import grading
 from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
+from course_kit.grading.render.html import render_page
+from course_kit.grading.render.text import render_text
 from tests import several_files
 from tests.several_files import ID
 
@@ -50,6 +52,15 @@ def test_what_the_launch_file_starts_is_explained_by_its_own_file_and_line(
     together = report.checks[-1]
     assert together.status == "failed"
     assert "ValueError: tired in guard.py, line 15: raise ValueError('tired')" in together.message
+    assert [str(step) for step in together.steps][:2] == [
+        "grader -> pair.launch: start pair.launch.py with pace:=3.5",
+        "grader -> gate: request /gate/open: data=True",
+    ]
+    assert "graph     gate: serves /gate/open" in render_text(report)
+    assert report.checks[0].graph is None
+    page = render_page(report, "Ann")
+    assert page.count('class="ck-flow"') == sum(check.status == "failed" for check in report.checks)
+    assert "<li>guard: publishes /guard/pace</li>" in page
     report = grade(several_files.write_files(tmp_path / "yours", pair_launch_py="import nix"))
     together = next(check for check in report.checks if check.id == "pair")
     assert "pair.launch.py, line 1: No module named 'nix'." in together.message

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import combinations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,16 +57,3 @@ def test_no_two_boxes_overlap_and_no_line_crosses_a_box(graph: tuple[list, list]
             left, top = found.places[box]
             inside = [(x, y) for x, y in way if left < x < left + sizes[box][0] and top < y < top + sizes[box][1]]
             assert not inside
-
-
-@pytest.mark.parametrize("count", [50, 120])
-def test_a_large_graph_is_placed_at_once_and_the_same_each_time(count: int) -> None:
-    nodes = [("node", f"node_{number:03}") for number in range(count)]
-    topics = [("topic", f"/topic_{number:03}") for number in range(count)]
-    arrows = [(node, topic) for node, topic in zip(nodes, topics, strict=True)]
-    arrows += [(topics[number], nodes[(number * 7 + 3) % count]) for number in range(count)]
-    sizes = dict.fromkeys(nodes + topics, (WIDE, HIGH))
-    least = {box: int(box[0] != "node") for box in sizes}
-    found = lay_out(sizes, arrows, least)
-    assert found == lay_out(sizes, arrows, least)
-    assert len(set(found.places.values())) == 2 * count

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.ros.graph import Overview
 
 
 @dataclass(frozen=True)
@@ -28,26 +29,19 @@ class Evidence:
     sent: str = ""
     expected: str = ""
     got: str = ""
+    graph: Overview | None = None  # who talks to whom, where that was looked at
 
 
 class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
-    """A check was not passed.
-
-    Attributes:
-        evidence: what was seen.
-        diagnosis: a code of the catalogue when the cause is established, else None.
-        message: what happened in this case, in one or two sentences for the learner.
-        breaks: the sentence of the exercise that is broken, where the check proves several.
-        steps: what crossed the wire; taken from the record of the check when empty.
-    """
+    """A check was not passed."""
 
     def __init__(self, evidence: Evidence, message: str, diagnosis: str | None = None, *, breaks: str = "") -> None:
         super().__init__(message)
-        self.evidence = evidence
-        self.message = message
-        self.diagnosis = diagnosis
-        self.breaks = breaks
-        self.steps: tuple[Arrow, ...] = ()
+        self.evidence = evidence  # what was seen
+        self.message = message  # what happened in this case, in one or two sentences for the learner
+        self.diagnosis = diagnosis  # a code of the catalogue when the cause is established, else None
+        self.breaks = breaks  # the sentence of the exercise that is broken, where the check proves several
+        self.steps: tuple[Arrow, ...] = ()  # what crossed the wire; taken from the record of the check when empty
 
 
 class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
@@ -56,25 +50,15 @@ class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
 
 @dataclass(frozen=True)
 class Check:
-    """One thing a submission must do.
+    """One thing a submission must do."""
 
-    Attributes:
-        id: its name in reports.
-        title: one line for the learner.
-        points: what it is worth.
-        depends_on: ids of checks without which it makes no sense; it is skipped unless they passed.
-        deadline_s: seconds for all its waiting together.
-        run: the function.
-        proves: ids of the sentences of the exercise that it proves; they stand in the exercise's exercise.toml.
-    """
-
-    id: str
-    title: str
-    points: float
-    depends_on: tuple[str, ...]
-    deadline_s: float
+    id: str  # its name in reports
+    title: str  # one line for the learner
+    points: float  # what it is worth
+    depends_on: tuple[str, ...]  # ids of checks without which it makes no sense; it is skipped unless they passed
+    deadline_s: float  # seconds for all its waiting together
     run: Callable[[CheckContext], Evidence]
-    proves: tuple[str, ...] = ()
+    proves: tuple[str, ...] = ()  # ids of the sentences in exercise.toml that it proves
 
 
 def in_order(checks: Sequence[Check]) -> list[Check]:
@@ -136,9 +120,8 @@ def _run(one: Check, context: CheckContext) -> CheckResult:
         seen = one.run(context)
     except Failed as verdict:
         name_lost_node(context, verdict)
-        seen = verdict.evidence
-        status, diagnosis, message = "failed", verdict.diagnosis, verdict.message
-        steps = verdict.steps or _exchange(context, seen)
+        seen, status, diagnosis, message = verdict.evidence, "failed", verdict.diagnosis, verdict.message
+        steps, graph = _describe_moment(context, verdict)
     except GradingError:
         raise
     except NotRun as reason:
@@ -147,9 +130,9 @@ def _run(one: Check, context: CheckContext) -> CheckResult:
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
         return CheckResult(one.id, one.title, "error", one.points, message=text)
     else:
-        status, diagnosis, message, steps = "passed", None, "", ()
-    seen_on_the_wire = (seen.sent, seen.expected, seen.got)
-    return CheckResult(one.id, one.title, status, one.points, *seen_on_the_wire, diagnosis, message, steps)
+        status, diagnosis, message, steps, graph = "passed", None, "", (), seen.graph
+    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
+    return CheckResult(one.id, one.title, status, one.points, *told, graph=graph)
 
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:
@@ -159,9 +142,9 @@ def name_lost_node(context: CheckContext, failed: Failed) -> None:
         failed.message = f"A callback spins its own node in {exits.source_line(context.job, place)}."
 
 
-def _exchange(context: CheckContext, seen: Evidence) -> tuple[Arrow, ...]:
-    """The steps that led to a verdict; whatever goes wrong in telling them leaves the verdict as it is."""
+def _describe_moment(context: CheckContext, failed: Failed) -> tuple[tuple[Arrow, ...], Overview | None]:
+    """The steps that led to a verdict, and the graph then; whatever goes wrong in telling them, the verdict stays."""
     try:
-        return context.record.steps(seen)
+        return failed.steps or context.record.steps(failed.evidence), context.see_graph()
     except Exception as problem:  # noqa: BLE001 - as above
-        return (Arrow(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),)
+        return (Arrow(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),), None

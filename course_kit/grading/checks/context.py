@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Evidence, Failed, NotRun
-from course_kit.grading.checks.exchange_log import ExchangeLog
+from course_kit.grading.checks.exchange_log import NODE, ExchangeLog
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
 from course_kit.grading.checks.graded_program import GradedProgram, SubmissionEndedError
 from course_kit.grading.checks.grader_node import GraderNode
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.model.job import Job
     from course_kit.grading.sandbox.channel import Channel
+    from course_kit.ros.graph import Overview
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
@@ -88,10 +89,20 @@ class CheckContext:
         if program:
             self.program.job = self.job.for_program(program)
             self._require_python()
+            self.turn_to(program)
         if arguments or program:
             start = f"start {program}".rstrip() + (f" with {' '.join(arguments)}" if arguments else "")
             self.record.sent(start, "message")
         self._grader_node = GraderNode(self.program.start(arguments, files or {}, variables or {}))
+
+    def turn_to(self, program: str) -> None:
+        """Talk with the node of this file from now on, of a submission of several."""
+        self.program.asked = program if self.job.launches else ""
+        self.record.partner = program.removesuffix(".py") if self.job.files and program else NODE
+
+    def see_graph(self) -> Overview | None:
+        """Who talks to whom at this moment; None for a submission of one program, or where none has been started."""
+        return self._grader_node.see_graph() if self.job.files and self._grader_node else None
 
     def close(self) -> None:
         """Take the grader's node off the graph."""

@@ -1,7 +1,4 @@
-"""What crossed the wire during one check, kept as a short list of steps for the learner.
-
-Only collected here; `sequence` draws it. Who is who is told from the learner's side: the grader, and their node.
-"""
+"""What crossed the wire during one check, kept as a short list of steps, told from the learner's side."""
 
 from __future__ import annotations
 
@@ -33,15 +30,16 @@ class Exchange:
 
     about: str = ""
     minor: bool = False
+    partner: str = NODE
     steps: list[tuple[float, Arrow]] = field(default_factory=list)
 
     def came(self, text: str, kind: Kind = "response") -> None:
         """Keep what the node has sent."""
-        self._keep(Arrow(NODE, GRADER, kind, _cut(text)))
+        self._keep(Arrow(self.partner, GRADER, kind, _cut(text)))
 
     def missed(self, text: str) -> None:
         """Keep what should have come and has not."""
-        self._keep(Arrow(NODE, GRADER, "failure", _cut(text)))
+        self._keep(Arrow(self.partner, GRADER, "failure", _cut(text)))
 
     def like(self, other: Exchange) -> bool:
         """Whether the same was sent and came: the grader tried again."""
@@ -51,14 +49,14 @@ class Exchange:
         self.steps.append((time.time(), step))
 
 
-Followed = tuple[float, Arrow]
-"""A step and when it happened, in seconds of the system's clock."""
+Followed = tuple[float, Arrow]  # a step and when it happened, in seconds of the system's clock
 
 
 class ExchangeLog:
-    """All turns of one check, in the order in which they began."""
+    """All turns of one check, in the order in which they began; `partner` is whom the grader talks with."""
 
     def __init__(self) -> None:
+        self.partner = NODE
         self._turns: list[Exchange] = []
         self._followed: list[Callable[[], Iterable[Followed]]] = []
         self._looking = True
@@ -85,7 +83,7 @@ class ExchangeLog:
     def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
         """Keep what the grader sends."""
         turn = self._turn(about, minor=minor)
-        turn.steps.append((time.time(), Arrow(GRADER, NODE, kind, _cut(text))))
+        turn.steps.append((time.time(), Arrow(GRADER, turn.partner, kind, _cut(text))))
         return turn
 
     def came(self, text: str, kind: Kind = "message") -> None:
@@ -122,7 +120,7 @@ class ExchangeLog:
         return (*found, *_end(found[-1], evidence))
 
     def _turn(self, about: str = "", *, minor: bool = False) -> Exchange:
-        turn = Exchange(about, minor)
+        turn = Exchange(about, minor, self.partner)
         if self._looking:
             self._turns.append(turn)
         return turn
@@ -130,7 +128,7 @@ class ExchangeLog:
 
 def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
     if last.sender == GRADER and evidence.got:
-        yield Arrow(NODE, GRADER, "failure", _cut(evidence.got))
+        yield Arrow(last.receiver, GRADER, "failure", _cut(evidence.got))
     if evidence.expected:
         yield Arrow(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
 

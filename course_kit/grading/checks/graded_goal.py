@@ -16,7 +16,7 @@ from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import RESEND_AFTER_S
-from course_kit.grading.checks.exchange_log import GRADER, NODE, Exchange, Followed, in_one_line
+from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.checks.hangs import explained
 from course_kit.grading.diagnosis import exits, goals
@@ -57,12 +57,7 @@ class Ended:
 
 
 class GradedGoal:
-    """A goal; made, it is sent.
-
-    Attributes:
-        shown: the goal as the learner is shown it.
-        clock: begun when it was sent.
-    """
+    """A goal; made, it is sent, and its `clock` begins. It is `shown` to the learner in words."""
 
     def __init__(self, context: CheckContext, action: str, interface: ActionType, message: Message) -> None:
         self.shown = shown = f"a goal with {in_one_line(message)}"
@@ -358,7 +353,7 @@ class GradedGoal:
         for number in sorted({1, len(heard)} if heard else ()):
             one = heard[number - 1]
             text = f"feedback {number} after {one.came_s - begin:.2f} s: {in_one_line(one.feedback)}"
-            steps.append((one.came_s, Arrow(NODE, GRADER, "message", text)))
+            steps.append((one.came_s, Arrow(self._turn.partner, GRADER, "message", text)))
         return steps
 
     def _uuid(self) -> UUID:

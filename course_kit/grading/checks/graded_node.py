@@ -6,7 +6,6 @@ Everything that is sent stands in the record of the check, which a learner sees 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import discovery, hangs
@@ -270,7 +269,7 @@ class GradedNode:
         """The parameters of a node as they are asked for from outside."""
         if not of and not (of := self.context.memory.get("node", "")):
             of = self.context.memory["node"] = discovery.first_node(self.context)
-        self.context.program.asked = f"{of.rpartition('/')[2]}.py" if self.context.job.launches else ""
+        self.context.turn_to(f"{of.rpartition('/')[2]}.py")
         return RemoteParameters(self.context, of)
 
     # --- actions
@@ -344,9 +343,9 @@ class GradedNode:
             >>> node.kill("door.py")
             True
         """
-        killed = self.context.program.kill(program)
+        self.context.turn_to(program)
         self.context.record.sent(f"kill {program}", "message")
-        return killed
+        return self.context.program.kill(program)
 
     def meet(self) -> None:
         """Have a running program whose endpoints are all connected; one that has died or hangs is started again.
@@ -359,12 +358,10 @@ class GradedNode:
             return
         self.prepare()
         clock = context.clock()
-        names = ", ".join(end.name for end in self.endpoints)
-        evidence = Evidence("", f"a node with {names}")
+        evidence = Evidence("", f"a node with {', '.join(end.name for end in self.endpoints)}")
         with hangs.explained(context, evidence, exceptions.of_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
-            missing = [end for end in self.endpoints if not end.is_there(self.context)]
-            if missing:
+            if missing := [end for end in self.endpoints if not end.is_there(self.context)]:
                 context.spoil()
                 raise Failed(
                     replace(evidence, got="not all of it is there"), *discovery.explain_missing(context, missing[0])
@@ -385,10 +382,13 @@ class GradedNode:
         part = {"service": "Request", "action": "Goal"}.get(end.kind)
         return message_of(getattr(end.interface, part) if part else end.interface, given, {})
 
-    @cached_property
+    @property
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
-        return [WantedEndpoint.from_record(one) for one in self.context.job.running_endpoints]
+        memory = self.context.memory  # empty after each launch, which may be of another program
+        if "endpoints" not in memory:
+            memory["endpoints"] = [WantedEndpoint.from_record(one) for one in self.context.job.running_endpoints]
+        return memory["endpoints"]  # type: ignore[no-any-return] # what a memory holds is known to who keeps it
 
     # --- inside
 
@@ -407,7 +407,7 @@ class GradedNode:
         found = [end for end in self.endpoints if end.name == name]
         if found:
             end = min(found, key=lambda one: (one.kind != kind, one.kind))
-            self.context.program.asked = end.program if self.context.job.launches else ""
+            self.context.turn_to(end.program)
             return end
         known = ", ".join(end.name for end in self.endpoints)
         raise ValueError(f"exercise.toml has no endpoint {name}; it has {known}")

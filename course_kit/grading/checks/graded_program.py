@@ -32,19 +32,15 @@ class SubmissionEndedError(Failed):
 
 
 class GradedProgram:
-    """A submission.
-
-    Attributes:
-        job: what is graded; of several programs the one that was started last.
-        asked: of several that run, the file whose node was asked last.
-        stderr: what it had written to stderr when it was looked at last.
-    """
+    """A submission."""
 
     def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str], lives: mmap | bytes) -> None:
-        self._supervisor, self.job, self._variables, self._lives = supervisor, job, dict(variables), lives
+        self._supervisor, self._variables, self._lives = supervisor, dict(variables), lives
+        self.job = job  # what is graded; of several programs the one that was started last
         self._runs = False
         self._used = self._used_before = Used()  # in all, and until it was started last
-        self.asked = self.stderr = ""
+        self.asked = ""  # of several that run, the file whose node was asked last
+        self.stderr = ""  # what it had written when it was looked at last
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""

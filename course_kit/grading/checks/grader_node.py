@@ -13,6 +13,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.model.bounds import bounded
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 _AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
+_MOST_SEEN = 30  # nodes that are drawn
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
@@ -219,6 +221,14 @@ class GraderNode:
     def subscriptions(self, topic: str) -> list[Endpoint]:
         """Who else subscribes to a topic."""
         return [end for end in subscriptions_of(self.node, topic) if end.node != NAME]
+
+    def see_graph(self) -> graph.Overview:
+        """Who talks to whom at this moment, the grader where it stands in for somebody; of a crowd only a part."""
+        seen = graph.read_graph(self.node, most=_MOST_SEEN)
+        there = {(use.channel, use.role) for use in seen.uses}
+        own = (use for use in graph.uses_of(self.node, f"/{NAME}") if not graph.is_plumbing(use))
+        uses = (use._replace(node=f"/{GRADER}") for use in own if (use.channel, use.role) not in there)
+        return graph.Overview((*seen.nodes, f"/{GRADER}"), (*seen.uses, *uses))
 
     def topics(self) -> list[str]:
         """The names of all topics but those every node has and those only the grader uses."""

@@ -51,18 +51,13 @@ def withdraw_service(node: GradedNode, name: str) -> None:
 
 
 class OfferedService:
-    """A service of the grader, which a learner's node calls.
-
-    Attributes:
-        answer: the response that each request gets at once; requests wait for `reply` while it is None.
-        requests: the last that have come.
-    """
+    """A service of the grader, which a learner's node calls."""
 
     def __init__(self, context: CheckContext, name: str, interface: ServiceType) -> None:
         self._type, self._record = interface, context.record
         self.rclpy_service = context.grader_node.node.create_service(interface, name, lambda _, response: response)
-        self.answer: Message | None = None
-        self.requests: deque[Message] = deque(maxlen=_MOST)
+        self.answer: Message | None = None  # that each request gets at once; while it is None they wait for `reply`
+        self.requests: deque[Message] = deque(maxlen=_MOST)  # the last that have come
         self._waiting: deque[Any] = deque(maxlen=_MOST)  # the headers of requests without an answer
 
     def take(self) -> None:

@@ -21,6 +21,7 @@ _TEXTS = ("sent", "expected", "got", "message")  # of a check's result
 _LONGEST = 3000  # bytes of each of them, as JSON
 _TOGETHER = 160_000  # bytes of those of all checks
 _MOST_STEPS, _LONGEST_STEP = 12, 400  # of an exchange
+_MOST_IN_GRAPH = 100  # nodes, and things that they do
 _PER_CHARACTER = 6  # bytes at most, as JSON
 _DOTS = "..."
 
@@ -95,7 +96,8 @@ def results(found: Sequence[Record]) -> list[Record]:
 
 def _result(found: Record, longest: int) -> Record:
     steps = [{**step, "text": cut(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]]
-    return {**found, **{name: cut(str(found[name]), longest) for name in _TEXTS}, "steps": steps}
+    graph = [part[:_MOST_IN_GRAPH] for part in found.get("graph") or ()] or None
+    return {**found, **{name: cut(str(found[name]), longest) for name in _TEXTS}, "steps": steps, "graph": graph}
 
 
 def _size(text: str) -> int:

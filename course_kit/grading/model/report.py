@@ -12,6 +12,7 @@ from course_kit.text.sanitize import make_encodable
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.plain_data import Record
+    from course_kit.ros.graph import Overview
     from course_kit.ros.sequence import Arrow
 
 FORMAT_VERSION = 1
@@ -41,6 +42,7 @@ class CheckResult:
     message: str = ""
     steps: tuple[Arrow, ...] = ()
     proves: tuple[str, ...] = ()
+    graph: Overview | None = None  # who talked to whom, of a submission of several programs
 
 
 @dataclass(frozen=True)

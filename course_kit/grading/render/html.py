@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from course_kit import environment
 from course_kit.grading.checks.exchange_log import GRADER, NODE
-from course_kit.ros import sequence
+from course_kit.ros import graph_drawing, sequence
 from course_kit.text.console import in_points
 from course_kit.text.templates import load_templates, render_template
 
@@ -118,6 +118,8 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
         "sequence_css": sequence.sequence_css(),
+        "graph_css": render_template(graph_drawing.STYLE_SHEET),
+        "drawing": graph_drawing,
         "is_page": False,
     }
 
@@ -133,12 +135,14 @@ def _link(found: Diagnosis, base: Path) -> str:
 
 def sequence_svg(steps: Sequence[Arrow]) -> str:
     """The diagram as an `svg` element, which templates take as it is; empty without steps."""
-    return sequence.sequence_svg([(step, step.text) for step in steps], {GRADER: GRADER, NODE: NODE}, summary(steps))
+    ends = dict.fromkeys([GRADER, *(end for step in steps for end in (step.sender, step.receiver))])
+    names = {end: end for end in (ends if len(ends) > 1 else (GRADER, NODE))}
+    return sequence.sequence_svg([(step, step.text) for step in steps], names, summary(steps, list(names)))
 
 
-def summary(steps: Sequence[Arrow]) -> str:
+def summary(steps: Sequence[Arrow], names: Sequence[str]) -> str:
     """What the diagram shows, in one sentence."""
     count = sum(step.kind != "note" for step in steps)
     failed = " The last one failed." if any(step.kind == "failure" for step in steps) else ""
     words = f"{count} step{'' if count == 1 else 's'}"
-    return f"Sequence diagram of {words} between the {GRADER} and {NODE}.{failed} The list below says the same."
+    return f"Sequence diagram of {words} between the {' and '.join(names)}.{failed} The list below says the same."

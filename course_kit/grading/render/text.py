@@ -6,6 +6,7 @@ import itertools
 import textwrap
 from typing import TYPE_CHECKING
 
+from course_kit.ros.graph_drawing import in_sentences
 from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
@@ -57,7 +58,8 @@ def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> li
     if check.status == "skipped":
         return [*head, *_wrap(check.message, width, indent=len(begin))]
     rows = [("why", check.message), ("we sent", check.sent), ("expected", check.expected), ("we got", check.got)]
-    rows += [*_steps(check), ("hint", check.hint or ""), ("diagnosis", check.diagnosis or "")]
+    rows += [*_steps(check), *_beside("graph", in_sentences(check.graph) if check.graph else [])]
+    rows += [("hint", check.hint or ""), ("diagnosis", check.diagnosis or "")]
     body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
     return [*head, *body, ""]
 
@@ -73,7 +75,11 @@ def _steps(check: CheckReport) -> list[tuple[str, str]]:
         return []
     numbers = itertools.count(1)
     lines = [str(step) if step.kind == "note" else f"{next(numbers)}. {step}" for step in steps]
-    return [("exchange", lines[0]), *(("", line) for line in lines[1:])]
+    return _beside("exchange", lines)
+
+
+def _beside(name: str, lines: list[str]) -> list[tuple[str, str]]:
+    return [("" if number else name, line) for number, line in enumerate(lines)]
 
 
 def _last_output(name: str, text: str, width: int) -> list[str]:
