@@ -26,7 +26,7 @@ LOW, GOOD = BatteryState.POWER_SUPPLY_HEALTH_DEAD, BatteryState.POWER_SUPPLY_HEA
 CHARGING, DISCHARGING = BatteryState.POWER_SUPPLY_STATUS_CHARGING, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
 ROOMS = {"attic": 0.9, "cellar": 0.8, "hall": 0.1, "tower": 30.0}  # metres; nobody waits until the tower is reached
 PLACES = {**ROOMS, "shed": 1.1, "dock": 0.0}
-ALONE_MPS = 2.0
+ALONE_MPS, SLOW_MPS = 2.0, 0.5
 BUILDING = {"room_names": list(ROOMS), "room_distances_m": list(ROOMS.values()), "speed_mps": ALONE_MPS}
 CHARGE = 0.75  # that the carrier is told
 SHOWN_S, CALM_S, PATIENCE_S = 1.2, 0.1, 3.0  # what has to happen within a second; what must not; and anything else
@@ -136,20 +136,21 @@ def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> Grade
     return goal
 
 
-def open_door(door: OfferedService) -> None:
+def open_door(node: GradedNode) -> None:
     """The door opens, for those who wait and for the next."""
-    door.answer = SetBool.Response(success=True, message="open")
+    door = offer_service(node, OPEN, SetBool, success=True, message="open")
+    node.context.memory["opened"] = node.context.clock()
     door.reply(door.answer)
 
 
-def require_arrival(node: GradedNode, goal: GradedGoal, room: str) -> None:
+def require_arrival(node: GradedNode, goal: GradedGoal, room: str, speed_mps: float = ALONE_MPS) -> None:
     """A goal for which the door is open ends SUCCEEDED, after as long as the way takes."""
     memory = node.context.memory
     metres = abs(PLACES[room] - memory["at"])
-    ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / ALONE_MPS + SHOWN_S, delivered=True)
-    took_s = goal.clock.wall()
-    evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / ALONE_MPS:.2f} s or more", f"{took_s:.2f} s")
-    require(took_s >= 0.9 * metres / ALONE_MPS, evidence, f"That is faster than speed_mps={ALONE_MPS:g}.")
+    ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / speed_mps + SHOWN_S, delivered=True)
+    took_s = min(goal.clock.wall(), memory.get("opened", goal.clock).wall())
+    evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / speed_mps:.2f} s or more", f"{took_s:.2f} s")
+    require(took_s >= 0.9 * metres / speed_mps, evidence, f"That is faster than speed_mps={speed_mps:g}.")
     require_distance(node, goal, ended, metres)
     memory["at"] = PLACES[room]
 

@@ -39,7 +39,7 @@ LAUNCHED: dict[str, dict[str, Any]] = {  # as the text wants it in robot.yaml
                  "door_timeout_s": 2.0, "speed_mps": SPEED},
 }  # fmt: skip
 NAN, INF = math.nan, math.inf
-INVALID = {"capacity_m": (0.0, -1.0, NAN, INF), "publish_hz": (0.5, 51.0, 0.0, NAN), "low_fraction": (-0.01, 1.01, NAN)}
+INVALID = {"capacity_m": (0.0, -1.0, NAN, INF), "publish_hz": (0.9995, 50.01, NAN), "low_fraction": (-0.001, 1.0005)}
 VALID = (("low_fraction", 0.0), ("low_fraction", 1.0), ("publish_hz", 1.0), ("publish_hz", 50.0))
 robot_check = functools.partial(check, deadline_s=25.0, afresh=True)
 
@@ -212,7 +212,7 @@ def carrier_delivers(node: GradedNode) -> None:
         robot.require_said(node, goal, DISTANCE, node.context.memory["driven"])
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
-        robot.open_door(door)
+        robot.open_door(node)
         robot.require_arrival(node, goal, room)
 
 
@@ -222,22 +222,18 @@ def carrier_feedback(node: GradedNode) -> None:
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
     robot.calm(node)
     early, metres = [one.feedback for one in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
-    robot.open_door(offer_service(node, OPEN, SetBool))
+    robot.open_door(node)
     robot.require_arrival(node, goal, "hall")
     messages = goal.wait_for_last_feedback(
-        lambda many: bool(many) and many[-1].feedback.distance_remaining <= robot.END_M
+        lambda many: any(one.feedback.distance_remaining < robot.END_M for one in many)
     )
     heard = [one.feedback for one in messages]
     left, driving = [one.distance_remaining for one in heard], [one for one in heard if one.phase == robot.DRIVING]
-    got = (
-        f"{len(heard)} messages, {len(driving)} of them with {robot.DRIVING}: {'; '.join(map(in_one_line, heard[:3]))}"
-    )
+    got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
+    asks = early and all(one.phase == robot.DOOR for one in early)
     for right, expected in (
-        (
-            early and all(one.phase == robot.DOOR for one in early),
-            f"phase={robot.DOOR} as long as the door has not answered",
-        ),
-        (len(driving) > 5 * metres / robot.ALONE_MPS - 1, f"phase={robot.DRIVING} five times a second on the way"),
+        (asks, f"phase={robot.DOOR} as long as the door has not answered"),
+        (len(driving) >= 5 * metres / robot.ALONE_MPS, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
         (all(abs(one.battery - robot.CHARGE) < CLOSE for one in heard), f"battery={robot.CHARGE}, as {STATE} said"),
@@ -270,14 +266,16 @@ def carrier_one_goal(node: GradedNode) -> None:
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
-    robot.open_door(door)
+    robot.open_door(node)
     node.context.wait_until(lambda: any(one.feedback.phase == robot.DRIVING for one in goal.feedback), PATIENCE_S)
-    robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
+    last = robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
     robot.require_arrival(node, goal, "attic")
+    if last is not goal:  # it came when the first was over
+        robot.require_arrival(node, last, "hall")
     for room in ("cellar", "attic", "cellar", "attic"):  # which callback comes first is a matter of chance
         door.answer = None
         goal = robot.require_one(node, node.goal(DELIVER, room=room), node.goal(DELIVER, room=room))
-        robot.open_door(door)
+        robot.open_door(node)
         robot.require_arrival(node, goal, room)
 
 
@@ -287,7 +285,7 @@ def carrier_refused(node: GradedNode) -> None:
     door, words = robot.enter(node), f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
     door.answer = SetBool.Response(success=False, message=words)
     robot.require_aborted(node, node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
-    robot.open_door(door)
+    robot.open_door(node)
     robot.deliver(node, "cellar")
 
 
@@ -297,23 +295,25 @@ def carrier_cancel(node: GradedNode) -> None:
     door, start = robot.enter(node), node.context.memory["at"]
     goal = robot.ask_for_delivery(node, "tower", door)
     robot.require_distance(node, goal, goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False), 0.0)
-    robot.open_door(door)
+    robot.open_door(node)
     goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - start - 0.15
     node.context.wait_until(lambda: any(one.feedback.distance_remaining < far for one in goal.feedback), PATIENCE_S)
     ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.context.memory["at"] = start + ended.result.distance
     robot.require_distance(node, goal, ended, max(0.15, ended.result.distance))
     rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
-    node.set(rooms, of="/carrier").accepted()
-    robot.deliver(node, "shed")
+    node.set({**rooms, "speed_mps": robot.SLOW_MPS}, of="/carrier").accepted()
+    robot.require_arrival(node, node.goal(DELIVER, room="shed").accepted_by(), "shed", robot.SLOW_MPS)
+    node.context.spoil()
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
 def carrier_silent(node: GradedNode) -> None:
     """carrier.py alone: without an answer of the door the delivery is given up in time."""
-    door = robot.enter(node, door_timeout_s=0.3)
+    door = robot.enter(node)
+    node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.3 + robot.GIVES_UP_S, after_s=0.25)
-    robot.open_door(door)
+    robot.open_door(node)
     robot.require_some_delivery(node, "hall", PATIENCE_S)
 
 

@@ -43,7 +43,7 @@ class Battery(Node):
         """Refuse a value outside its range."""
         for one in parameters:
             words, is_valid = RANGES.get(one.name, ("", lambda _: True))
-            if one.type_ == Parameter.Type.DOUBLE and not is_valid(one.value):
+            if not is_valid(one.value):
                 return SetParametersResult(successful=False, reason=f"{one.name} must be {words}, not {one.value}")
         return SetParametersResult(successful=True)
 

@@ -52,15 +52,12 @@ def test_what_the_launch_file_starts_is_explained_by_its_own_file_and_line(
     together = report.checks[-1]
     assert together.status == "failed"
     assert "ValueError: tired in guard.py, line 15: raise ValueError('tired')" in together.message
-    assert [str(step) for step in together.steps][:2] == [
-        "grader -> pair.launch: start pair.launch.py with pace:=3.5",
-        "grader -> gate: request /gate/open: data=True",
-    ]
+    assert str(together.steps[0]) == "grader -> pair.launch: start pair.launch.py with pace:=3.5"
     assert "graph     gate: serves /gate/open" in render_text(report)
     assert report.checks[0].graph is None
     page = render_page(report, "Ann")
     assert page.count('class="ck-flow"') == sum(check.status == "failed" for check in report.checks)
-    assert "<li>guard: publishes /guard/pace</li>" in page
+    assert "<li>gate: serves /gate/open</li>" in page
     report = grade(several_files.write_files(tmp_path / "yours", pair_launch_py="import nix"))
     together = next(check for check in report.checks if check.id == "pair")
     assert "pair.launch.py, line 1: No module named 'nix'." in together.message
