@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import msgspec
 
 from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
+from course_kit.grading.model.plain_data import convert_record
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -132,30 +135,44 @@ def _slips(exercise: Exercise, correct: Path, file: Path) -> tuple[list[ProofSub
     where = ""
     try:
         table = tomllib.loads(file.read_text(encoding="utf-8"))
-        breaks = {name: tuple(ids) for name, ids in table.pop("broken", {}).items()}
+        breaks = convert_record(table.pop("broken", {}), dict[str, tuple[str, ...]])
         slips = []
         for name, entry in table.items():
             where = f"in the slip {name}, "
-            ending = "" if exercise.files else ".py"
-            base = correct / f"{entry['base']}{ending}" if "base" in entry else exercise.solution
-            slips.append(_slip(exercise, name, base, entry, file))
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
-        what = f"'{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{file} cannot be used: {where}{what}.") from problem
+            slips.append(_slip(exercise, name, correct, convert_record(entry, _Slip), file))
+    except ValueError as problem:
+        raise GradingError(f"{file} cannot be used: {where}{problem}.") from problem
     return slips, breaks
 
 
-def _slip(exercise: Exercise, name: str, base: Path, entry: dict[str, Any], file: Path) -> ProofSubmission:
+class _Change(msgspec.Struct, forbid_unknown_fields=True):
+    old: str
+    new: str
+
+
+class _Slip(msgspec.Struct, forbid_unknown_fields=True):
+    """What stands in the file of a slip; for what it is about see `ProofSubmission`."""
+
+    changes: list[_Change]
+    failed: dict[str, str]
+    base: str = ""  # the right program that it is made from; the solution where none is named
+    says: str = ""
+    breaks: tuple[str, ...] = ()
+    seed: int | None = None
+
+
+def _slip(exercise: Exercise, name: str, correct: Path, slip: _Slip, file: Path) -> ProofSubmission:
+    base = correct / (slip.base if exercise.files else f"{slip.base}.py") if slip.base else exercise.solution
     return ProofSubmission(
         exercise.id,
         "slip",
         name,
         base,
-        changes=tuple((change["old"], change["new"]) for change in entry["changes"]),
-        failed=frozenset((check, code or None) for check, code in entry["failed"].items()),
-        says=entry.get("says", ""),
-        breaks=tuple(entry.get("breaks", ())),
-        seed=entry.get("seed"),
+        changes=tuple((change.old, change.new) for change in slip.changes),
+        failed=frozenset((check, code or None) for check, code in slip.failed.items()),
+        says=slip.says,
+        breaks=slip.breaks,
+        seed=slip.seed,
         told_in=file,
         files=_files(exercise, base),
     )

@@ -8,22 +8,18 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
+
+import msgspec
 
 from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.ros.names import did_you_mean
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -42,8 +38,7 @@ class Owner(Enum):
     UNDECIDED = "undecided"  # on no list: somebody has to say
 
 
-@dataclass(frozen=True)
-class Parts:
+class Parts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Files and folders of the course, as paths relative to its folder."""
 
     students: frozenset[str]  # what the student edition is made of
@@ -60,17 +55,9 @@ class Parts:
         return Owner.UNDECIDED
 
 
-def read_parts(path: Path = LIST) -> Parts:
+def read_parts() -> Parts:
     """Read the lists in edition.toml."""
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-        parts = Parts(*(frozenset(table[owner.value]) for owner in (Owner.STUDENTS, Owner.INSTRUCTORS)))
-    except (OSError, ValueError, KeyError, TypeError) as problem:
-        what = f"the list '{problem.args[0]}' is missing" if isinstance(problem, KeyError) else problem
-        raise GradingError(f"{path} cannot be used: {what}.") from problem
-    if both := sorted(parts.students & parts.instructors):
-        raise GradingError(f"{path} cannot be used: {', '.join(both)} stands on both lists.")
-    return parts
+    return msgspec.toml.decode(LIST.read_bytes(), type=Parts)
 
 
 @dataclass

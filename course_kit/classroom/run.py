@@ -19,6 +19,7 @@ from course_kit.classroom.intake import collecting, table
 from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
+from course_kit.classroom.rules.seeds import match_class
 from course_kit.grading.errors import GradingError
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.text.sanitize import one_line
@@ -77,7 +78,7 @@ def open_class(plan: Plan, stops: Callable[[], int] = lambda: 0) -> ClassRun:
     # What the instructor has written is about this class: that is seen before hours go into grading it.
     people = People((*intake.entries, *intake.others, *(record.entry for record in earlier)))
     instructions = instructions.match_people(people)
-    seeds = plan.seeds and plan.seeds.of_class(intake.entries, people)
+    seeds = match_class(plan.seeds, intake.entries, people) if plan.seeds else None
     run_folder.write_note(plan.out, seed, plan.exercises)
     return ClassRun(replace(plan, seed=seed, seeds=seeds), exercises, intake, instructions, earlier, reader)
 
@@ -171,7 +172,7 @@ class ClassRun:
 
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
         exercise = next(one for one in self.plan.exercises if one.id == entry.exercise)
-        own = self.plan.seeds.seed_for(entry) if self.plan.seeds else None
+        own = self.plan.seeds.find(entry.student) if self.plan.seeds else None
         seed = next(one for one in (own, exercise.seed, self.seed) if one is not None)
         return submissions.read_submission(entry, self.intake.root, exercise, seed, self.reader, known=known)
 

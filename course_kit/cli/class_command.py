@@ -197,7 +197,7 @@ def _practised(book: Gradebook, exercise: Exercise, seeds: Seeds | None) -> list
     graded = [record.entry for record in book.records if record.entry.exercise == exercise.id]
     if exercise.seed is None:
         return []
-    return [one.student for one in graded if (None if seeds is None else seeds.seed_for(one)) in (None, exercise.seed)]
+    return [one.student for one in graded if (seeds and seeds.find(one.student)) in (None, exercise.seed)]
 
 
 def _dry_run(plan: Plan) -> int:

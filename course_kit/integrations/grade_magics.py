@@ -7,6 +7,7 @@ says that its last line shows. So `points` prints the feedback to stdout, where 
 from __future__ import annotations
 
 import argparse
+import functools
 import html
 import os
 import re
@@ -15,7 +16,7 @@ import sys
 import tempfile
 from contextlib import ExitStack, contextmanager, redirect_stderr, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
 import nbformat
 from IPython.core.getipython import get_ipython
@@ -29,12 +30,13 @@ from course_kit.reader.files import is_name
 from course_kit.reader.text import PROGRAM, UnreadableTextError, join_cells
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
     from course_kit.grading import Report
 
+P = ParamSpec("P")
 _DIGITS = 6  # of points
 _LESSON = re.compile(r"notebooks/[\w-]+\.ipynb")
 _STDOUT, _STDERR = 1, 2
@@ -101,6 +103,24 @@ def _notebook_folder() -> Path | None:
     return session.parent if session.is_absolute() else None
 
 
+def print_complaint(sentence: object) -> None:
+    """Say what is wrong, without a traceback."""
+    print(sentence, file=sys.stderr)
+
+
+def complains(magic: Callable[P, None]) -> Callable[P, None]:
+    """Have a magic say in a sentence why it cannot be done."""
+
+    @functools.wraps(magic)
+    def run(*arguments: P.args, **options: P.kwargs) -> None:
+        try:
+            magic(*arguments, **options)
+        except GradingError as problem:
+            print_complaint(problem)
+
+    return run
+
+
 @magics_class
 class GradeMagics(Magics):
     """The magics of exercises."""
@@ -114,15 +134,12 @@ class GradeMagics(Magics):
         shell.events.register("post_run_cell", self._after_cell)
 
     @cell_magic
+    @complains
     def submission(self, line: str, cell: str) -> None:
         """Run the cell as usual, and keep it for `%grade`: `%%submission EXERCISE`, or `%%submission EXERCISE FILE`."""
         exercise, _, file = line.strip().partition(" ")
         file = file.strip()
-        try:
-            _require_mark(exercise, file)
-        except GradingError as problem:
-            print_complaint(str(problem))
-            return
+        _require_mark(exercise, file)
         first = f"%%submission {line}\n"
         self._submissions.keep(exercise, self._cell_id(), first + cell, self._number())
         self._reports.clear()
@@ -148,30 +165,25 @@ class GradeMagics(Magics):
         return path
 
     @line_magic
+    @complains
     def grade(self, line: str) -> None:
         """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--only PART] [--seed N]`."""
         try:
             exercise, file, options = parse_line(line)
         except ValueError:
-            print_complaint(f"{USAGE} {the_exercises()}")
-            return
+            raise GradingError(f"{USAGE} {the_exercises()}") from None
         from course_kit import grading
         from course_kit.learner import progress
         from course_kit.learner.course_list import next_step
 
         if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
             print_complaint(f"{advice[:1].upper()}{advice[1:]}")
-        try:
-            report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
-        except GradingError as problem:
-            print_complaint(str(problem))
-            return
+        report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
         if report is None:
-            print_complaint(
+            raise GradingError(
                 f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again. "
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
-            return
         if not file:
             self._say_what_was_graded(exercise)
         following = next_step(exercise) if report.passed and not report.part else ""
@@ -185,15 +197,12 @@ class GradeMagics(Magics):
             print(following)
 
     @line_magic
+    @complains
     def solution(self, line: str) -> None:
         """Show our solution beside yours, once you have passed: `%solution EXERCISE`."""
         from course_kit.learner import handouts
 
-        try:
-            ours = handouts.earned_solution(line.strip())
-        except GradingError as problem:
-            print_complaint(str(problem))
-            return
+        ours = handouts.earned_solution(line.strip())
         yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
         display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
 
@@ -327,11 +336,6 @@ def the_exercises() -> str:
         return f"There are: {', '.join(list_exercise_ids())}."
     except GradingError as problem:
         return str(problem)
-
-
-def print_complaint(sentence: str) -> None:
-    """Say what is wrong, without a traceback."""
-    print(sentence, file=sys.stderr)
 
 
 def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:

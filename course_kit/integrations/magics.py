@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.integrations.grade_magics import the_exercises
+from course_kit.integrations.grade_magics import complains, print_complaint, the_exercises
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
@@ -122,6 +122,7 @@ def ros_stop(line: str) -> None:
     lab.current().scripts.stop(names[0] if names else None, as_in_terminal="--ctrl-c" in words)
 
 
+@complains
 def hint_line(line: str) -> None:
     """Show one more hint for what failed last: `%hint EXERCISE`; `--again` repeats those given so far."""
     from course_kit.learner import handouts
@@ -130,16 +131,11 @@ def hint_line(line: str) -> None:
     again = "--again" in words
     names = [word for word in words if word != "--again"]
     if len(names) != 1 or names[0].startswith("-"):
-        sys.stderr.write(f"{_HINT_USAGE} {the_exercises()}\n")
-        return
-    try:
-        text, trouble = handouts.next_hint(names[0], "%hint", again=again)
-    except GradingError as problem:
-        sys.stderr.write(f"{problem}\n")
-        return
+        raise GradingError(f"{_HINT_USAGE} {the_exercises()}")
+    text, trouble = handouts.next_hint(names[0], "%hint", again=again)
     sys.stdout.write(text)
     if trouble:
-        sys.stderr.write(f"{trouble}\n")
+        print_complaint(trouble)
 
 
 def check_line(line: str) -> StepResult:

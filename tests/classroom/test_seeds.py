@@ -57,15 +57,13 @@ def test_the_command_writes_a_list_that_class_takes_and_keeps_seeds_that_were_ha
     roster, out = tmp_path / "roster.csv", tmp_path / "seeds.csv"
     roster.write_text('login,name\nann,Ann Li\nzoe,"Zoë, the second"\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    before = seeds.read_seeds(out).found
-    assert set(before) == {"ann", "zoe"}
+    before = seeds.read_seeds(out)
+    assert set(before.said) == {("ann", ""), ("zoe", "")}
     roster.write_text('name,login\nAnn Li,ann\nBo Li,bo\n"Zoë, the second",zoe\n', encoding="utf-8")
     assert main(["seeds", str(roster), "--out", str(out)]) == 0
-    after = seeds.read_seeds(out).found
-    assert {student: after[student][0] for student in before} == {
-        student: seed for student, (seed, _) in before.items()
-    }
-    assert len({seed for seed, _ in after.values()}) == 3
+    after = seeds.read_seeds(out)
+    assert [after.find(student) for student in ("ann", "zoe")] == [before.find(student) for student in ("ann", "zoe")]
+    assert len({seed for seed, _ in after.said.values()}) == 3
     assert main(["seeds", str(roster)]) == 0
     assert capsys.readouterr().out.splitlines()[0] == "student,seed"
 
@@ -75,6 +73,6 @@ def test_a_student_is_found_by_any_of_their_names(tmp_path: Path) -> None:
     absent = Entry("bo", "", "", "Bo Li")  # who is on the roster, and has handed in nothing
     for name in ("4711", "Ann Li", "ANN"):
         listed_seeds = seeds.read_seeds(listed(tmp_path, f"student,seed\n{name},5\nbo,6\n"))
-        assert listed_seeds.of_class([entry], People([entry, absent])).seed_for(entry) == 5
+        assert seeds.match_class(listed_seeds, [entry], People([entry, absent])).find("4711") == 5
         with pytest.raises(GradingError, match="line 3: there is no student 'bo' here"):
-            listed_seeds.of_class([entry], People([entry]))
+            seeds.match_class(listed_seeds, [entry], People([entry]))

@@ -50,7 +50,6 @@ class ProgramTexts(Closable):
         self._root, self._elsewhere = book.root, book.earlier
         self._exercises = {one.id: one for one in book.exercises}
         self._reader = Reader() if book.reader is None else Reader(memory=book.reader.memory)
-        self._lines: dict[str, list[str]] = {}
 
     @property
     def are_at_hand(self) -> bool:
@@ -58,7 +57,7 @@ class ProgramTexts(Closable):
         return self._root is not None
 
     def fingerprints(self, record: GradeRecord) -> FileSummary:
-        """Those of a submission; none of what cannot be read."""
+        """Those of a submission, and its program; none of what cannot be read."""
         if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
             return FileSummary()
         return self.of_file(self._root / record.entry.source, self._exercises[record.entry.exercise])
@@ -71,21 +70,12 @@ class ProgramTexts(Closable):
 
     def lines(self, record: GradeRecord) -> list[str]:
         """A program's lines; none of what cannot be read."""
-        source = f"{record.entry.exercise}/{record.entry.source}"
-        if source not in self._lines:
-            self._lines[source] = self._read(record)
-        return self._lines[source]
+        program = self.fingerprints(record).program
+        return program.source.split("\n") if program else []
 
     def close(self) -> None:
         """End the process that reads. Safe to call twice."""
         self._reader.close()
-
-    def _read(self, record: GradeRecord) -> list[str]:
-        if self._root is not None and record.entry.exercise not in self._elsewhere:
-            exercise, path = self._exercises[record.entry.exercise], self._root / record.entry.source
-            with suppress(UnreadableError, GradingError), Copy(path, several=bool(exercise.files)) as copy:
-                return self._reader.read(copy, exercise).source.split("\n")
-        return []
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,14 @@ import sys
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import msgspec
 
 from course_kit.classroom.rules.adjustments import Adjustment
-from course_kit.classroom.rules.people import Mistakes, describe_unknown, read_rows
+from course_kit.classroom.rules.people import Mistakes, StudentTable, describe_unknown, read_rows
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids
 from course_kit.grading.model.plain_data import convert_record
@@ -31,10 +32,8 @@ else:
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from datetime import tzinfo
-    from pathlib import Path
 
     from course_kit.classroom.records import Entry
-    from course_kit.classroom.rules.people import People
 
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
@@ -56,14 +55,13 @@ class Deadlines:
     grace_s: float = 0.0  # so many seconds late is not late
     percent_per_day: float = 0.0  # of full marks, for each day begun after the due date
     at_most_percent: float = float(_ALL)  # of full marks; no penalty is higher
-    # other due dates, by student and exercise, with the line in the file
-    extensions: Mapping[tuple[str, str], tuple[datetime, int]] = field(default_factory=dict)
-    mistakes: Mistakes | None = None  # what is wrong with the extensions; None where there are none
+    # other due dates, by student and exercise
+    extensions: StudentTable[datetime] = field(default_factory=lambda: StudentTable(Mistakes(Path(EXTENSIONS))))
 
     def judge(self, student: str, exercise: Exercise, submitted: datetime | None, *, marked: bool) -> Adjustment:
         """Whether a submission is late, and what that costs."""
-        own = self.extensions.get((student, exercise.id))
-        due = own[0] if own else self.due.get(exercise.id)
+        own = self.extensions.find(student, exercise.id)
+        due = own or self.due.get(exercise.id)
         known = Adjustment(pass_mark=exercise.pass_mark, submitted=submitted, due=due, extended=own is not None)
         if due is None:
             return replace(known, late=marked)
@@ -94,15 +92,6 @@ class Deadlines:
 
     def _penalty(self, exercise: Exercise, days: int) -> float:
         return round(exercise.points * min(days * self.percent_per_day, self.at_most_percent) / _ALL, 6)
-
-    def match_people(self, people: People) -> Deadlines:
-        """The extensions by the students of a class; who is not in it is a mistake."""
-        if self.mistakes is None:
-            return self
-        mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
-        lines = ((line, called, exercise, due) for (called, exercise), (due, line) in self.extensions.items())
-        twice = "{called} and {exercise} stand in line {line} already, by another name"
-        return replace(self, extensions=people.by_student(lines, mistakes, twice), mistakes=mistakes)
 
 
 def read_deadlines(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
@@ -194,24 +183,19 @@ def parse_moment(value: Any, zone: tzinfo | None, what: str) -> datetime:
 def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]) -> Deadlines:
     """Lines without an exercise are for all of them."""
     ids = _of_course(exercises)
-    mistakes = Mistakes(path)
-    found: dict[tuple[str, str], tuple[datetime, int]] = {}
+    found: StudentTable[datetime] = StudentTable(Mistakes(path))
     for row in read_rows(path, ("student", "due"), ("exercise",)):
-        student, exercise = row.cells["student"], row.cells["exercise"]
+        exercise = row.cells["exercise"]
         try:
             moment = parse_moment(row.cells["due"], rules.zone, "due")
         except ValueError as problem:
-            mistakes.add(row.line, str(problem))
+            found.mistakes.add(row.line, str(problem))
             continue
-        if not student:
-            mistakes.add(row.line, "the student is missing")
         if exercise and exercise not in ids:
-            mistakes.add(row.line, describe_unknown("exercise", exercise, ids))
+            found.mistakes.add(row.line, describe_unknown("exercise", exercise, ids))
         for one in [exercise] if exercise else ids:
-            if (student, one) in found:
-                mistakes.add(row.line, f"{student} and {one} stand in line {found[student, one][1]} already")
-            found[student, one] = (moment, row.line)
-    return replace(rules, extensions=found, mistakes=mistakes)
+            found.put(row, one, moment)
+    return replace(rules, extensions=found)
 
 
 def submission_moment(entry: Entry, zone: tzinfo | None = None) -> datetime | None:

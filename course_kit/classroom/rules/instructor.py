@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING
 from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.classroom.rules import deadlines
 from course_kit.classroom.rules.deadlines import submission_moment
-from course_kit.classroom.rules.people import Mistakes, describe_unknown, parse_number, read_rows, require_none
+from course_kit.classroom.rules.people import (
+    Mistakes,
+    StudentTable,
+    describe_unknown,
+    parse_number,
+    read_rows,
+    require_none,
+)
 from course_kit.grading import engine
 
 if TYPE_CHECKING:
@@ -36,13 +43,13 @@ class Instructions:
     """Due dates, extensions, overrides and comments."""
 
     deadlines: Deadlines
-    overrides: Overrides
+    overrides: StudentTable[Override]
 
     def match_people(self, people: People) -> Instructions:
         """Those by the students of a class, whom the files may call by any of their names."""
-        found = Instructions(self.deadlines.match_people(people), self.overrides.match_people(people))
-        require_none(one for one in (found.deadlines.mistakes, found.overrides.mistakes) if one is not None)
-        return found
+        extensions, overrides = self.deadlines.extensions.match_people(people), self.overrides.match_people(people)
+        require_none([extensions.mistakes, overrides.mistakes])
+        return Instructions(replace(self.deadlines, extensions=extensions), overrides)
 
     def apply(self, book: Gradebook) -> Gradebook:
         """The gradebook with lateness, penalties, overrides and comments."""
@@ -118,43 +125,20 @@ def moment_warnings(book: Gradebook) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Override:
-    """One line of the file."""
+    """What the lines of the file say of a student's exercise."""
 
-    line: int  # its number
-    student: str  # whom it is about
-    exercise: str  # the exercise's id
-    score: float | None  # the points instead of those of the checks; None when there is none
-    added: float  # the points on top of those of the checks, written with a plus; 0 without any
-    comment: str  # for the student
+    score: float | None = None  # the points instead of those of the checks; None when there is none
+    added: float = 0.0  # the points on top of those of the checks, written with a plus; 0 without any
+    comment: str = ""  # for the student
     checks: tuple[tuple[str, float], ...] = ()  # ids of checks, each with the points instead of those it gave
 
 
-class Overrides:
-    """All lines of the file."""
-
-    def __init__(self, mistakes: Mistakes, found: Sequence[Override] = ()) -> None:
-        self.mistakes = mistakes
-        self._found = {(one.student, one.exercise): one for one in found}
-
-    def find(self, student: str, exercise: str) -> Override | None:
-        """What the instructor has set for a student and exercise."""
-        return self._found.get((student, exercise))
-
-    def match_people(self, people: People) -> Overrides:
-        """The lines by the students of a class; who is not in it is a mistake."""
-        mistakes = Mistakes(self.mistakes.path, [*self.mistakes.found])
-        lines = ((one.line, one.student, one.exercise, one) for one in self._found.values())
-        found = people.by_student(lines, mistakes, "{called} is {student}, who stands in line {line} already")
-        return Overrides(mistakes, [replace(one, student=student) for (student, _), (one, _) in found.items()])
-
-
-def read_overrides(path: Path, exercises: Sequence[Exercise]) -> Overrides:
+def read_overrides(path: Path, exercises: Sequence[Exercise]) -> StudentTable[Override]:
     """Read the file."""
-    mistakes = Mistakes(path)
+    table: StudentTable[Override] = StudentTable(mistakes := Mistakes(path))
     if not path.exists():
-        return Overrides(mistakes)
+        return table
     points = {one.id: one.points for one in exercises}
-    found: dict[tuple[str, str], Override] = {}
     lines: dict[tuple[str, str, str], int] = {}
     for row in read_rows(path, ("student", "exercise"), ("score", "comment", "check")):
         student, exercise, check = row.cells["student"], row.cells["exercise"], row.cells["check"]
@@ -174,9 +158,9 @@ def read_overrides(path: Path, exercises: Sequence[Exercise]) -> Overrides:
         elif not text and not comment:
             mistakes.add(row.line, "it has neither a score nor a comment")
         else:
-            before = found.get((student, exercise), Override(row.line, student, exercise, None, 0.0, ""))
-            found[student, exercise] = _with_row(before, row.cells, score)
-    return Overrides(mistakes, list(found.values()))
+            before, line = table.said.get((student, exercise), (Override(), row.line))
+            table.said[student, exercise] = (_with_row(before, row.cells, score), line)
+    return table
 
 
 def _with_row(before: Override, cells: Mapping[str, str], score: float | None) -> Override:

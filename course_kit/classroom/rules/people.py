@@ -7,7 +7,7 @@ import io
 import sys
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from course_kit.grading.errors import GradingError
 from course_kit.ros.names import did_you_mean
@@ -150,24 +150,7 @@ class People:
                 self._names.add(group)
                 self._groups[group.casefold()].add(entry.student)
 
-    def by_student(
-        self, lines: Iterable[tuple[int, str, str, Said]], mistakes: Mistakes, twice: str
-    ) -> dict[tuple[str, str], tuple[Said, int]]:
-        """What the lines of a file say, with their numbers, by student and exercise."""
-        found: dict[tuple[str, str], tuple[Said, int]] = {}
-        for line, called, exercise, said in lines:
-            try:
-                meant = self._students(called)
-            except ValueError as problem:
-                mistakes.add(line, str(problem))
-                continue
-            for student in meant:
-                _, before = found.setdefault((student, exercise), (said, line))
-                if before != line:
-                    mistakes.add(line, twice.format(called=called, student=student, exercise=exercise, line=before))
-        return found
-
-    def _students(self, called: str) -> list[str]:
+    def students_called(self, called: str) -> list[str]:
         """The student who is called so, as the reports call them, or all of a group."""
         if called in self.students:
             return [called]
@@ -180,4 +163,43 @@ class People:
             raise ValueError(
                 f"several are called '{one_line(called)}': {', '.join(found)}. Write one of these, as in grades.csv"
             )
+        return found
+
+
+@dataclass(frozen=True)
+class StudentTable(Generic[Said]):
+    """What a file says of students, by what it calls them and by exercise, each with its line."""
+
+    mistakes: Mistakes
+    said: dict[tuple[str, str], tuple[Said, int]] = field(default_factory=dict)
+
+    def put(self, row: TableRow, exercise: str, said: Said) -> None:
+        """Note what a line says of its student."""
+        student = row.cells["student"]
+        if not student:
+            self.mistakes.add(row.line, "the student is missing")
+        elif (student, exercise) in self.said:
+            who = f"{student} and {exercise} stand" if exercise else f"{student} stands"
+            self.mistakes.add(row.line, f"{who} in line {self.said[student, exercise][1]} already")
+        else:
+            self.said[student, exercise] = (said, row.line)
+
+    def find(self, student: str, exercise: str = "") -> Said | None:
+        """What it says of a student; None where it says nothing."""
+        found = self.said.get((student, exercise))
+        return None if found is None else found[0]
+
+    def match_people(self, people: People) -> StudentTable[Said]:
+        """The same by the students of a class, called by any of their names; whoever is not in it is a mistake."""
+        found: StudentTable[Said] = StudentTable(Mistakes(self.mistakes.path, [*self.mistakes.found]))
+        for (called, exercise), (said, line) in self.said.items():
+            try:
+                meant = people.students_called(called)
+            except ValueError as problem:
+                found.mistakes.add(line, str(problem))
+                continue
+            for student in meant:
+                _, before = found.said.setdefault((student, exercise), (said, line))
+                if before != line:
+                    found.mistakes.add(line, f"{called} is {student}, who stands in line {before} already")
         return found
