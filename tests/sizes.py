@@ -63,7 +63,6 @@ SLOW = (
     "tests/classroom/test_resume.py",
     "tests/classroom/test_roster.py",
     "tests/classroom/test_run.py",
-    "tests/classroom/test_system_inboxes.py",
     "tests/classroom/test_versions.py",
     "tests/cli/",
     "tests/course_setup/",

@@ -1,11 +1,10 @@
-"""What students really hand in for one exercise: the files of each accident, which of them counts, and why."""
+"""What students really hand in for one exercise: the files of each accident. What counts, and why, is frozen."""
 
 from __future__ import annotations
 
 import io
 import json
 import zipfile
-from dataclasses import dataclass, field
 
 from course_kit.grading.model.exercise import load_exercise
 
@@ -13,33 +12,7 @@ SERVICE = load_exercise("temperature_service")
 STARTER = (SERVICE.folder / SERVICE.starter).read_bytes()
 STARTER_NOTEBOOK = (SERVICE.folder / SERVICE.notebook).read_bytes()
 PY, NOTEBOOK = SERVICE.starter, SERVICE.notebook
-AS_NAMED = "same name as the starter"
-CALLED = "the exercise's name is in its name"
-HOLDS = "it holds TemperatureService"
-ALONE = "the only program"
-DIFFERS = "the only one of 2 files that differs from the starter"
-UNCHANGED = "the starter, unchanged"
-
-
-@dataclass(frozen=True)
-class Accident:
-    """What one student hands in.
-
-    Attributes:
-        files: names and contents, the oldest first.
-        chosen: the one that counts, as a path below the student's folder.
-        why: the reason in the table.
-        left: of the others the reason, by path; `{chosen}` in it stands for what was chosen.
-        worry: what the instructor should look at.
-        fresh: names of files that are a day newer than the others.
-    """
-
-    files: dict[str, bytes]
-    chosen: str
-    why: str = AS_NAMED
-    left: dict[str, str] = field(default_factory=dict)
-    worry: str = ""
-    fresh: tuple[str, ...] = ()
+FINAL = "temperature_service_final.py"  # a day newer than all else
 
 
 def program(number: int, above: str = "") -> bytes:
@@ -76,11 +49,6 @@ def zipped(files: dict[str, bytes], separator: str = "/") -> bytes:
     return memory.getvalue()
 
 
-def used(why: str) -> str:
-    """What the table says of a file that was not chosen."""
-    return f"{why}; {{chosen}} was used instead"
-
-
 def with_the_kit(number: int) -> dict[str, bytes]:
     """A fork of the course, in which the exercise was solved where it lies."""
     return {
@@ -96,90 +64,36 @@ def with_the_kit(number: int) -> dict[str, bytes]:
     }
 
 
-def _of_the_kit(folder: str) -> dict[str, str]:
-    parts = dict.fromkeys(list(with_the_kit(0))[:5], "a part of the course kit")
-    own = f"course/exercises/temperature_service/{NOTEBOOK}"
-    none = "it belongs to none of these exercises"
-    rest = dict.fromkeys(
-        ("course/exercises/temperature_service/exercise.toml", "course/exercises/move_robot/exercise.toml"), none
-    )
-    return {f"{folder}{name}": why for name, why in {**parts, **rest, own: used(UNCHANGED)}.items()}
-
-
-def accidents(number: int) -> list[Accident]:
-    """All accidents, as they happen to a student of this number."""
+def accidents(number: int) -> list[dict[str, bytes]]:
+    """All accidents, as they happen to a student of this number: names and contents, the oldest first."""
     own = program(number)
     changed_comment = STARTER.replace(b"\n", b"\r\n") + b"\r\n# I looked at it\r\n"
     conversions = b"from conversions import to_kelvin\n" + own
     return [
-        Accident({PY: own}, PY),
-        Accident({PY: own, NOTEBOOK: STARTER_NOTEBOOK}, PY, f"{DIFFERS}; {AS_NAMED}", {NOTEBOOK: used(UNCHANGED)}),
-        Accident({PY: STARTER, NOTEBOOK: notebook(number)}, NOTEBOOK, f"{DIFFERS}; {AS_NAMED}", {PY: used(UNCHANGED)}),
-        Accident({PY: STARTER}, PY, f"{AS_NAMED}; it is {UNCHANGED}", worry=f"it is {UNCHANGED}"),
-        Accident(
-            {PY: changed_comment, NOTEBOOK: notebook(number)}, NOTEBOOK, f"{DIFFERS}; {AS_NAMED}", {PY: used(UNCHANGED)}
-        ),
-        Accident({"TEMPERATURE_SERVICE.PY": own}, "TEMPERATURE_SERVICE.PY"),
-        Accident({f"{PY}.txt": own}, f"{PY}.txt", CALLED),
-        Accident({f"{NOTEBOOK}.json": notebook(number)}, f"{NOTEBOOK}.json", CALLED),
-        Accident({"temperature_service (1).py": own}, "temperature_service (1).py"),
-        Accident(
-            {"answer.py": own, "notes.txt": b""},
-            "answer.py",
-            HOLDS,
-            {"notes.txt": "it belongs to none of these exercises"},
-        ),
-        Accident(
-            {"week3.py": b"class Other:\n    pass\n"}, "week3.py", ALONE, worry="it does not hold TemperatureService"
-        ),
-        Accident({NOTEBOOK: notebook(number, above="# my solution\n\n")}, NOTEBOOK),
-        Accident(
-            {PY: exported(number), NOTEBOOK: STARTER_NOTEBOOK},
-            PY,
-            f"{DIFFERS}; {AS_NAMED}",
-            {NOTEBOOK: used(UNCHANGED)},
-        ),
-        Accident({NOTEBOOK: notebook(number, output="x" * 5_000_000)}, NOTEBOOK),
-        Accident(
-            {PY: conversions, "conversions.py": b"def to_kelvin(x):\n    return x\n"},
-            PY,
-            f"{AS_NAMED}; it imports conversions.py, and only one file is graded",
-            {"conversions.py": "it belongs to none of these exercises"},
-            "it imports conversions.py, and only one file is graded",
-        ),
-        Accident(
-            {"temperature_service_old.py": own, "temperature_service_final.py": program(-number)},
-            "temperature_service_final.py",
-            f"{{newest}} of 2 files; {CALLED}",
-            {"temperature_service_old.py": used("{older}")},
-            fresh=("temperature_service_final.py",),
-        ),
-        Accident(
-            {"homework.zip": zipped({f"hw/{PY}": own, f"__MACOSX/hw/._{PY}": b"\0"})},
-            f"homework.zip.contents/hw/{PY}",
-            left={"homework.zip.contents/__MACOSX": "a folder of a tool"},
-        ),
-        Accident(
-            {"homework.zip": zipped({f"hw/{PY}": own, "hw/notes.txt": b""}, "\\")},
-            f"homework.zip.contents/hw/{PY}",
-            left={"homework.zip.contents/hw/notes.txt": "it belongs to none of these exercises"},
-        ),
-        Accident(
-            {"fork.zip": zipped(with_the_kit(number))},
-            f"fork.zip.contents/course/exercises/temperature_service/{PY}",
-            f"{DIFFERS}; {AS_NAMED}",
-            _of_the_kit("fork.zip.contents/"),
-        ),
-        Accident(
-            {PY: STARTER, "temperature_service.backup-1.py": own},
-            "temperature_service.backup-1.py",
-            f"{DIFFERS}; {CALLED}",
-            {PY: used(UNCHANGED)},
-        ),
+        {PY: own},
+        {PY: own, NOTEBOOK: STARTER_NOTEBOOK},
+        {PY: STARTER, NOTEBOOK: notebook(number)},
+        {PY: STARTER},
+        {PY: changed_comment, NOTEBOOK: notebook(number)},
+        {"TEMPERATURE_SERVICE.PY": own},
+        {f"{PY}.txt": own},
+        {f"{NOTEBOOK}.json": notebook(number)},
+        {"temperature_service (1).py": own},
+        {"answer.py": own, "notes.txt": b""},
+        {"week3.py": b"class Other:\n    pass\n"},
+        {NOTEBOOK: notebook(number, above="# my solution\n\n")},
+        {PY: exported(number), NOTEBOOK: STARTER_NOTEBOOK},
+        {NOTEBOOK: notebook(number, output="x" * 5_000_000)},
+        {PY: conversions, "conversions.py": b"def to_kelvin(x):\n    return x\n"},
+        {"temperature_service_old.py": own, FINAL: program(-number)},
+        {"homework.zip": zipped({f"hw/{PY}": own, f"__MACOSX/hw/._{PY}": b"\0"})},
+        {"homework.zip": zipped({f"hw/{PY}": own, "hw/notes.txt": b""}, "\\")},
+        {"fork.zip": zipped(with_the_kit(number))},
+        {PY: STARTER, "temperature_service.backup-1.py": own},
     ]
 
 
-def of_student(number: int) -> Accident:
+def of_student(number: int) -> dict[str, bytes]:
     """What the student of this number hands in."""
     found = accidents(number)
     return found[number % len(found)]

@@ -1,19 +1,17 @@
-"""Inboxes of sixty students as learning platforms lay them out, and the table that an intake of each has to give."""
+"""Inboxes of sixty students as learning platforms lay them out."""
 
 from __future__ import annotations
 
 import os
 import re
 import zipfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .accidents import of_student
+from .accidents import FINAL, of_student
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from .accidents import Accident
 
 CLASS_SIZE = 60
 _FIRST = ("Jörg", "Ana María", "Li", "Zoë", "Søren", "Miriam", "Ö", "Nguyễn", "Ben", "Chloé")
@@ -61,26 +59,6 @@ class Person:
 PEOPLE = tuple(Person(number) for number in range(CLASS_SIZE))
 
 
-@dataclass
-class OpenedSources:
-    """What an instructor has downloaded.
-
-    Attributes:
-        source: the folder or zip.
-        chosen: student, file and reason of each submission, as the table has to have them.
-        left: reason of each other file, by path; what the instructor has to look at is in `worries`.
-        worries: by student.
-        late: students whom the platform marked as late.
-    """
-
-    source: Path
-    layout: str
-    chosen: dict[str, tuple[str, str]] = field(default_factory=dict)
-    left: dict[str, str] = field(default_factory=dict)
-    worries: dict[str, str] = field(default_factory=dict)
-    late: set[str] = field(default_factory=set)
-
-
 class Maker:
     """Makes the inbox of one system."""
 
@@ -88,7 +66,7 @@ class Maker:
         self._system = system
         self._files: dict[str, tuple[bytes, int]] = {}
         is_zip = system in ("canvas", "moodle", "moodle flat", "gradescope")
-        self.inbox = OpenedSources(home / ("submissions.zip" if is_zip else "inbox"), system.partition(" ")[0])
+        self.source = home / ("submissions.zip" if is_zip else "inbox")
         for person in PEOPLE:
             self._hand_in(person, of_student(person.number))
         self._add_what_the_system_adds()
@@ -97,32 +75,9 @@ class Maker:
         else:
             self._lay_out()
 
-    def _hand_in(self, person: Person, accident: Accident) -> None:
-        paths = {name: self._path(person, name, place) for place, name in enumerate(accident.files)}
-        for name, content in accident.files.items():
-            self._files[paths[name]] = (content, DAY_2 if name in accident.fresh else DAY_1)
-        student = self._student(person)
-        chosen = self._below(paths, accident.chosen)
-        is_canvas = self._system == "canvas"
-        words = {
-            "newest": "the last upload" if is_canvas else "the newest",
-            "older": "an earlier upload" if is_canvas else "older",
-            "chosen": chosen,
-        }
-        self.inbox.chosen[student] = (chosen, accident.why.format(**words))
-        self.inbox.left |= {
-            self._below(paths, name): why.format(**{**words, "chosen": "{chosen}"}).format(**words)
-            for name, why in accident.left.items()
-        }
-        if accident.worry:
-            self.inbox.worries[student] = accident.worry
-        if is_canvas and person.number % 7 == 0:
-            self.inbox.late.add(student)
-
-    def _below(self, paths: dict[str, str], name: str) -> str:
-        """Where a file of a student lies, which may be in a zip of theirs."""
-        packed, mark, inside = name.partition(".zip.contents/")
-        return f"{paths[packed + '.zip']}.contents/{inside}" if mark else paths[name]
+    def _hand_in(self, person: Person, files: dict[str, bytes]) -> None:
+        for place, (name, content) in enumerate(files.items()):
+            self._files[self._path(person, name, place)] = (content, DAY_2 if name == FINAL else DAY_1)
 
     def _path(self, person: Person, name: str, place: int) -> str:
         number = 100 + person.number
@@ -138,34 +93,23 @@ class Maker:
             "folders": f"{person.email}/{name}",
         }[self._system]
 
-    def _student(self, person: Person) -> str:
-        if self._system == "canvas":
-            return person.canvas
-        if self._system.startswith("moodle"):
-            return str(100 + person.number)
-        return person.email if self._system == "folders" else person.login
-
     def _add_what_the_system_adds(self) -> None:
         if self._system == "gradescope":
             self._add("assignment_4711_export/submission_metadata.yml", metadata())
             self._add("__MACOSX/assignment_4711_export/._submission_metadata.yml", "\0")
         for person in PEOPLE:
             if self._system == "nbgrader":
-                stamp = f"submitted/{person.login}/week 3/timestamp.txt"
-                self._add(stamp, "2026-11-01 12:00:00.000000 UTC")
-                self.inbox.left[stamp] = "it belongs to none of these exercises"
+                self._add(f"submitted/{person.login}/week 3/timestamp.txt", "2026-11-01 12:00:00.000000 UTC")
             if self._system == "github":
                 self._add(f"services-submissions/services-{person.login}/.git/config", "[core]")
-                self.inbox.left[f"services-submissions/services-{person.login}/.git"] = "a folder of a tool"
             if self._system == "folders":
                 self._add(f"{person.email}/.DS_Store", "")
-                self.inbox.left[f"{person.email}/.DS_Store"] = "a file of a tool"
 
     def _add(self, path: str, text: str) -> None:
         self._files[path] = (text.encode(), DAY_1)
 
     def _pack(self) -> None:
-        with zipfile.ZipFile(self.inbox.source, "w", zipfile.ZIP_DEFLATED) as packed:
+        with zipfile.ZipFile(self.source, "w", zipfile.ZIP_DEFLATED) as packed:
             for path, (content, when) in self._files.items():
                 day = (2026, 11, 1 if when == DAY_1 else 2, 12, 0, 0)
                 member = zipfile.ZipInfo(path, day)
@@ -174,7 +118,7 @@ class Maker:
 
     def _lay_out(self) -> None:
         for path, (content, when) in self._files.items():
-            target = self.inbox.source / path
+            target = self.source / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
             os.utime(target, (when, when))

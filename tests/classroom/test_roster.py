@@ -77,12 +77,12 @@ NO_HEADER = csv_of([[f"{login}@uni.example", f"x{login}"] for _, _, login, _, _ 
 def test_a_list_gives_names_and_says_who_is_absent(
     tmp_path: Path, system: str, text: str, encoding: str, read_as: dict[str, str]
 ) -> None:
-    inbox = Maker(system, tmp_path).inbox
+    source = Maker(system, tmp_path).source
     (tmp_path / "list.csv").write_bytes(text.encode(encoding))
     people = roster.read_roster(tmp_path / "list.csv")
     assert read_as.items() <= dict(people.read_as).items()
     assert len(people.people) == len(EVERYBODY)
-    found = collecting.collect_submissions(inbox.source, (SERVICE,), tmp_path / "handed_in", roster=people)
+    found = collecting.collect_submissions(source, (SERVICE,), tmp_path / "handed_in", roster=people)
     assert found.roster is not None
     assert found.roster.unknown == ()
     assert found.roster.matched == len(PEOPLE)

@@ -13,6 +13,7 @@ import pytest
 
 from course_kit.authoring import check
 from course_kit.classroom import exports
+from course_kit.classroom.intake import collecting, table
 from course_kit.cli.main import build_parser
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.ros2cli import parser as ros2_parser
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.engine import GradingRequest
 
-STUDENTS = 7
+STUDENTS, ACCIDENTS = 7, 20
 ONE = "st001@uni.example"  # whose result for each platform is looked at
 
 
@@ -78,10 +79,22 @@ def test_a_class_run_writes_for_each_system_what_it_did(
     system: str, frozen: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(system_inboxes, "PEOPLE", system_inboxes.PEOPLE[:STUDENTS])
-    inbox, out = system_inboxes.Maker(system, tmp_path).inbox, tmp_path / "out"
-    exports.write_all(run(inbox.source, out, Marking(), exercises=(SERVICE,), seed=7), out)
+    source, out = system_inboxes.Maker(system, tmp_path).source, tmp_path / "out"
+    exports.write_all(run(source, out, Marking(), exercises=(SERVICE,), seed=7), out)
     written = {path.relative_to(out).as_posix(): path for path in sorted(out.rglob("*")) if path.is_file()}
     frozen(f"class_{system.replace(' ', '_')}.txt", "\n".join(map(shown, written, written.values())))
+
+
+@pytest.mark.parametrize("system", system_inboxes.SYSTEMS)
+def test_an_intake_tells_of_every_accident_what_it_told(
+    system: str, frozen: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(system_inboxes, "PEOPLE", system_inboxes.PEOPLE[:ACCIDENTS])
+    source = system_inboxes.Maker(system, tmp_path).source
+    found = collecting.collect_submissions(source, (SERVICE,), tmp_path / "handed_in")
+    assert all((found.root / entry.source).is_file() for entry in found.entries)
+    written = table.write_intake(found, tmp_path)
+    frozen(f"intake_{system.replace(' ', '_')}.txt", written.read_text(encoding="utf-8-sig"))
 
 
 def shown(name: str, path: Path) -> str:
