@@ -155,31 +155,11 @@ def test_who_handed_in_nothing_can_have_a_score(inbox: Path) -> None:
     assert not (out / "students/ada/pattern_choice.html").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (
-            "student,exercise,score\nbo,temperature_service,3\n",
-            "line 2: there is no student 'bo' here. Did you mean bob?",
-        ),
-        (
-            "student,exercise,score\n\nbob,temperature_service,11\n",
-            "line 3: the score '11' is not a number from 0 to 10",
-        ),
-        (
-            'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n',
-            "line 4: bob and temperature_service stand in line 2 already",
-        ),
-    ],
-)
-def test_a_mistake_in_the_overrides_is_told_with_its_line_before_anything_is_graded(
-    text: str, said: str, inbox: Path
-) -> None:
-    settings(inbox, overrides=text)
-    with pytest.raises(GradingError) as told:
+def test_a_mistake_in_the_overrides_is_told_with_its_line_before_anything_is_graded(inbox: Path) -> None:
+    twice = 'student,exercise,comment\nbob,temperature_service,"two\nlines"\nbob,temperature_service,x\n'
+    settings(inbox, overrides=twice)
+    with pytest.raises(GradingError, match=r"overrides\.csv.*\n.*line 4: bob and temperature_service stand in line 2"):
         again(inbox)
-    assert said in str(told.value)
-    assert "overrides.csv" in str(told.value)
     assert not (inbox.parent / "out/students").exists()
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,7 +13,7 @@ from course_kit import environment
 from course_kit.classroom.intake import collecting
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.learner import workspace
-from tests.course_copy import REPOSITORY, TEMPERATURE, Course
+from tests.course_copy import REPOSITORY, TEMPERATURE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -87,19 +86,3 @@ def test_a_notebook_that_was_only_run_is_the_starter_still(folder: Path) -> None
 def test_watch_means_the_same_file(folder: Path) -> None:
     answer(folder / NOTEBOOK)
     assert workspace.choose_own(load_exercise(TEMPERATURE), "watch")[0] == folder / NOTEBOOK
-
-
-def test_the_command_grades_the_notebook_and_says_so(folder: Path) -> None:
-    answer(folder / NOTEBOOK)
-    course = Course(folder.parent)
-    done = subprocess.run(
-        course.command("grade", TEMPERATURE),
-        cwd=folder,
-        env=course.environ(),
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=False,
-    )
-    assert NOTEBOOK in done.stdout
-    assert f"grading {NOTEBOOK}, because {PROGRAM} is the starter still" in " ".join(done.stderr.split())
