@@ -44,7 +44,7 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     """
     __tracebackhide__ = True  # IPython: the learner's own lines are what matters
     lab = current()
-    lab.not_in_callback("lab.start()")
+    lab.engine.not_in_callback("lab.start()")
     node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
     lab.neighbours.node_started()
     lab.output.drain()
@@ -84,7 +84,7 @@ def stop_others() -> None:
     Raises:
         LabError: one has not stopped them within some seconds.
     """
-    current().not_in_callback("lab.stop_others()")
+    current().engine.not_in_callback("lab.stop_others()")
     neighbours = current().neighbours
     if left := neighbours.stop(neighbours.others()):
         raise LabError(

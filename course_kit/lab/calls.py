@@ -64,7 +64,8 @@ class PendingCall(ABC):
             return
         if time.monotonic() - self._start >= self._timeout:
             raise NoAnswerError(self._too_late())
-        self._check_server()
+        if self._is_gone():
+            raise NoAnswerError(server_gone(self._wanted.name))
 
     @abstractmethod
     def result(self) -> Any:
@@ -86,12 +87,17 @@ class PendingCall(ABC):
         """What to say when the time is over."""
 
     @abstractmethod
-    def _check_server(self) -> None:
-        """Raise NoAnswerError if the server has gone."""
+    def _is_gone(self) -> bool:
+        """Whether the server has gone since."""
 
     @abstractmethod
     def _is_there(self) -> bool:
         """Whether the server is on the graph."""
+
+
+def server_gone(name: str) -> str:
+    """What to say of a server that has gone with an answer, or a goal, on its way."""
+    return f"The server of {name} went away: its program ended or its node was stopped. Its own output says why."
 
 
 class ServiceCall(PendingCall):
@@ -141,12 +147,8 @@ class ServiceCall(PendingCall):
             )
         return f"{self._wanted.name} did not answer within {self._timeout:g} s. {why}"
 
-    def _check_server(self) -> None:
-        if not self._is_there():
-            raise NoAnswerError(
-                f"The server of {self._wanted.name} went away before it answered: "
-                "its program ended or its node was stopped. Its own output says why."
-            )
+    def _is_gone(self) -> bool:
+        return not self._is_there()
 
     def _is_there(self) -> bool:
         return self._client.is_ready()

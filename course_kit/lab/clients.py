@@ -45,27 +45,23 @@ class WantedServer(NamedTuple):
 
 def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str] = frozenset()) -> LabError:
     """The error that says why no such server was found, and what to do."""
-    kind = ServiceNotFoundError if wanted.role == graph.SERVES else ActionNotFoundError
-    return kind(_not_offered(node, wanted, waited, except_by))
-
-
-def _not_offered(node: Node, wanted: WantedServer, waited: float, except_by: frozenset[str]) -> str:
     role, name, wanted_type = wanted
+    kind = ServiceNotFoundError if role == graph.SERVES else ActionNotFoundError
     offered = graph.offered_types(node, role, except_by)
     there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
     types = there.get(name)
     if types and wanted_type not in types:
         asked = "you called it with" if role == graph.SERVES else "the goal was one of"
-        return (
+        return kind(
             f"{name} has the type {' and '.join(sorted(types))}, but {asked} {wanted_type}. "
             "Client and server must use the same type."
         )
     message = f"No node {role.verb} {name} (waited {waited:g} s). "
     if near := nearest_name(name, there):
-        return f"{message}The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}]."
+        return kind(f"{message}The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}].")
     if there:
-        return f"{message}On the graph: {', '.join(sorted(there)[:5])}."
-    return f"{message}No {role.kind} at all is on the graph: has its server been started?"
+        return kind(f"{message}On the graph: {', '.join(sorted(there)[:5])}.")
+    return kind(f"{message}No {role.kind} at all is on the graph: has its server been started?")
 
 
 class OtherTypeError(LabError):

@@ -6,10 +6,11 @@ A `Goal` is what the learner holds; what arrives for it is kept by its `GoalTrac
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.awaiting import to_be_awaited
-from course_kit.lab.calls import PendingCall, call_async, call_blocking, message_of, not_of_kind
+from course_kit.lab.calls import PendingCall, call_async, call_blocking, message_of, not_of_kind, server_gone
 from course_kit.lab.clients import WantedServer
 from course_kit.lab.errors import FieldError, LabError, NoAnswerError
 from course_kit.ros.goal import GoalTracker
@@ -25,24 +26,23 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType, Message
 
 
-class Awaited(NamedTuple):
-    """What is waited for."""
-
-    lacking: str
-    arrived: Callable[[], bool]
-    begin: Callable[[], None] | None = None
-    outcome: Callable[[], Any] = lambda: None
-
-
 class Wait(PendingCall):
-    """A wait for news of a goal."""
+    """A wait for news of a goal: until they have `arrived`, else something is `lacking`."""
 
-    def __init__(
-        self, lab: Engine, tracker: GoalTracker, timeout: float, awaited: Awaited, action_type: str = ""
+    def __init__(  # noqa: PLR0913, PLR0917 - what is waited for, how it begins, and what comes of it
+        self,
+        lab: Engine,
+        tracker: GoalTracker,
+        timeout: float,
+        lacking: str,
+        arrived: Callable[[], bool],
+        begin: Callable[[], object] | None = None,
+        outcome: Callable[[], Any] = lambda: None,
+        action_type: str = "",
     ) -> None:
         super().__init__(lab, WantedServer(RUNS, tracker.client.action_name, action_type), timeout)
         self._tracker = tracker
-        self._awaited = awaited
+        self._lacking, self._arrived, self._begin, self._outcome = lacking, arrived, begin, outcome
         self._listener: Callable[[], None] = lambda: None
 
     def may_send(self) -> bool:
@@ -53,24 +53,24 @@ class Wait(PendingCall):
         """Begin; `completed` is called on the lab's thread when the answer is there."""
 
         def look() -> None:
-            if self._awaited.arrived():
+            if self._arrived():
                 completed()
 
         def begin() -> None:
-            if self._awaited.begin is not None:
-                self._awaited.begin()
+            if self._begin is not None:
+                self._begin()
             look()
 
         self._listener = look
         self._tracker.listeners.append(look)
-        if self._awaited.begin is not None:
-            self._lab.executor.create_task(begin)
-        else:
+        if self._begin is None:
             look()
+        else:
+            self._lab.executor.create_task(begin)
 
     def result(self) -> Any:
         """What was waited for."""
-        return self._awaited.outcome()
+        return self._outcome()
 
     def close(self) -> None:
         """Stop waiting."""
@@ -79,25 +79,16 @@ class Wait(PendingCall):
         super().close()
 
     def _has_come(self) -> bool:
-        return self._awaited.arrived()
+        return self._arrived()
 
     def _too_late(self) -> str:
-        return f"{self._awaited.lacking} within {self._timeout:g} s. {self._lab.why_no_result(self._wanted.name)}"
+        return f"{self._lacking} within {self._timeout:g} s. {self._lab.why_no_result(self._wanted.name)}"
 
-    def _check_server(self) -> None:
-        if self._tracker.status == "UNKNOWN":
-            raise NoAnswerError(gone(self._wanted.name))
+    def _is_gone(self) -> bool:
+        return self._tracker.status == "UNKNOWN"
 
     def _is_there(self) -> bool:
         return self._tracker.client.has_server()
-
-
-def gone(action: str) -> str:
-    """The server of an action went away while a goal was on its way."""
-    return (
-        f"The server of {action} went away before the goal ended: its program ended or its node was stopped. "
-        "Its own output says why."
-    )
 
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
@@ -188,7 +179,7 @@ class Goal:
                 break
             yield tracker.feedback[number]
         if tracker.status == "UNKNOWN":
-            raise NoAnswerError(gone(self.action))
+            raise NoAnswerError(server_gone(self.action))
 
     def __repr__(self) -> str:
         fields = copy_message(self.request)
@@ -202,32 +193,24 @@ class Goal:
         if tracker.accepted is False:
             raise LabError(f"{self.action} has rejected this goal, so there will be no result.")
         self._lab.not_in_callback("result() of a goal")
-        awaited = Awaited(f"{self.action} did not finish the goal", lambda: tracker.ended)
-        return Wait(self._lab, tracker, timeout, awaited)
+        return Wait(self._lab, tracker, timeout, f"{self.action} did not finish the goal", lambda: tracker.ended)
 
     def _wait_for_news(self, number: int) -> Wait:
         tracker = self._tracker
-        awaited = Awaited(
-            f"No feedback and no result of the goal for {self.action} arrived",
-            lambda: len(tracker.feedback) > number or tracker.ended,
-        )
-        return Wait(self._lab, tracker, _QUIET, awaited)
+        lacking = f"No feedback and no result of the goal for {self.action} arrived"
+        return Wait(self._lab, tracker, _QUIET, lacking, lambda: len(tracker.feedback) > number or tracker.ended)
 
     def _result_of(self, _: object) -> Message:
         if self._tracker.result is None:
-            raise NoAnswerError(gone(self.action))
+            raise NoAnswerError(server_gone(self.action))
         return self._tracker.result
 
     def _wait_for_cancel(self, timeout: float) -> Wait:
         self._lab.not_in_callback("cancel() of a goal")
         answer: list[bool] = []
-        awaited = Awaited(
-            f"{self.action} did not answer the request to cancel",
-            lambda: bool(answer),
-            lambda: self._tracker.cancel(answer.append),
-            lambda: answer[0],
-        )
-        return Wait(self._lab, self._tracker, timeout, awaited)
+        lacking = f"{self.action} did not answer the request to cancel"
+        ask = partial(self._tracker.cancel, answer.append)
+        return Wait(self._lab, self._tracker, timeout, lacking, lambda: bool(answer), ask, lambda: answer[0])
 
 
 def make_goal(action_type: ActionType, ready: Message, fields: Fields) -> Message:
@@ -244,13 +227,16 @@ class Sending(Wait):
         client = lab.clients.goal_client(action_type, action)
         tracker = GoalTracker(client, request, lab.call_back)
         self.goal = goal = Goal(lab, tracker, request)
-        awaited = Awaited(
+        super().__init__(
+            lab,
+            tracker,
+            timeout,
             f"{client.action_name} neither accepted nor rejected the goal",
             lambda: tracker.accepted is not None,
             tracker.begin,
             lambda: goal,
+            type_name(action_type),
         )
-        super().__init__(lab, tracker, timeout, awaited, type_name(action_type))
 
     def call_back(
         self, on_feedback: Callable[[Message], object] | None, on_result: Callable[[Goal], object] | None

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from course_kit.lab.topics import DeliveryWait
-    from course_kit.ros.messages import Message
-    from course_kit.ros.parameters import Question, Steps
+    from course_kit.ros.parameters import Steps
 
 T = TypeVar("T")
 _TIMEOUT = 5.0  # seconds for each answer
@@ -189,11 +188,10 @@ def _declared(node: str, name: str, known: list[str]) -> str:
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call
 
-    def ask(question: Question) -> Message:
-        return call(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
-
     try:
-        return await parameters.await_steps(steps, ask)
+        return await parameters.await_steps(
+            steps, lambda asked: call(f"{node}/{asked.service}", asked.interface, timeout=timeout, **asked.fields)
+        )
     except ServiceNotFoundError:
         raise _no_node(node) from None
 
@@ -201,18 +199,16 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
     from course_kit.lab.api import call_blocking
 
-    def ask(question: Question) -> Message:
-        return call_blocking(f"{node}/{question.service}", question.interface, timeout=timeout, **question.fields)
-
     try:
-        return parameters.run_steps(steps, ask)
+        return parameters.run_steps(
+            steps,
+            lambda asked: call_blocking(f"{node}/{asked.service}", asked.interface, timeout=timeout, **asked.fields),
+        )
     except ServiceNotFoundError:
         raise _no_node(node) from None
 
 
 def _no_node(node: str) -> NodeNotFoundError:
-    from course_kit.lab.awaiting import current
-
     engine = current().engine
     looking = engine.node
     nodes = set(graph.node_names(looking)) - engine.own_names

@@ -92,9 +92,6 @@ class TimerAction(Action):
             raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
         context.service.later(seconds, lambda: execute_all(self.actions, context))
 
-    def sub_entities(self) -> Iterable[object]:
-        return self.actions
-
 
 class LogInfo(Action):
     """A line on the screen."""

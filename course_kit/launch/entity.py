@@ -52,13 +52,7 @@ class LaunchContext:
     namespace: str = ""
     parameters: dict[str, object] = field(default_factory=dict)
     declared: set[str] = field(default_factory=set)
-    running: Any = None  # the LaunchService, which knows all of these
-
-    @property
-    def service(self) -> Any:
-        if self.running is None:
-            raise LaunchError("This can only be done while a launch file runs.")
-        return self.running
+    service: Any = None  # the LaunchService that runs the file
 
     def inside(self, file: Path) -> LaunchContext:
         """The context for an included file; its values are the same ones."""

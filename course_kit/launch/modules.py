@@ -94,11 +94,6 @@ def fill_module(module: ModuleType) -> None:
 
 def get_logger(name: str = "launch.user") -> logging.Logger:
     """`launch.logging.get_logger`: a logger of Python's whose lines look like those of a launch."""
-    logger = logging.getLogger(name)
-    if not logger.handlers:
-        handler = logging.StreamHandler(sys.stdout)
-        handler.setFormatter(logging.Formatter("[%(levelname)s] [%(name)s]: %(message)s"))
-        logger.addHandler(handler)
-        logger.propagate = False
-        logger.setLevel(logging.INFO)
-    return logger
+    line = "[%(levelname)s] [%(name)s]: %(message)s"
+    logging.basicConfig(stream=sys.stdout, format=line, level=logging.INFO)  # the first time; later it does nothing
+    return logging.getLogger(name)

@@ -85,7 +85,7 @@ class LaunchService:
         """Run until all processes have ended and no timer is left."""
         package_index.make_known([file.parent])
         environ = environment.child_environment(PYTHONUNBUFFERED="1")
-        context = LaunchContext(dict(arguments), file, environ, running=self)
+        context = LaunchContext(dict(arguments), file, environ, service=self)
         with signals_as_bytes() as woken:
             self._selector.register(woken, selectors.EVENT_READ)
             try:

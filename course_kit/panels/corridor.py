@@ -157,10 +157,10 @@ class CorridorPicture(GoalFollower):
 
     def _ask_who_is_new(self) -> None:
         """A node tells its parameters when it begins, often before anybody can hear it."""
-        there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
-        self._asked &= there
-        for node in there - self._asked:
-            with contextlib.suppress(lab.LabError):  # it has gone, or is about to begin
+        with contextlib.suppress(lab.LabError):  # a node has gone, or is about to begin; or the lab is about to end
+            there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
+            self._asked &= there
+            for node in there - self._asked:
                 values = lab.get_parameters_blocking(node)
                 self._asked.add(node)
                 with self._lock:

@@ -1,7 +1,6 @@
 """A program's fingerprints: hashes of short runs of its tokens, in which names, values and layout play no part.
 
-Renaming, comments, blank lines and moved functions change few of them. Of each window of neighbouring runs one is kept
-(winnowing), so that any common run of `RUN + WINDOW - 1` tokens is found in both programs.
+Renaming, comments, blank lines and moved functions change few of them.
 """
 
 from __future__ import annotations
@@ -10,19 +9,11 @@ import hashlib
 import keyword
 import re
 import zlib
-from functools import lru_cache
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 RUN = 14  # tokens: a line or two
-WINDOW = 8
+ONE_IN = 4  # runs is kept, the same ones in each program
 _MOST_TOKENS = 50_000
 _IDENTITY = 32  # hexadecimal digits
-_BASE = 1_000_003
-_DROPPED = pow(_BASE, RUN, 1 << 64)  # the weight of the token that leaves a run
-_64_BITS = (1 << 64) - 1
 # A text that is not closed ends with its line, or with the program: so every quote begins something, and no part of the
 # program is looked at again and again.
 _TOKEN = re.compile(
@@ -40,9 +31,10 @@ _TOKEN = re.compile(
 
 def take_fingerprints(source: str) -> frozenset[int]:
     """The fingerprints of a Python text, which need not be correct."""
-    runs = list(_runs([_number_of(token) for token in _tokens(source)]))
-    windows = range(max(len(runs) - WINDOW + 1, min(len(runs), 1)))
-    return frozenset(min(runs[place : place + WINDOW]) for place in windows)
+    tokens = _tokens(source)
+    runs = ("\0".join(tokens[place : place + RUN]) for place in range(len(tokens) - RUN + 1))
+    hashes = (zlib.crc32(run.encode("utf-8", errors="replace")) for run in runs)
+    return frozenset(one for one in hashes if one % ONE_IN == 0)
 
 
 def line_shape(line: str) -> tuple[str, ...]:
@@ -54,19 +46,6 @@ def program_identity(source: str) -> str:
     """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
     tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")
     return hashlib.sha256("\n".join(tokens).encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]
-
-
-def _runs(tokens: list[int]) -> Iterator[int]:
-    """A hash of each run of neighbouring tokens, made of that of the run before."""
-    value = 0
-    for place, token in enumerate(tokens):
-        value = value * _BASE + token
-        if place >= RUN:
-            value -= tokens[place - RUN] * _DROPPED
-        value &= _64_BITS
-        if place >= RUN - 1:
-            mixed = ((value ^ value >> 29) * 0xBF58476D1CE4E5B9) & _64_BITS  # else many would begin alike
-            yield mixed ^ mixed >> 32
 
 
 def _tokens(source: str) -> list[str]:
@@ -83,8 +62,3 @@ def _tokens(source: str) -> list[str]:
         if len(tokens) == _MOST_TOKENS:
             break
     return tokens
-
-
-@lru_cache(maxsize=1024)
-def _number_of(token: str) -> int:
-    return zlib.crc32(token.encode("utf-8", errors="replace"))

@@ -68,49 +68,27 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
             os._exit(status)
     os.close(held)
     try:
-        over = _await_end(line, alive)
-    except EOFError:
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        raise
+        ready, _, _ = select.select([line.fileno(), alive], [], [], contract.WALL_S)
+        if alive not in ready:
+            os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
+        _, status, usage = os.wait4(child, 0)
     finally:
         os.close(alive)
-    if not over:
-        os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
-    _, status, usage = os.wait4(child, 0)
-    return {"status": status, "late": not over, "cpu_s": usage.ru_utime + usage.ru_stime}
-
-
-def _await_end(line: socket.socket, alive: int) -> bool:
-    """Wait until the child has ended; False when it has not within the time it has."""
-    poll = select.poll()
-    poll.register(line, select.POLLIN)  # nothing comes now but its end
-    poll.register(alive, select.POLLIN)
-    ready = [descriptor for descriptor, _ in poll.poll(contract.WALL_S * 1000)]
-    if line.fileno() in ready:
+    if line.fileno() in ready:  # nothing comes there now but its end
         raise EOFError("the process that asked has ended")
-    return bool(ready)
+    return {"status": status, "late": not ready, "cpu_s": usage.ru_utime + usage.ru_stime}
 
 
 def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
-    told = look_at(request["name"], io.BytesIO(_all_of(submission)), request)
+    # Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
+    data = os.pread(submission, os.fstat(submission).st_size, 0)
+    told = look_at(request["name"], io.BytesIO(data), request)
     told_as_bytes = json.dumps(told).encode()
     if len(told_as_bytes) > contract.ANSWER_BYTES:
         problem = _TOO_MUCH.format(request["name"])
         told_as_bytes = json.dumps({"found": True, "identity": "", "imports": [], "unreadable": problem}).encode()
     with open(answer, "wb", closefd=False) as file:
         file.write(told_as_bytes)
-
-
-def _all_of(descriptor: int) -> bytes:
-    """What is in a file.
-
-    Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
-    """
-    size, data = os.fstat(descriptor).st_size, b""
-    while block := os.pread(descriptor, size - len(data), len(data)):
-        data += block
-    return data
 
 
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:

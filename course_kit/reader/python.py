@@ -164,18 +164,15 @@ def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
 
 
 def _bound(tree: ast.Module) -> frozenset[str] | None:
-    """All names the program gives a meaning to, built-in ones included; None when that cannot be told."""
+    """The names that a program gives a meaning to as a value may have it; None when that cannot be told."""
     names = set(dir(builtins))
     for node in ast.walk(tree):
-        match node:
-            case ast.alias("*"):
+        if isinstance(node, ast.alias):
+            if node.name == "*":
                 return None
-            case ast.alias(name, alias):
-                names.add(alias or name.partition(".")[0])
-            case ast.Name(name, ast.Store()) | ast.arg(name):
-                names.add(name)
-            case ast.FunctionDef(name) | ast.AsyncFunctionDef(name) | ast.ClassDef(name):
-                names.add(name)
+            names.add(node.asname or node.name.partition(".")[0])
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
     return frozenset(names)
 
 

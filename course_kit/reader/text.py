@@ -23,9 +23,8 @@ _MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)(?:[^\S\n]+(?P<file>\
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 _NUMBER = re.compile(r"# In\s*\[(\d{1,6})\]:")
 # The line that names a program's encoding (PEP 263) is one of its first two, above all statements.
-_CODING = re.compile(r"^([ \t\f]*#.*?coding[:=][ \t]*)([-\w.]+)")
-_NO_STATEMENT = re.compile(r"^[ \t\f]*(?:#.*)?\r?$")
-_CODING_LINES, _BEGIN = 2, 4096  # bytes, in which these end
+_CODING = re.compile(r"((?:[ \t\f]*(?:#[^\n]*)?\n)??[ \t\f]*#[^\n]*?coding[:=][ \t]*)([-\w.]+)")
+_BEGIN = 4096  # bytes, in which these end
 _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
 
 
@@ -70,9 +69,8 @@ def read_text(name: str, text: str) -> str:
 def decode_text(name: str, data: bytes) -> str:
     """A file's text; a program's as Python reads it."""
     text = data.removeprefix(codecs.BOM_UTF8)
-    lines = _plain_lines(text[:_BEGIN].decode("latin-1")).split("\n")
-    place = _place_of_coding(lines) if kind_of_file(name) == PROGRAM else None
-    named = _CODING.match(lines[place]) if place is not None else None
+    begin = _plain_lines(text[:_BEGIN].decode("latin-1"))
+    named = _CODING.match(begin) if kind_of_file(name) == PROGRAM else None
     coding = named[2] if named else "utf-8"
     try:
         if len(text) < len(data) and codecs.lookup(coding).name != "utf-8":
@@ -90,20 +88,8 @@ def decode_text(name: str, data: bytes) -> str:
 
 def as_utf8(source: str) -> str:
     """A program, as it will be written: with UTF-8 in place of the encoding that its coding line names."""
-    lines = source.split("\n", _CODING_LINES)
-    place = _place_of_coding(lines)
-    if place is not None:
-        lines[place] = _CODING.sub(r"\1utf-8", lines[place])
-    return "\n".join(lines)
-
-
-def _place_of_coding(lines: list[str]) -> int | None:
-    for place, line in enumerate(lines[:_CODING_LINES]):
-        if _CODING.match(line):
-            return place
-        if not _NO_STATEMENT.match(line):
-            return None
-    return None
+    named = _CODING.match(source)
+    return source if named is None else f"{named[1]}utf-8{source[named.end() :]}"
 
 
 def join_cells(

@@ -99,7 +99,7 @@ def test_a_server_that_is_stopped_loses_its_goals() -> None:
     goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, on_result=ended.append)
     lab.stop()
     assert executing() == []
-    with pytest.raises(lab.NoAnswerError, match="went away before the goal ended"):
+    with pytest.raises(lab.NoAnswerError, match="went away: its program ended"):
         goal.result_blocking()
     assert goal.status == "UNKNOWN"
     assert ended == [goal]

@@ -143,12 +143,12 @@ def test_a_server_that_dies_or_is_started_again_has_lost_its_goals() -> None:
     server = lab.script("server", SERVER, mode="background")
     goal = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=20, on_result=told.append)
     server.process.kill()
-    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away before the goal ended"):
+    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away: its program ended"):
         goal.result_blocking()
     assert (goal.status, told) == ("UNKNOWN", [goal])
     lab.script("server", SERVER, mode="background")
     lost = lab.send_goal_blocking("/fibonacci", Fibonacci, order=9, timeout=20)
     lab.script("server", SERVER, mode="background")
-    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away before the goal ended"):
+    with pytest.raises(lab.NoAnswerError, match="The server of /fibonacci went away: its program ended"):
         lost.result_blocking()
     assert lost.done

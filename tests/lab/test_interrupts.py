@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
 import pytest
 from std_msgs.msg import String
 
 from course_kit import lab
-
-if TYPE_CHECKING:
-    from tests.lab.kernel import Kernel
 
 
 @pytest.mark.usefixtures("own_lab")
@@ -27,16 +23,3 @@ def test_an_interrupt_that_comes_with_the_message_is_not_lost() -> None:
 
     with pytest.raises(asyncio.CancelledError):
         asyncio.run(waited_for())
-
-
-def test_a_second_press_stops_a_cell_that_kept_the_first_to_itself(kernel: Kernel) -> None:
-    message = kernel.send(
-        "import asyncio\nprint('begun')\n"
-        "try:\n    await asyncio.sleep(60)\nexcept asyncio.CancelledError:\n    print('kept')\n"
-        "await asyncio.sleep(60)"
-    )
-    for printed in ("begun", "kept"):
-        kernel.finish(message, until=printed)
-        kernel.manager.interrupt_kernel()
-    assert kernel.finish(message).error.startswith("Interrupted in In[")
-    assert kernel.run("print('next')").stdout == "next\n"

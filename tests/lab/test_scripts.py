@@ -54,7 +54,7 @@ def test_a_server_that_returns_nothing_shows_why(kernel: Kernel) -> None:
         "from course_kit import lab\nfrom example_interfaces.srv import AddTwoInts\n"
         "await lab.call('/add_two_ints', AddTwoInts, a=3, b=4, timeout=30)"
     )
-    assert called.error.startswith("NoAnswerError: The server of /add_two_ints went away before it answered")
+    assert called.error.startswith("NoAnswerError: The server of /add_two_ints went away: its program ended")
     assert called.stdout.endswith("TypeError: the service callback returned nothing. End it with `return response`.\n")
     assert 'File "server.py", line' in called.stdout
     assert "--x lab  /add_two_ints no answer: the service callback" in kernel.run("print(lab.diagram())").stdout

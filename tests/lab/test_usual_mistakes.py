@@ -253,13 +253,11 @@ def test_spinning_a_class_is_named(kernel: Kernel) -> None:
         + "\nawait asyncio.sleep(1)\nlab.stop()",
     ],
 )
-def test_a_flood_is_cut_off_with_a_word_and_ends_with_its_last_lines(kernel: Kernel, flood: str) -> None:
+def test_a_flood_is_cut_off_with_a_word(kernel: Kernel, flood: str) -> None:
     shown = kernel.run(flood)
     printed = shown.stdout + shown.stderr
     assert len(printed.splitlines()) < LINES + 100
     assert f"... This cell has printed {LINES:,} lines: the rest is left out.\n" in printed
-    assert "lines were left out. The last ones:\n" in printed
-    assert "line 99999" in printed.splitlines()[-1]
     assert kernel.run("print('fine')").stdout == "fine\n"
 
 

@@ -101,7 +101,7 @@ def test_an_execute_callback_that_awaits_ends_with_its_node_and_leaves_nothing(l
     lab.start(Asking)
     goal = lab.send_goal_blocking("/count", Fibonacci, order=0)
     lab.stop(Asking)
-    with pytest.raises(NoAnswerError, match="went away before the goal ended"):
+    with pytest.raises(NoAnswerError, match="went away: its program ended"):
         goal.result_blocking(timeout=10)
     executor = later_lab.engine.executor_thread.executor
     wait_until(lambda: not executor._begun)

@@ -12,22 +12,24 @@ import builtins
 import contextvars
 import os
 import select
+import signal
 import sys
 import threading
+import traceback
 import warnings
-from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.errors import InputError, LabError
-from course_kit.lab.notebook import interrupts
 from course_kit.lab.overrides.patches import Patches
 from course_kit.lab.runtime.failures import advice_on, explain_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import FrameType, TracebackType
 
+    ExceptionTuple = tuple[type[BaseException], BaseException, TracebackType | None]
     CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
 
     from course_kit.lab.notebook.output import Output, Stream
@@ -46,8 +48,8 @@ class Notebook:
         self._output = output
         self.nodes_run: Callable[[], bool] = lambda: False
         self.on_end: CellEnd = lambda *_, **__: None
-        self._stop = interrupts.Stop()
-        self._not_awaited = NotAwaited()
+        self._stopped = False  # in this cell
+        self._verbs: list[object] = []  # that the running cell has called and not awaited
         self._limits = {name: CellLimit() for name in _STREAMS}
         self._patches = Patches()
         self._attached = False
@@ -92,7 +94,7 @@ class Notebook:
     def expect(self, verb: object, *, awaited: bool) -> None:
         """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
         if self._attached:
-            self._not_awaited.expect(verb, awaited=awaited)
+            self._verbs = [*(one for one in self._verbs if one is not verb), *([] if awaited else [verb])]
 
     def attach(self, thread_id: int, found: Compatibility) -> None:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
@@ -118,8 +120,8 @@ class Notebook:
         show_all_output(self._patches)
         self._shell.events.register("pre_run_cell", self._before_cell)
         self._shell.events.register("post_run_cell", self._after_cell)
-        self._stop.listen()  # the cell that brought us here has begun
-        interrupts.tell_briefly(self._patches, self._shell, self.locate, self.nodes_run)
+        self._notice_stop()  # the cell that brought us here has begun
+        tell_briefly(self._patches, self._shell, self.locate, self.nodes_run)
         with suppress(RuntimeError):  # a terminal has no loop; there lines wait for the end of a command
             self._loop = asyncio.get_running_loop()
             self._output.on_put = self._drain_soon
@@ -235,7 +237,7 @@ class Notebook:
             limit.begin()
         self._route()
         self._keep_beating()
-        self._stop.listen()
+        self._notice_stop()
 
     def _after_cell(self, result: object) -> None:
         if self._beat is not None:
@@ -244,16 +246,37 @@ class Notebook:
         self._output.end_parts()
         self._output.drain()
         failed = getattr(result, "error_in_exec", None) is not None
-        self.on_end(list(self._shell.user_ns.values()), stopped=self._stop.was_pressed(), failed=failed)
+        self.on_end(list(self._shell.user_ns.values()), stopped=self._stopped, failed=failed)
         self._output.drain()
-        for name, limit in self._limits.items():
-            if left_out := limit.end():
-                limit.begin()
-                getattr(sys, name).write(left_out)
-        self._not_awaited.tell()
+        self._tell_not_awaited()
         tell_meaning(result, self.locate)
         if self._loop is not None:
             self._loop.call_soon(self._route)
+
+    def _tell_not_awaited(self) -> None:
+        """The cell has ended: say which verbs nothing has awaited, nor will."""
+        verbs, self._verbs = self._verbs, []
+        coming: list[Any] = []
+        with suppress(RuntimeError):  # a terminal has no loop
+            coming = [task.get_coro() for task in asyncio.all_tasks()]
+        missing = [verb for verb in verbs if not any(one is verb for one in coming)]
+        for sentence in dict.fromkeys(map(repr, missing)):
+            sys.stderr.write(f"{sentence}\n")
+
+    def _notice_stop(self) -> None:
+        """A cell begins; ipykernel puts back what was there before it."""
+        self._stopped = False
+        before = signal.getsignal(signal.SIGINT)
+        if threading.current_thread() is not threading.main_thread() or not callable(before):
+            return
+
+        def press(number: int, frame: FrameType | None) -> None:
+            self._stopped = True
+            before(number, frame)
+
+        press.of_the_lab = True  # type: ignore[attr-defined] # a terminal keeps it from one command to the next
+        if not hasattr(before, "of_the_lab"):
+            signal.signal(signal.SIGINT, press)
 
     def _keep_beating(self) -> None:
         if self._loop is not None:
@@ -282,30 +305,6 @@ class _LogCapture:
         self._module.rclpy_logging_rcutils_log(severity, name, message, *caller)
 
 
-class NotAwaited:
-    """The verbs that the running cell has called and not awaited."""
-
-    def __init__(self) -> None:
-        self._verbs: list[object] = []
-
-    def expect(self, verb: object, *, awaited: bool) -> None:
-        """A verb was called; or awaited, or has said itself that it was not."""
-        if awaited:
-            self._verbs = [one for one in self._verbs if one is not verb]
-        else:
-            self._verbs.append(verb)
-
-    def tell(self) -> None:
-        """The cell has ended: say which ones nothing has awaited, nor will."""
-        verbs, self._verbs = self._verbs, []
-        coming: list[Any] = []
-        with suppress(RuntimeError):  # a terminal has no loop
-            coming = [task.get_coro() for task in asyncio.all_tasks()]
-        missing = [verb for verb in verbs if not any(one is verb for one in coming)]
-        for sentence in dict.fromkeys(map(repr, missing)):
-            sys.stderr.write(f"{sentence}\n")
-
-
 def tell_meaning(result: Any, locate: Locate) -> None:
     """Say what a cell's error means, where Python's or rclpy's words do not."""
     error = getattr(result, "error_in_exec", None)
@@ -327,62 +326,65 @@ def show_all_output(patches: Patches) -> None:
         try:
             return read(program, size, timeout)
         except EOF:
-            if not _has_more(program.child_fd):
+            if not select.select([program.child_fd], [], [], 0)[0]:
                 raise
             return super(spawn, program).read_nonblocking(size)
 
     patches.set(spawn, "read_nonblocking", read_to_the_end)
 
 
-def _has_more(descriptor: int) -> bool:
-    poll = select.poll()
-    poll.register(descriptor, select.POLLIN)
-    return any(event & select.POLLIN for _, event in poll.poll(0))
-
-
 LINES = 2_000
-CHARACTERS = 200_000
-_LAST = 20  # lines shown of what was left out
 
 
 class CellLimit:
-    """What the running cell has printed to one stream."""
+    """How many lines the running cell may still print to one stream; a node in the background prints for hours."""
 
     def __init__(self) -> None:
-        self.begin()
+        self._left = LINES
 
     def begin(self) -> None:
-        self._lines = self._characters = 0
-        self._left_out = 0
-        self._last: deque[str] = deque(maxlen=_LAST)
+        self._left = LINES
 
     def take(self, text: str) -> str:
-        if self._lines >= LINES or self._characters >= CHARACTERS:
-            self._leave_out(text)
+        """What is shown of a text."""
+        if self._left <= 0:
             return ""
-        lines = text.splitlines(keepends=True)[: LINES - self._lines]
-        shown = "".join(lines)[: CHARACTERS - self._characters]
-        self._lines += shown.count("\n")
-        self._characters += len(shown)
-        if self._lines < LINES and self._characters < CHARACTERS:
+        shown = "".join(text.splitlines(keepends=True)[: self._left])
+        self._left -= shown.count("\n")
+        if self._left > 0:
             return shown
-        self._leave_out(text[len(shown) :])
-        ending = "" if shown.endswith("\n") else "\n"
-        return f"{shown}{ending}... This cell has printed {self._how_much()}: the rest is left out.\n"
+        return f"{shown}... This cell has printed {LINES:,} lines: the rest is left out.\n"
 
-    def _leave_out(self, text: str) -> None:
-        self._left_out += text.count("\n")
-        self._last.extend(text[-CHARACTERS:].splitlines(keepends=True)[-_LAST:])
 
-    def end(self) -> str:
-        """What is said at the end of the cell: how much was left out, and the last of it."""
-        if not self._left_out:
-            return ""
-        last = "".join(self._last)[-CHARACTERS // 10 :]
-        left_out = max(self._left_out - last.count("\n"), 0)
-        self._left_out = 0
-        self._last.clear()
-        return f"... {left_out:,} lines were left out. The last ones:\n{last}"
+_INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)
 
-    def _how_much(self) -> str:
-        return f"{LINES:,} lines" if self._lines >= LINES else f"{CHARACTERS:,} characters"
+
+class _BriefError(Exception):
+    """Shown in place of an error whose traceback says less than a sentence."""
+
+    def _render_traceback_(self) -> list[str]:
+        return [str(self)]
+
+
+def tell_briefly(patches: Patches, shell: Any, locate: Locate, nodes_run: Callable[[], bool]) -> None:
+    """Have an interrupted cell say where it was and that nodes go on; and what ROS refuses be one sentence."""
+    show = shell.showtraceback
+
+    def tell(exc_tuple: ExceptionTuple | None = None, *place: Any, **more: Any) -> None:
+        kind, error, trace = exc_tuple or sys.exc_info()
+        if kind is None or error is None or not issubclass(kind, _INTERRUPTS):
+            if error is not None and not isinstance(error, LabError) and (text := explain_error(error, locate)):
+                show((kind, _BriefError(text), trace))
+            else:
+                show(exc_tuple, *place, **more)
+            return
+        places = [
+            f"{name}, line {number}"
+            for frame, number in traceback.walk_tb(trace)
+            if (name := locate(frame.f_code.co_filename))
+        ]
+        where = places[-1] if places else f"In[{shell.execution_count}]"
+        rest = "; your nodes go on." if nodes_run() else "."
+        show((kind, _BriefError(f"Interrupted in {where}{rest}"), trace))
+
+    patches.set(shell, "showtraceback", tell)

@@ -9,34 +9,39 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import inspect
+import re
 import threading
 import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, ActionServer
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
-from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.executors import Executor
+from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.lab.errors import DeadlockError, LabError
+from course_kit import environment
+from course_kit.lab.errors import CallbackError, DeadlockError, LabError
+from course_kit.lab.runtime.failures import is_own, own_line
 from course_kit.ros import compat
+from course_kit.ros.messages import with_article
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
+    from types import FrameType
 
-    from rclpy.action.client import ClientGoalHandle
     from rclpy.context import Context
-    from rclpy.node import Node
 
     from course_kit.lab.overrides.patches import Patches
     from course_kit.lab.runtime.engine import Engine
+    from course_kit.lab.runtime.failures import Locate
     from course_kit.ros.messages import Message
 
 _FOR_EVER = "inside a callback would wait for ever: only the thread that runs this callback can take the answer."
-_TURN = 0.01  # seconds for which an executor of the learner's waits in a callback before the lab runs others
 _SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
 
 
@@ -48,9 +53,8 @@ def replace_functions(lab: Engine) -> None:
     _guard_spinning_for_a_while(patches, lab)
     _guard_executors(patches, lab)
     _guard_calls(patches, lab)
-    if lab.found.has(compat.WAITING_FOR_GOALS):
-        _guard_goals(patches, lab)
     _guard_awaits(patches, lab)
+    _guard_callbacks(patches, lab.locate)
 
 
 def _check_await(lab: Engine, future: Future) -> None:
@@ -194,23 +198,6 @@ def _guard_executors(patches: Patches, lab: Engine) -> None:
 
     patches.set(Executor, "spin", spin)
 
-    def let_others_run(owner: Any, method: str) -> None:
-        """In a callback an executor of the learner's, for nodes of its own, may wait for a node of the lab."""
-        original = getattr(owner, method)
-
-        def spin_once(executor: Executor, *arguments: Any, **options: Any) -> Any:
-            if lab.in_callback():
-                lab.executor.run_others(lambda: False, 0.0)
-                *first, timeout = (*arguments, options.get("timeout_sec")) if options or not arguments else arguments
-                short = isinstance(timeout, (int, float)) and 0 <= timeout < _TURN
-                return original(executor, *first, timeout if short else _TURN)
-            return original(executor, *arguments, **options)
-
-        patches.set(owner, method, spin_once)
-
-    for owner in (SingleThreadedExecutor, MultiThreadedExecutor):
-        let_others_run(owner, "spin_once")
-        let_others_run(owner, "spin_once_until_future_complete")
     add_node = Executor.add_node
 
     def add_node_kept(executor: Executor, node: Node) -> bool:
@@ -238,30 +225,6 @@ def _guard_calls(patches: Patches, lab: Engine) -> None:
         return future.result()
 
     patches.set(Client, "call", call_guarded)
-
-
-def _guard_goals(patches: Patches, lab: Engine) -> None:
-    def send_goal(client: ActionClient, goal: Message, **options: Any) -> Message:
-        _require_an_answer(lab, client, "send_goal()", "send_goal_async()")
-        sent = client.send_goal_async(goal, **options)
-        _has_come(lab, sent, None)
-        return client._get_result(sent.result())  # noqa: SLF001 - as rclpy's own does
-
-    def cancel_goal(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
-        _require_an_answer(lab, client, "cancel_goal()", "cancel_goal_async()")
-        future = client._cancel_goal_async(goal_handle)  # noqa: SLF001
-        _has_come(lab, future, None)
-        return future.result()
-
-    def get_result(client: ActionClient, goal_handle: ClientGoalHandle) -> Message:
-        _require_an_answer(lab, client, "get_result()", "get_result_async()")
-        future = client._get_result_async(goal_handle)  # noqa: SLF001
-        _has_come(lab, future, None)
-        return future.result()
-
-    patches.set(ActionClient, "send_goal", send_goal)
-    patches.set(ActionClient, "_cancel_goal", cancel_goal)
-    patches.set(ActionClient, "_get_result", get_result)
 
 
 def _require_an_answer(lab: Engine, client: Client | ActionClient, what: str, instead: str) -> None:
@@ -373,3 +336,53 @@ def _guard_awaits(patches: Patches, lab: Engine) -> None:
             lab.output.drain()
 
     patches.set(Future, "__await__", wait)
+
+
+# Where the callback stands among the arguments, after the node.
+_CALLBACKS = {"create_service": 2, "create_subscription": 2, "create_timer": 1, "add_on_set_parameters_callback": 0}
+_CALLED = re.compile(r"(?P<name>\w+(?:\.\w+)*)\(\)")
+_EXECUTE = 3  # the place of an action server's execute callback, after the server: node, type, name, callback
+
+
+def _guard_callbacks(patches: Patches, locate: Locate) -> None:
+    """Callbacks that are none are told where they are given and not when they are used."""
+    for method, place in _CALLBACKS.items():
+        _require_callable(patches, Node, method, place, locate)
+    _require_callable(patches, ActionServer, "__init__", _EXECUTE, locate, "execute_callback")
+
+
+def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback is, and how cells are called
+    patches: Patches, owner: Any, method: str, place: int, locate: Locate, option: str = "callback"
+) -> None:
+    original: Callable[..., Any] = getattr(owner, method)
+    shown = "ActionServer" if method == "__init__" else method
+
+    @functools.wraps(original)
+    def checked(subject: Any, *arguments: Any, **options: Any) -> Any:
+        __tracebackhide__ = True  # IPython: the learner's own lines are what matters
+        if place < len(arguments) or option in options:
+            given = arguments[place] if place < len(arguments) else options[option]
+            caller = _caller()
+            if not callable(given) and caller is not None and is_own(caller.f_code.co_filename):
+                where, line = own_line(caller.f_code.co_filename, caller.f_lineno, locate)
+                raise CallbackError(_no_function(shown, given, where, line))
+        return original(subject, *arguments, **options)
+
+    patches.set(owner, method, checked)
+
+
+def _caller() -> FrameType | None:
+    """Who has called, past the functions of the kit that stand in for rclpy's."""
+    frame = inspect.currentframe()
+    while frame is not None and frame.f_code.co_filename.startswith(str(environment.PACKAGE)):
+        frame = frame.f_back
+    return frame
+
+
+def _no_function(method: str, given: object, where: str, line: str) -> str:
+    what = "None" if given is None else with_article(type(given).__name__)
+    called = _CALLED.search(line.partition("(")[2])
+    meant = ""
+    if called:
+        meant = f" Without parentheses it is the function itself: write {called['name']}, not {called['name']}()."
+    return f"{method}() was given {what} where it takes a function to call later ({where}: {line}).{meant}"

@@ -19,7 +19,7 @@ from course_kit.ros import graph
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable
 
-    from course_kit.lab.recording.recording import Recording
+    from course_kit.lab.recording.diagram import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.neighbours import Neighbours
     from course_kit.lab.runtime.nodes import LiveNode
@@ -44,7 +44,6 @@ class Lab:
         self._scripts: Scripts | None = None
         self.recorder: Recording | None = None
         self._panels: dict[Hashable, Callable[[], None]] = {}
-        self._told: set[str] = set()
         self._subscriptions: list[Subscription] = []
         self._closed = False
         self._lock = threading.RLock()
@@ -68,7 +67,7 @@ class Lab:
 
                 self.notebook.watch_output()
                 self._scripts = scripts = Scripts(self.output, self.events.forward, mark_of(self.notebook.title))
-                scripts.wait_for_nodes, scripts.tell_once = self._wait_for_nodes, self.tell_once
+                scripts.wait_for_nodes = self._wait_for_nodes
                 _at_exit(self.close)
             return self._scripts
 
@@ -84,10 +83,6 @@ class Lab:
     def live_nodes(self) -> list[LiveNode]:
         """The started nodes, by name."""
         return sorted(self._engine.nodes, key=lambda live: live.name) if self._engine is not None else []
-
-    def not_in_callback(self, what: str) -> None:
-        if self._engine is not None:
-            self._engine.not_in_callback(what)
 
     def keep(self, subscription: Subscription) -> Subscription:
         self._subscriptions = [*(one for one in self._subscriptions if one.is_open), subscription]
@@ -105,7 +100,7 @@ class Lab:
 
     def record(self) -> Recording:
         """Begin a recording, which `lab.diagram` draws; what was recorded before is forgotten."""
-        from course_kit.lab.recording.recording import Recording
+        from course_kit.lab.recording.diagram import Recording
 
         if self.recorder is None:
             self.recorder = Recording()
@@ -120,13 +115,6 @@ class Lab:
             raise LabError("Nothing is being recorded. Run lab.record() before nodes are started.")
         self.output.drain()
         return self.recorder
-
-    def tell_once(self, sentences: Iterable[str]) -> None:
-        """Say what is off in this lab, each sentence once."""
-        for sentence in sentences:
-            if sentence not in self._told:
-                self._told.add(sentence)
-                self.output.put(sentence + "\n", "stderr")
 
     def attach_panel(self, key: Hashable, close: Callable[[], None]) -> None:
         """Have a panel closed with the lab, or before another one of the same key is attached."""
@@ -154,7 +142,7 @@ class Lab:
         from course_kit import environment
 
         environment.apply_settings()
-        from course_kit.lab.overrides import callbacks, rclpy_functions
+        from course_kit.lab.overrides import rclpy_functions
         from course_kit.lab.runtime.engine import Engine
         from course_kit.lab.runtime.neighbours import Neighbours
         from course_kit.ros import compat
@@ -162,11 +150,11 @@ class Lab:
         found = compat.check_features()
         engine = Engine(self.events, self.output, self.notebook, found)
         rclpy_functions.replace_functions(engine)
-        callbacks.require_callables(engine.patches, engine.locate)
         self._neighbours = Neighbours(engine, self.notebook.title, self._stop_for, self._script_nodes)
         engine.before_call = self._neighbours.tell_who_answers
         self.notebook.attach(engine.executor_thread.thread_id, found)
-        self.tell_once(found.sentences())
+        for sentence in found.sentences():
+            self.output.put(f"{sentence}\n", "stderr")
         _at_exit(self.close)
         return engine
 
@@ -220,10 +208,7 @@ class Lab:
 
 def _at_exit(function: Callable[[], None]) -> None:
     """Run a function at interpreter exit, before Python takes away its threads."""
-    register = getattr(threading, "_register_atexit", None)
     try:
-        if register is None:
-            raise RuntimeError  # noqa: TRY301 - both cases have the same way out
-        register(function)
-    except RuntimeError:  # the interpreter is ending already
+        threading._register_atexit(function)  # type: ignore[attr-defined] # noqa: SLF001 - Python has no other way to it
+    except (AttributeError, RuntimeError):  # it is gone, or the interpreter is ending already
         atexit.register(function)

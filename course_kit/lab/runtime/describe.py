@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from course_kit.ros.messages import type_name
-from course_kit.ros.names import is_of_every_node, is_of_ros, short_name
+from course_kit.ros import graph
+from course_kit.ros.names import is_hidden, is_of_every_node, is_of_ros, short_name
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -13,9 +13,17 @@ if TYPE_CHECKING:
 
 def describe_node(node: Node) -> str:
     """One line for the node and one for each service, action and topic it has made."""
-    lines = [f"{short_name(node.get_fully_qualified_name())} ({type(node).__name__})"]
-    lines += sorted(_services(node)) + sorted(_actions(node)) + sorted(_topics(node))
-    return "\n    ".join(lines)
+    name = node.get_fully_qualified_name()
+    uses = [use for use in graph.uses_of(node, name) if not _is_of_ros(use)]
+    uses.sort(key=lambda use: (graph.KINDS.index(use.role.kind), use.role.verb, use.channel))
+    lines = [f"{use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
+    return "\n    ".join([f"{short_name(name)} ({type(node).__name__})", *lines])
+
+
+def _is_of_ros(use: graph.Use) -> bool:
+    if is_hidden(use.channel) or is_of_ros(use.channel):
+        return True
+    return use.role == graph.SERVES and is_of_every_node(use.channel)
 
 
 def channels_of(node: Node) -> set[str]:
@@ -40,38 +48,3 @@ def is_alive(node: Node) -> bool:
             return True
     except (InvalidHandle, AttributeError):
         return False
-
-
-def _services(node: Node) -> set[str]:
-    serves = {
-        f"serves {service.service_name} [{type_name(service.srv_type)}]"
-        for service in node.services
-        if not is_of_every_node(service.service_name)
-    }
-    calls = {f"calls {client.service_name} [{type_name(client.srv_type)}]" for client in node.clients}
-    return serves | calls
-
-
-def _actions(node: Node) -> set[str]:
-    from rclpy.action import get_action_client_names_and_types_by_node, get_action_server_names_and_types_by_node
-
-    own = (node, node.get_name(), node.get_namespace())
-    verbs = {
-        "runs the action": get_action_server_names_and_types_by_node(*own),
-        "sends goals to": get_action_client_names_and_types_by_node(*own),
-    }
-    return {f"{verb} {name} [{', '.join(types)}]" for verb, found in verbs.items() for name, types in found}
-
-
-def _topics(node: Node) -> set[str]:
-    sends = {
-        f"publishes {publisher.topic_name} [{type_name(publisher.msg_type)}]"
-        for publisher in node.publishers
-        if not is_of_ros(publisher.topic_name)
-    }
-    takes = {
-        f"listens to {subscription.topic_name} [{type_name(subscription.msg_type)}]"
-        for subscription in node.subscriptions
-        if not is_of_ros(subscription.topic_name)
-    }
-    return sends | takes

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import threading
 import time
+from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import rclpy
@@ -199,26 +200,20 @@ class ExecutorThread:
 
     def ask(self, function: Callable[[], ResultT], deadline: float) -> ResultT:
         """Return what `function` returns on the thread, between two callbacks; what it raises is raised here."""
-        outcome: list[ResultT] = []
-        raised: list[BaseException] = []
-        late = False
+        outcome: Future[ResultT] = Future()
 
         def run() -> None:
-            if late:
-                return
-            try:
-                outcome.append(function())
-            except BaseException as error:  # noqa: BLE001 - passed on
-                raised.append(error)
+            if outcome.set_running_or_notify_cancel():
+                try:
+                    outcome.set_result(function())
+                except BaseException as error:  # noqa: BLE001 - passed on
+                    outcome.set_exception(error)
 
-        if not self.run_between_callbacks(run, deadline):
-            late = True
+        if not self.run_between_callbacks(run, deadline) and outcome.cancel():
             raise NoAnswerError(
                 f"A callback has blocked the lab's thread for more than {deadline:g} s, so this was not done."
             )
-        if raised:
-            raise raised[0]
-        return outcome[0]
+        return outcome.result()
 
     def stop_callback(self) -> None:
         """Raise CallbackStopped inside the callback that is running; reaches Python code, not a C function."""

@@ -79,7 +79,6 @@ class Neighbours:
         self._mark = mark_as(mark_of(title, _NOTEBOOK), self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
         self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
-        self._answered: set[tuple[str, str]] = set()
 
     def rename(self, title: str) -> None:
         """Be known by another title from now on."""
@@ -133,9 +132,8 @@ class Neighbours:
         if not whose or any(self._offers(node, role, name) for node in self._script_nodes()):
             return
         node = next((node for node in whose if self._offers(node, role, name)), "")
-        if node and (node, name) not in self._answered:
-            self._answered.add((node, name))
-            self._lab.note(
+        if node:
+            self._lab.note_once(
                 f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
@@ -144,10 +142,6 @@ class Neighbours:
         for name, role in list(self._doubled()):
             for node in self._offering(name, role):
                 self._tell(node, f"{name} is also offered by {{}}: both answer every request.")
-        running = graph.node_names(self._node)
-        for name in {live.name for live in self._lab.nodes}:
-            if running.count(name) > 1:
-                self._tell(name, f"Two nodes have the name {short_name(name)}. The other one is {{}}.")
 
     def _tell(self, node: str, sentence: str) -> None:
         """Say it with whose node it is, and what stops it; one that is no notebook's may have been killed just now."""

@@ -58,12 +58,6 @@ class LiveNode:
         return self.node_class is not node_class or _equal(self.arguments, arguments)
 
 
-class _Start(threading.local):
-    """The start that is under way on this thread: the nodes made by it so far."""
-
-    made: list[Node] | None = None
-
-
 class Nodes:
     """The live nodes of one lab."""
 
@@ -77,7 +71,7 @@ class Nodes:
         self._end_goals = end_goals
         self._gone = gone
         self._live: list[LiveNode] = []
-        self._start = _Start()
+        self._start = threading.local()  # on each thread the nodes `made` so far by the start that is under way
 
     def __iter__(self) -> Iterator[LiveNode]:
         return iter(list(self._live))
@@ -93,8 +87,9 @@ class Nodes:
 
         def initialise(node: Node, node_name: str, *arguments: Any, **options: Any) -> None:
             __tracebackhide__ = True  # IPython: the learner's own lines are what matters
-            if self._start.made is not None and not str(node_name).startswith(HIDDEN_NAME):
-                self._start.made.append(node)
+            made: list[Node] | None = getattr(self._start, "made", None)
+            if made is not None and not str(node_name).startswith(HIDDEN_NAME):
+                made.append(node)
                 with contextlib.suppress(AttributeError):  # a name that is no string is rclpy's to complain about
                     self._stop_named(full_name(node_name, "/" + (options.get("namespace") or "").strip("/")))
             original(node, node_name, *arguments, **options)

@@ -156,8 +156,8 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts, reports: Repor
     threading.excepthook = lambda failure: _report_thread(failure, path)
     try:
         runpy.run_path(path, run_name="__main__")
-    except SystemExit as end:
-        return _exit_code(end.code)
+    except SystemExit:
+        raise
     except KeyboardInterrupt:
         return INTERRUPTED
     except BaseException as error:  # noqa: BLE001 - whatever a program can end with
@@ -198,13 +198,6 @@ def _chain(report: traceback.TracebackException | None) -> list[traceback.Traceb
         found.append(report)
         report = report.__cause__ or report.__context__
     return found
-
-
-def _exit_code(code: object) -> int:
-    if code is None or isinstance(code, int):
-        return code or 0
-    sys.stderr.write(f"{code}\n")
-    return 1
 
 
 def main() -> int:

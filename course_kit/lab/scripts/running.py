@@ -75,7 +75,7 @@ class Scripts:
 
     def __init__(self, output: Output, forward: Callable[[Event], None], mark: str) -> None:
         self.wait_for_nodes: Callable[[list[str], bool], None] = lambda *_: None  # until they are there, or are not
-        self.tell_once: Callable[[list[str]], None] = lambda _: None
+        self._off: set[str] = set()  # what this rclpy does not let us watch
         self._output, self._forward, self._mark = output, forward, mark
         self._running: dict[str, Script] = {}
         self._lock = threading.Lock()
@@ -233,8 +233,9 @@ class Scripts:
             self._output.poke()
         elif script is not None and "last_line" in report:
             script.last_line = str(report["last_line"]).partition(", at ")[0]  # a line of ROS's own C code
-        elif script is not None and "off" in report:
-            self.tell_once([str(report["off"])])
+        elif script is not None and "off" in report and report["off"] not in self._off:
+            self._off.add(report["off"])
+            self._output.put(f"{report['off']}\n", "stderr")
         elif report.get("event") in KINDS:
             with contextlib.suppress(KeyError):
                 self._forward(Event(report["event"], *(report[name] for name in Event._fields[1:])))

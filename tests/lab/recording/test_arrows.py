@@ -3,8 +3,8 @@ from __future__ import annotations
 from typing import Any
 
 from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
+from course_kit.lab.recording.diagram import DRAWN, KEPT, Recording
 from course_kit.lab.recording.events import Event
-from course_kit.lab.recording.recording import DRAWN, KEPT, Recording
 from course_kit.ros.sequence import Arrow
 
 

@@ -19,7 +19,7 @@ from course_kit import lab
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.recording import Recording
+    from course_kit.lab.recording.diagram import Recording
     from course_kit.lab.recording.timeline import Timeline
 
 pytestmark = pytest.mark.usefixtures("recording")
