@@ -101,6 +101,9 @@ class RegisterEventHandler(Action):
     def execute(self, context: LaunchContext) -> None:
         context.service.register(self.event_handler, context)
 
+    def sub_entities(self) -> list[object]:
+        return [] if callable(self.event_handler.reaction) else as_entities(self.event_handler.reaction)
+
 
 class EmitEvent(Action):
     """An event, which is `Shutdown`."""

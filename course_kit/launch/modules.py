@@ -22,7 +22,7 @@ CONTENTS: dict[str, dict[str, str]] = {
         "Shutdown": "description:ShutdownAction",
     },
     "launch.conditions": dict.fromkeys(
-        ("IfCondition", "LaunchConfigurationEquals", "LaunchConfigurationNotEquals", "UnlessCondition"), "substitutions"
+        ("IfCondition", "LaunchConfigurationEquals", "UnlessCondition"), "substitutions"
     ),
     "launch.event_handlers": {"OnProcessExit": "description"},
     "launch.events": {"Shutdown": "description"},
@@ -94,6 +94,11 @@ def fill_module(module: ModuleType) -> None:
 
 def get_logger(name: str = "launch.user") -> logging.Logger:
     """`launch.logging.get_logger`: a logger of Python's whose lines look like those of a launch."""
-    line = "[%(levelname)s] [%(name)s]: %(message)s"
-    logging.basicConfig(stream=sys.stdout, format=line, level=logging.INFO)  # the first time; later it does nothing
-    return logging.getLogger(name)
+    logger = logging.getLogger(name)
+    if not logger.handlers:
+        handler = logging.StreamHandler(sys.stdout)
+        handler.setFormatter(logging.Formatter("[%(levelname)s] [%(name)s]: %(message)s"))
+        logger.addHandler(handler)
+        logger.propagate = False
+        logger.setLevel(logging.INFO)
+    return logger

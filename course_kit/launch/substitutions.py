@@ -256,10 +256,3 @@ class LaunchConfigurationEquals(Condition):
     def evaluate(self, context: LaunchContext) -> bool:
         expected = None if self._expected is None else as_text(self._expected, context)
         return context.launch_configurations.get(self._name) == expected
-
-
-class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
-    """Holds when a launch argument has another value, or none."""
-
-    def evaluate(self, context: LaunchContext) -> bool:
-        return not super().evaluate(context)

@@ -52,7 +52,7 @@ def folder(tmp_path: Path, domain: int, monkeypatch: pytest.MonkeyPatch) -> Path
     assert domain
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
-    monkeypatch.setattr("course_kit.environment.run_dir", lambda: tmp_path / "run")
+    monkeypatch.setattr("course_kit.environment.run_dir", lambda *names: tmp_path.joinpath("run", *names))
     (tmp_path / "tell.py").write_text(TELL)
     return tmp_path
 

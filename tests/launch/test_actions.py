@@ -19,7 +19,6 @@ if TYPE_CHECKING:
         ("LogInfo(msg='no', condition=IfCondition('0')), say('end')", "end", "no\n"),
         ("LogInfo(msg='no', condition=UnlessCondition('true')), say('end')", "end", "no\n"),
         ("LogInfo(msg='unset', condition=LaunchConfigurationEquals('a', None))", "unset", ""),
-        ("LogInfo(msg='unset', condition=LaunchConfigurationNotEquals('a', 'b'))", "unset", ""),
         ("SetEnvironmentVariable('COLOUR', 'red'), say(EnvironmentVariable('COLOUR'))", "red", ""),
         ("say(EnvironmentVariable('NO_SUCH', default_value='plain'))", "plain", ""),
         ("say(PythonExpression(['1 + ', '2 * floor(2.5)']))", "]: 5\n", ""),
