@@ -60,6 +60,7 @@ class PendingCall(ABC):
         return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
 
     def check(self) -> None:
+        self._lab.output.drain()
         if self._has_come():
             return
         if time.monotonic() - self._start >= self._timeout:
@@ -71,12 +72,9 @@ class PendingCall(ABC):
     def result(self) -> Any:
         """What came back."""
 
-    def show_output(self) -> None:
-        self._lab.output.drain()
-
     def close(self) -> None:
         """Stop waiting, whether or not the answer has come."""
-        self.show_output()
+        self._lab.output.drain()
 
     @abstractmethod
     def _has_come(self) -> bool:
@@ -202,7 +200,6 @@ def call_blocking(call: PendingCall) -> Any:
         call.send(pause.set)
         while not pause.wait(call.next_check()):
             call.check()
-            call.show_output()
         return call.result()
     finally:
         call.close()

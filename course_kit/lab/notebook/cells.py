@@ -43,8 +43,9 @@ _STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
 class Notebook:
     """The connection to the IPython shell of this process, if there is one."""
 
-    def __init__(self, shell: Any, output: Output) -> None:
-        self._shell = shell
+    def __init__(self, output: Output) -> None:
+        ipython = sys.modules.get("IPython")
+        self._shell: Any = ipython.get_ipython() if ipython is not None else None
         self._output = output
         self.nodes_run: Callable[[], bool] = lambda: False
         self.on_end: CellEnd = lambda *_, **__: None
@@ -57,12 +58,6 @@ class Notebook:
         self._scheduled = False
         self._beat: asyncio.TimerHandle | None = None
         self._cell = contextvars.Context()  # in which ipykernel keeps whose output it is
-
-    @classmethod
-    def of_this_process(cls, output: Output) -> Notebook:
-        module = sys.modules.get("IPython")
-        shell = module.get_ipython() if module is not None else None
-        return cls(shell, output)
 
     @property
     def title(self) -> str:

@@ -36,7 +36,7 @@ class Lab:
     def __init__(self) -> None:
         self.events = EventStream()
         self.output = Output()
-        self.notebook = Notebook.of_this_process(self.output)
+        self.notebook = Notebook(self.output)
         self.notebook.nodes_run = lambda: bool(self.live_nodes())
         self.notebook.on_end = self._end_strays
         self._engine: Engine | None = None
