@@ -70,31 +70,6 @@ def test_nodes_left_in_another_notebook_are_shown_apart_until_they_are_stopped(l
     expect(lab.page.locator(".ck-graph [data-node=coffee_machine]")).to_have_count(0)
 
 
-<<<<<<< HEAD
-=======
-def test_mistakes_are_told_where_a_learner_looks(lab: JupyterLab) -> None:
-    lab.open(EXERCISE)
-    lab.run_cell_that_begins("%load_ext course_kit")
-    cell = lab.page.locator(".jp-CodeCell").first
-
-    def run(code: str) -> None:
-        cell.locator(".cm-content").click()
-        lab.page.keyboard.press("Control+A")
-        lab.page.keyboard.insert_text(code)
-        lab.page.keyboard.press("Control+Enter")
-
-    run("from course_kit import lab\nfrom std_srvs.srv import Trigger\nanswer = lab.call('/ask', Trigger)")
-    expect(cell).to_contain_text("Nothing was sent: write `await lab.call(...)`.")
-    run(FLOOD)
-    expect(cell).to_contain_text("... This cell has printed 2,000 lines: the rest is left out.")
-    run("import asyncio\nprint('waiting')\nawait asyncio.sleep(3600)")
-    expect(cell).to_contain_text("waiting")
-    lab.page.locator("[data-command='notebook:interrupt-kernel']").first.click()
-    expect(cell).to_contain_text(re.compile(r"Interrupted in In\[\d+\], line 3\."))
-    expect(cell).not_to_contain_text("Traceback")
-
-
->>>>>>> bf0533f5 (Lab, launch, reader and ros2: mechanisms that nobody would miss go)
 @pytest.mark.answers
 def test_grade_follows_what_the_notebook_shows(lab: JupyterLab) -> None:
     solution = (REPOSITORY / "solutions/temperature_service/temperature_service.py").read_text()
