@@ -214,8 +214,7 @@ def _add_exercises(folders: Sequence[str]) -> None:
     if folders:
         from course_kit.grading.model import exercise_folders
 
-        for sentence in exercise_folders.add(folders):
-            note(sentence)
+        exercise_folders.add(folders)
 
 
 def _lab(options: argparse.Namespace) -> int:

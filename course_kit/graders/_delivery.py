@@ -8,7 +8,7 @@ from course_interfaces.action import Deliver
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import SetBool
 
-from course_kit.grading.checks import discovery
+from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.graded_goal import ABORTED, SUCCEEDED
@@ -18,7 +18,7 @@ from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.graded_goal import Ended
-    from course_kit.grading.checks.offered_service import OfferedService
+    from course_kit.grading.checks.grader_node import OfferedService
 
 STATE, DISTANCE, DOCKED, OPEN, DELIVER = "/battery", "/odometry_distance", "/docked", "/door/open", "/deliver"
 DOOR, DRIVING = Deliver.Feedback.DOOR, Deliver.Feedback.DRIVING
@@ -55,10 +55,7 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     """These nodes are there, with all that exercise.toml names, and their parameters have these types and values."""
     for name in wanted:
         node.parameters(name).expect_served()
-    for server in (end for end in node.endpoints if end.is_server):
-        discovery.expect_server(node.context, server)
-    if topics := [end for end in node.endpoints if not end.is_server]:
-        discovery.expect_topics(node.context, topics)
+    discovery.expect_endpoints(node.context, node.endpoints)
     node.meet()
     for name, values in wanted.items():
         found = node.parameters(name).values(list(values))
@@ -116,7 +113,7 @@ def enter(node: GradedNode, door_timeout_s: float = PATIENCE_S) -> OfferedServic
     if fresh:
         node.meet()
         node.context.wait_until(lambda: node.context.grader_node.node.count_clients(OPEN) > 0, CALM_S)
-        discovery.greet(node.context)  # then it knows our door, too
+        hangs.greet(node.context)  # then it knows our door, too
         tell_battery(node, GOOD)
     return door
 

@@ -13,7 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit import quiz
-from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.check import Check
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
 from course_kit.quiz import Unusable

@@ -173,7 +173,7 @@ def _told(found: Isolation, mode: str) -> str:
 
 
 def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
-    checks = tuple(_check(exercise, result) for result in bounds.results(outcome["results"]))
+    checks = tuple(_check(exercise, result) for result in bounds.bound_results(outcome["results"]))
     problem = _no_grade(outcome["problem"], checks)
     crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
     status = "error" if problem else "crashed" if crashed else "graded"
@@ -209,7 +209,7 @@ def _check(exercise: Exercise, result: Record) -> CheckReport:
     found = exercise.diagnosis(result["diagnosis"]) if failed else None
     hints = _hints(exercise, result["id"], found) if failed else ()
     more = {
-        "message": catalogue.complete(result["message"], found),
+        "message": catalogue.complete_message(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
         "proves": tuple(result["proves"]),
         "graph": result["graph"] and convert_record(result["graph"], Overview),

@@ -10,9 +10,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks import discovery
-from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
@@ -112,7 +112,7 @@ def _require(step: LessonStep, context: CheckContext) -> None:
             there = [f"{one.name} [{one.type}]" for one in end.offers(node)]
             _await(context, partial(end.is_ready, node), need, there)
         else:
-            discovery.expect_topics(context, [end])
+            discovery.expect_endpoints(context, [end])
 
 
 def _await(context: CheckContext, condition: Callable[[], bool], need: str, there: Sequence[str]) -> None:

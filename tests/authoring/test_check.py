@@ -13,7 +13,7 @@ from course_kit import environment
 from course_kit.authoring import corpus, rules
 from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
-from course_kit.grading.model.catalogue import catalogue, complete
+from course_kit.grading.model.catalogue import catalogue, complete_message
 
 EXERCISE = "pattern_choice"  # nothing has to be run for it: answers that are written out are read
 ROOT = environment.checkout_folder() or Path()
@@ -114,7 +114,7 @@ def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Rep
     checks = [CheckReport("fine", "Fine", "passed", 1.0, points=1.0)]
     for name, code in failed.items():
         known = catalogue().get(code or "")
-        message = complete("It failed.", known)
+        message = complete_message("It failed.", known)
         checks.append(CheckReport(name, name, "failed", 1.0, "", "a", "b", code, message, hint="a hint", known=known))
     score = float(not failed)
     return Report(submission.exercise, "", "", "graded", not failed, score, 1.0, 0.1, tuple(checks))

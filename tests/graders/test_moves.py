@@ -19,7 +19,7 @@ from course_kit.graders._moves import (
     require_distance,
 )
 from course_kit.grading.checks.actions import ReceivedFeedback
-from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, Ended, is_spread
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.model.job import Job

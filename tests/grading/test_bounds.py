@@ -26,15 +26,17 @@ TEXTS = ("sent", "expected", "got", "message")
 
 
 def test_texts_and_sequences_of_a_message_are_cut_wherever_they_stand() -> None:
-    assert len(bounds.bounded(String(data="x" * 5_000_000)).data) == bounds.LONGEST_TEXT
-    assert bounds.bounded(String(data="short")).data == "short"
-    assert len(bounds.bounded(ConvertTemperature.Response(message="x" * 5_000_000)).message) == bounds.LONGEST_TEXT
-    names = bounds.bounded(ListParametersResult(names=[*["x" * 10_000] * 5000, "the last"])).names
+    assert len(bounds.bound_message(String(data="x" * 5_000_000)).data) == bounds.LONGEST_TEXT
+    assert bounds.bound_message(String(data="short")).data == "short"
+    assert (
+        len(bounds.bound_message(ConvertTemperature.Response(message="x" * 5_000_000)).message) == bounds.LONGEST_TEXT
+    )
+    names = bounds.bound_message(ListParametersResult(names=[*["x" * 10_000] * 5000, "the last"])).names
     assert (len(names), len(names[0]), names[-1]) == (bounds.MOST_ELEMENTS, bounds.LONGEST_TEXT, "the last")
     value = ParameterValue(type=6, bool_array_value=[True] * 5000, string_value="x" * 10_000)
     value.byte_array_value = [b"x"] * 5000
     value.double_array_value = [0.5] * 5000
-    found = bounds.bounded(GetParameters.Response(values=[value])).values[0]
+    found = bounds.bound_message(GetParameters.Response(values=[value])).values[0]
     assert {len(found.bool_array_value), len(found.byte_array_value), len(found.double_array_value)} == {1000}
     assert len(found.string_value) == bounds.LONGEST_TEXT
 
@@ -79,7 +81,7 @@ def test_only_changes_of_the_status_of_our_own_goals_are_kept() -> None:
 
 @given(st.text(st.characters(exclude_categories=()), max_size=200), st.integers(10, 100))
 def test_a_cut_text_is_as_short_as_it_was_asked_to_be_and_can_be_written(text: str, longest: int) -> None:
-    found = bounds.cut(text, longest)
+    found = bounds.cut_text(text, longest)
     assert len(json.dumps(found, ensure_ascii=False).encode()) - 2 <= longest
     if text.isascii() and text.isprintable() and len(text) <= longest - 20 and not set(text) & set('"\\'):
         assert found == text
@@ -94,11 +96,11 @@ def result(**texts: str) -> dict[str, Any]:
 def test_all_results_together_are_short(letter: str) -> None:
     step = {"sender": "grader", "receiver": "your node", "kind": "request", "text": letter * 100_000}
     long = result(**dict.fromkeys(TEXTS, letter * 1_000_000)) | {"steps": [step] * 500}
-    found = bounds.results([long] * 50)
+    found = bounds.bound_results([long] * 50)
     assert (
         sum(len(json.dumps({name: one[name] for name in TEXTS}, ensure_ascii=False).encode()) for one in found)
         < 170_000
     )
     assert all(one["got"].endswith("...") for one in found)
     assert len(json.dumps(found)) < 2_000_000
-    assert bounds.results([result(got="as it was")]) == [result(got="as it was")]
+    assert bounds.bound_results([result(got="as it was")]) == [result(got="as it was")]

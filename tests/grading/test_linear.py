@@ -31,29 +31,7 @@ ROOT = Path(course_kit.__file__).parent
 PACKAGES = ("grading", "graders", "reader", "quiz", "classroom", "text", "integrations")
 METHODS = {"match", "fullmatch", "search", "findall", "finditer", "sub", "split"}
 # Runs of each of these, and of each with what a pattern itself is made of before and behind.
-UNITS = (
-    " ",
-    "\n",
-    "\t",
-    "a",
-    "0",
-    "_",
-    ".",
-    ":",
-    "-",
-    "/",
-    "'",
-    '"',
-    '\\"',
-    "\\",
-    "#",
-    "=",
-    "\0",
-    "ä",
-    " :",
-    "a\n",
-    "0a",
-)
+UNITS = (*" \n\ta0_.:-/'\"\\#=\0ä", '\\"', " :", "a\n", "0a")
 MISFIT = "\n\0!"  # after which a pattern that wants the whole text tries all it has taken again
 SIZE = 2_000  # characters; of many more a cubic pattern would take hours
 LONGER = 4  # times as long is the second text; twice could be one step in the processor's caches, of the factor 3
@@ -168,7 +146,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
     "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": make_printable,
-    "cut": bounds.cut,
+    "cut": bounds.cut_text,
     "step": exchange_log._cut,
     "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
     "variable in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), VARIABLE),

@@ -115,21 +115,6 @@ def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("process", "code"),
-    [
-        (ProcessStatus(running=False, notes={"returned": "None"}), "service.no_return"),
-        (ProcessStatus(running=False, notes={"returned": "float"}), "service.wrong_return"),
-        (ProcessStatus(running=False, notes={"exit_in_callback": True}), "service.exception"),
-        (ProcessStatus(running=False, exit_code=1, stderr=TRACE), "service.exception"),
-        (ProcessStatus(running=False, signal=9), None),
-        (ProcessStatus(running=False, exit_code=0), "start.exit"),
-    ],
-)
-def test_why_a_call_failed(process: ProcessStatus, code: str | None) -> None:
-    assert exits.of_call(process, JOB)[0] == code
-
-
-@pytest.mark.parametrize(
     ("problem", "nearest"),
     [
         ("ModuleNotFoundError: No module named 'course_interface'", "course_interfaces"),

@@ -12,7 +12,7 @@ import pytest
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.checks.exchange_log import GRADER, NODE
-from course_kit.grading.model.catalogue import catalogue, complete
+from course_kit.grading.model.catalogue import catalogue, complete_message
 from course_kit.grading.sandbox.output_collector import BoundedOutput
 from course_kit.ros.sequence import Arrow
 from course_kit.text.sanitize import make_printable
@@ -57,30 +57,12 @@ REPORT = Report(
     isolation="own network",
 )
 KEYS = [
-    "format_version",
-    "exercise",
-    "submission",
-    "status",
-    "score",
-    "max_score",
-    "passed",
-    "duration_s",
-    "checks",
-    "stdout",
-    "stderr",
+    *("format_version", "exercise", "submission", "status", "score", "max_score", "passed"),
+    *("duration_s", "checks", "stdout", "stderr"),
 ]
 CHECK_KEYS = [
-    "id",
-    "title",
-    "status",
-    "points",
-    "max_points",
-    "sent",
-    "expected",
-    "got",
-    "diagnosis",
-    "message",
-    "hint",
+    *("id", "title", "status", "points", "max_points"),
+    *("sent", "expected", "got", "diagnosis", "message", "hint"),
 ]
 
 
@@ -158,16 +140,7 @@ def test_what_failed_comes_first_and_what_waits_for_one_check_is_one_line() -> N
     ends = ("1.5 of 4 points", "Isolation:")
     order = ("FAIL", "upside down", "value=100.0", "Think.", "math.formula", "PASS", "skip", *ends)
     assert [text.index(one) for one in order] == sorted(text.index(one) for one in order)
-    order = (
-        FAILED.title,
-        "upside down",
-        "value=100.0",
-        "Think.",
-        "math.formula",
-        PASSED.title,
-        "Not run",
-        "Isolation:",
-    )
+    order = (FAILED.title, *order[1:5], PASSED.title, "Not run", "Isolation:")
     assert [html.index(one) for one in order] == sorted(html.index(one) for one in order)
     for page in (text, html):
         assert not [line for line in page.splitlines() if line.strip().startswith(":")]
@@ -296,8 +269,8 @@ def test_catalogue_has_all_for_each_code() -> None:
 
 
 def test_message_is_completed_with_why_and_where() -> None:
-    text = complete("It happened.", catalogue()["service.no_return"])
+    text = complete_message("It happened.", catalogue()["service.no_return"])
     assert text.startswith("It happened. ")
     assert catalogue()["service.no_return"].explanation in text
     assert "notebooks/01_services.ipynb#" in text
-    assert complete("It happened.", None) == "It happened."
+    assert complete_message("It happened.", None) == "It happened."

@@ -215,7 +215,7 @@ def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
 )
 def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(printed: str, is_told: bool) -> None:
     from course_kit.graders import robot_parameters
-    from course_kit.grading.checks.check import Evidence, Failed
+    from course_kit.grading.checks.evidence import Evidence, Failed
 
     class StandInContext:
         program = SimpleNamespace(status=lambda **_: SimpleNamespace(stdout="", stderr=printed))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.topic import Inbox
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class Feedback(_GoalInbox[ReceivedFeedback]):
         kept = self._of_goals.get(bytes(message.goal_id.uuid))
         if kept is not None:
             del kept[_MOST_FEEDBACK - 1 :]
-            kept.append(ReceivedFeedback(bounded(message.feedback), received_s))
+            kept.append(ReceivedFeedback(bound_message(message.feedback), received_s))
 
 
 class Statuses(_GoalInbox[tuple[float, int]]):

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.parameters import describe_values, require_proper_answer
 from course_kit.ros.filling import make_message

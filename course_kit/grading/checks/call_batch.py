@@ -7,11 +7,10 @@ from collections import deque
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.discovery import RESEND_AFTER_S
-from course_kit.grading.checks.hangs import explained, unanswered
+from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.hangs import RESEND_AFTER_S, explain_end, unanswered
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.model.bounds import bound_message
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +31,7 @@ def call_many(
     seen: Evidence,
 ) -> list[Message]:
     """Send all requests, one of each client at a time, and return the responses in their order."""
-    with explained(context, seen, exits.of_call):
+    with explain_end(context, seen, exits.of_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), within_s, step_s=_STEP_S)
         turn = context.record.sent(seen.sent)
         batch = CallBatch(clients, requests)
@@ -48,7 +47,7 @@ def call_many(
         return batch.responses
     context.spoil()
     if answered == 0:
-        raise unanswered(context, seen.sent, seen.expected, spent)
+        raise unanswered(context, seen, spent)
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
@@ -81,7 +80,7 @@ class CallBatch:
         """Take in what has come and send what may be sent; True when all is answered."""
         now = time.monotonic()
         for number in [number for number, sent in self._flying.items() if sent.answered()]:
-            self.responses[number] = bounded(self._flying.pop(number).response())
+            self.responses[number] = bound_message(self._flying.pop(number).response())
             self._late[number % len(self._late)] += now - self._looked
             self._moved = now
         self._looked = now

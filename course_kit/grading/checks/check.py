@@ -1,7 +1,6 @@
 """Checks: how a grader declares them, and how they are run one after another.
 
-A check is a function that talks to the submission over the wire and either returns `Evidence` or raises
-`Failed`. Its name is the check's id, the first line of its docstring the title.
+A check is a function that talks to the submission over the wire and either returns `Evidence` or raises `Failed`.
 """
 
 from __future__ import annotations
@@ -9,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import GRADER
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
@@ -20,32 +20,6 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.ros.graph import Overview
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What was seen on the wire: what we sent, what should come back, and what came."""
-
-    sent: str = ""
-    expected: str = ""
-    got: str = ""
-    graph: Overview | None = None  # who talks to whom, where that was looked at
-
-
-class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
-    """A check was not passed."""
-
-    def __init__(self, evidence: Evidence, message: str, diagnosis: str | None = None, *, breaks: str = "") -> None:
-        super().__init__(message)
-        self.evidence = evidence  # what was seen
-        self.message = message  # what happened in this case, in one or two sentences for the learner
-        self.diagnosis = diagnosis  # a code of the catalogue when the cause is established, else None
-        self.breaks = breaks  # the sentence of the exercise that is broken, where the check proves several
-        self.steps: tuple[Arrow, ...] = ()  # what crossed the wire; taken from the record of the check when empty
-
-
-class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
-    """A check that makes no sense in this grading; the text tells the learner why."""
 
 
 @dataclass(frozen=True)
@@ -63,16 +37,16 @@ class Check:
 
 def in_order(checks: Sequence[Check]) -> list[Check]:
     """The checks such that each comes after those it depends on, otherwise as declared."""
-    names = [one.id for one in checks]
+    names = [check.id for check in checks]
     if doubles := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"two checks are called {doubles[0]}")
     ordered: list[Check] = []
     waiting = list(checks)
     while waiting:
-        done = {one.id for one in ordered}
-        following = next((one for one in waiting if set(one.depends_on) <= done), None)
+        done = {check.id for check in ordered}
+        following = next((check for check in waiting if set(check.depends_on) <= done), None)
         if following is None:
-            unmet = sorted({name for one in waiting for name in one.depends_on} - done)
+            unmet = sorted({name for check in waiting for name in check.depends_on} - done)
             raise ValueError(f"these checks are never run because they wait for {', '.join(unmet)}")
         waiting.remove(following)
         ordered.append(following)
@@ -81,43 +55,45 @@ def in_order(checks: Sequence[Check]) -> list[Check]:
 
 def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
     """The checks of one part, whose ids begin with its name (`door`: `door_locked`), and those they depend on."""
-    chosen = {one.id for one in checks if f"{one.id}_".startswith(f"{part}_")}
+    chosen = {check.id for check in checks if f"{check.id}_".startswith(f"{part}_")}
     if not chosen:
-        raise GradingError(f"No check begins with '{part}_'. There are: {', '.join(one.id for one in checks)}.")
-    for one in reversed(in_order(checks)):
-        if one.id in chosen:
-            chosen.update(one.depends_on)
-    return [one for one in checks if one.id in chosen]
+        raise GradingError(f"No check begins with '{part}_'. There are: {', '.join(check.id for check in checks)}.")
+    for check in reversed(in_order(checks)):
+        if check.id in chosen:
+            chosen.update(check.depends_on)
+    return [check for check in checks if check.id in chosen]
 
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckResult]:
     """Run the checks in order of dependence, yielding each result as soon as it is known."""
     passed: set[str] = set()
-    titles = {one.id: one.title for one in checks}
+    titles = {check.id: check.title for check in checks}
     broken = ""
-    for one in in_order(checks):
+    for check in in_order(checks):
         if broken:  # then there is no grade
             yield CheckResult(
-                one.id, one.title, "skipped", one.points, message=f'Not run: the grader failed in "{broken}".'
+                check.id, check.title, "skipped", check.points, message=f'Not run: the grader failed in "{broken}".'
             )
             continue
-        missing = [name for name in one.depends_on if name not in passed]
+        missing = [name for name in check.depends_on if name not in passed]
         if missing:
             needed = ", ".join(f'"{titles[name]}"' for name in missing)
-            yield CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {needed} must pass first.")
+            yield CheckResult(
+                check.id, check.title, "skipped", check.points, message=f"Not run: {needed} must pass first."
+            )
             continue
-        result = replace(_run(one, context), proves=one.proves)
+        result = replace(_run(check, context), proves=check.proves)
         if result.status == "passed":
-            passed.add(one.id)
+            passed.add(check.id)
         elif result.status == "error":
-            broken = one.title
+            broken = check.title
         yield result
 
 
-def _run(one: Check, context: CheckContext) -> CheckResult:
+def _run(check: Check, context: CheckContext) -> CheckResult:
     try:
-        context.begin(one.deadline_s)
-        seen = one.run(context)
+        context.begin(check.deadline_s)
+        seen = check.run(context)
     except Failed as verdict:
         name_lost_node(context, verdict)
         seen, status, diagnosis, message = verdict.evidence, "failed", verdict.diagnosis, verdict.message
@@ -125,14 +101,14 @@ def _run(one: Check, context: CheckContext) -> CheckResult:
     except GradingError:
         raise
     except NotRun as reason:
-        return CheckResult(one.id, one.title, "skipped", one.points, message=f"Not run: {reason}")
+        return CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run: {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
-        return CheckResult(one.id, one.title, "error", one.points, message=text)
+        return CheckResult(check.id, check.title, "error", check.points, message=text)
     else:
         status, diagnosis, message, steps, graph = "passed", None, "", (), seen.graph
     told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
-    return CheckResult(one.id, one.title, status, one.points, *told, graph=graph)
+    return CheckResult(check.id, check.title, status, check.points, *told, graph=graph)
 
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:

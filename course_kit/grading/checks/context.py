@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import NODE, ExchangeLog
 from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
 from course_kit.grading.checks.graded_program import GradedProgram, SubmissionEndedError
@@ -52,7 +52,7 @@ class CheckContext:
         self.conversations: dict[type, Any] = {}  # that were held, by their models
         self.deadline_s = 0.0
         self._grader_node: GraderNode | None = None
-        self._spoiled = False
+        self.spoiled = False  # the running submission can be asked nothing more
         self._clock: FairClock | None = None
         self._state = Recent(self._look)
         self._late_s = 0.0  # by which it may have been noticed late that what was waited for had come
@@ -84,7 +84,7 @@ class CheckContext:
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
         self.close()
-        self._spoiled = False
+        self.spoiled = False
         self.memory.clear()
         if program:
             self.program.job = self.job.for_program(program)
@@ -149,12 +149,7 @@ class CheckContext:
 
     def spoil(self) -> None:
         """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
-        self._spoiled = True
-
-    @property
-    def spoiled(self) -> bool:
-        """Whether the running submission can be asked nothing more."""
-        return self._spoiled
+        self.spoiled = True
 
     def clock(self, lateness: Callable[[], float] | None = None, most: float = MOST) -> FairClock:
         """A fair clock that starts now; for its arguments see `FairClock`."""
@@ -197,8 +192,9 @@ class CheckContext:
             looked = time.monotonic()
             if clock.wall() - watched >= _WATCH_S:
                 watched = clock.wall()
-                if of_the_living:
-                    self._require_running()
+                if of_the_living and not self.program.is_alive():
+                    self.spoiled = True
+                    raise SubmissionEndedError(self.program.status(), self.job)
                 if of_the_living and clock.past(_LOST_S) and self.program.lost_in():
                     return False
                 if clock.past(seconds) or self.time_is_up():
@@ -219,13 +215,6 @@ class CheckContext:
 
         self.wait_until(is_over, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
         return condition()
-
-    def _require_running(self) -> None:
-        try:
-            self.program.require_running()
-        except SubmissionEndedError:
-            self._spoiled = True
-            raise
 
     def _look(self) -> State:
         own = Used(time.process_time(), scheduling.own_waiting())

@@ -7,10 +7,12 @@ is the evidence. Then the conversation goes on without the rules of the check th
 from __future__ import annotations
 
 import random
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.check import Check, Evidence, Failed, NotRun, name_lost_node
+from course_kit.grading.checks.check import Check, name_lost_node
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 
@@ -106,7 +108,7 @@ def conversation(
         >>> CHECKS += conversation(Counter, counts, steps=40)
     """
 
-    def check_of(one: CheckPart) -> Check:
+    def check_of(part: CheckPart) -> Check:
         def run(context: CheckContext) -> Evidence:
             held = context.conversations.get(model)
             if held is None:
@@ -114,18 +116,11 @@ def conversation(
                 held.hold()
                 if not model.history:
                     context.spoil()  # what the node remembers of it is nothing that a later check knows
-            return held.verdict_of(one)
+            return held.verdict_of(part)
 
-        return Check(one.id, one.title, one.points, (*after, *one.after), deadline_s, run, tuple(one.proves))
+        return Check(part.id, part.title, part.points, (*after, *part.after), deadline_s, run, tuple(part.proves))
 
-    return [check_of(one) for one in parts]
-
-
-@dataclass
-class _Tally:
-    done: int = 0
-    failed: Failed | None = None
-    hindered_by: str = ""
+    return [check_of(part) for part in parts]
 
 
 @dataclass
@@ -137,14 +132,14 @@ class Conversation:
     parts: tuple[CheckPart, ...]
     steps: int
     last: Model | None = None  # the model of a conversation that has come to its end
-    _tallies: dict[str, _Tally] = field(default_factory=dict)
-    _strikes: dict[str, int] = field(default_factory=dict)
-    _at_end: bool = False
+    _failed: dict[str, Failed] = field(default_factory=dict)  # by checks
+    _done: Counter[str] = field(default_factory=Counter)  # right steps, by checks
+    _hindered: dict[str, str] = field(default_factory=dict)  # what kept a check from being judged
+    _strikes: Counter[str] = field(default_factory=Counter)  # by rules
     _apart: bool = False  # each rule on a fresh start: what one leaves behind for another is lost already
 
     def hold(self) -> None:
         """Hold it: all steps, or as many as there is time for."""
-        self._tallies = {one.id: _Tally() for one in self.parts}
         steps = Steps(rules_of(self.model), random.Random(self.context.job.seed))  # noqa: S311 - test values, not secrets
         node, model, done = self._begin()
         clock = self.context.clock()
@@ -171,13 +166,12 @@ class Conversation:
                 self.context.spoil()
                 try:
                     node, model, done = self._begin()
-                except Failed as gone:
-                    self._lose_the_rest(gone)
+                except Failed as gone:  # what was not judged yet is not proven
+                    self._failed = {part.id: gone for part in self.parts} | self._failed
                     return
             else:
-                self._tallies[self._part_of(step.rule, "").id].done += 1
+                self._done[self._part_of(step.rule, "").id] += 1
             self.context.record.forget_all_but(_KEPT)
-        self._at_end = True
         self.last = model
         try:
             model.end(node)
@@ -187,23 +181,22 @@ class Conversation:
     @property
     def lost(self) -> frozenset[str]:
         """The ids of the checks that are lost."""
-        return frozenset(name for name, tally in self._tallies.items() if tally.failed is not None)
+        return frozenset(self._failed)
 
-    def verdict_of(self, one: CheckPart) -> Evidence:
+    def verdict_of(self, part: CheckPart) -> Evidence:
         """What came of it for one of its checks.
 
         Raises:
             Failed: a step that this check is about has failed.
             NotRun: it could not be judged, because another check was lost in each try.
         """
-        tally = self._tallies[one.id]
-        if tally.failed is not None:
-            raise tally.failed
-        if not tally.done and any(each.check in (one.id, "") for each in rules_of(self.model)):
-            why = f'"{tally.hindered_by}" must pass first.' if tally.hindered_by else "no time was left for it."
-            raise NotRun(why)
-        got = f"{tally.done} drawn steps, each as it should be"
-        return Evidence("a conversation drawn by the seed", one.title, got)
+        if part.id in self._failed:
+            raise self._failed[part.id]
+        done = self._done[part.id]
+        if not done and any(rule.check in (part.id, "") for rule in rules_of(self.model)):
+            hindered_by = self._hindered.get(part.id)
+            raise NotRun(f'"{hindered_by}" must pass first.' if hindered_by else "no time was left for it.")
+        return Evidence("a conversation drawn by the seed", part.title, f"{done} drawn steps, each as it should be")
 
     def _begin(self) -> tuple[GradedNode, Model, list[Step]]:
         """A program that has just been started, and a model for it."""
@@ -220,22 +213,20 @@ class Conversation:
 
         In place of the sentence a check may be named.
         """
-        own = next((one for one in self.parts if one.id == rule.check), self.parts[0])
+        own = next((part for part in self.parts if part.id == rule.check), self.parts[0])
         if not sentence or sentence in own.proves:
             return own
-        return next((one for one in self.parts if sentence in (one.id, *one.proves)), own)
+        return next((part for part in self.parts if sentence in (part.id, *part.proves)), own)
 
     def _is_lost(self, rule: Rule) -> bool:
-        return (
-            self._tallies[self._part_of(rule, "").id].failed is not None or self._strikes.get(rule.name, 0) >= _STRIKES
-        )
+        return self._part_of(rule, "").id in self._failed or self._strikes[rule.name] >= _STRIKES
 
     def _keep(self, failed: Failed, done: list[Step]) -> None:
         """Keep a failure for the check that it costs, shrunk; of a check that is lost already only the count."""
         last = done[-1]
         name_lost_node(self.context, failed)
         lost = self._part_of(last.rule, failed.breaks)
-        if self._tallies[lost.id].failed is None:
+        if lost.id not in self._failed:
             endless = failed.diagnosis == _ENDLESS
             if endless:
                 self.context.record.forget_all_but(1)
@@ -245,35 +236,29 @@ class Conversation:
                 if self.model.history and needed > 1:
                     self._apart = True
                     lost = self._part_of(last.rule, self.model.history)
-            if self._tallies[lost.id].failed is None:
-                self._tallies[lost.id].failed = failed
+            if lost.id not in self._failed:
+                self._failed[lost.id] = failed
                 self._credit(last, lost)
                 return
-        self._strikes[last.rule.name] = self._strikes.get(last.rule.name, 0) + 1
+        self._strikes[last.rule.name] += 1
         self._credit(last, lost)
 
     def _credit(self, last: Step, lost: CheckPart) -> None:
         """A rule that has failed for another check is right for its own where the step passes by itself."""
         own = self._part_of(last.rule, "")
-        if own == lost or self._tallies[own.id].done or self.context.job.first_failure:
+        if own == lost or self._done[own.id] or self.context.job.first_failure:
             return
-        if self.context.job.mode != "attach" and self._passes_alone(last):
-            self._tallies[own.id].done += 1
+        if self.context.job.mode != "attach" and self._find_failure([last]) is None:
+            self._done[own.id] += 1
         else:
             self._strikes[last.rule.name] = _STRIKES
-            self._tallies[own.id].hindered_by = lost.title
-
-    def _lose_the_rest(self, gone: Failed) -> None:
-        """The program does not come up any more: what was not judged yet is not proven."""
-        for tally in self._tallies.values():
-            if tally.failed is None:
-                tally.failed = gone
+            self._hindered[own.id] = lost.title
 
     def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:
         """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
         best, found = done, None
-        for length in sorted({*(one for one in _TAILS if one < len(done)), len(done)}):
+        for length in sorted({*(length for length in _TAILS if length < len(done)), len(done)}):
             if length > 1 and clock.past(_SHRINK_S):
                 break
             if again := self._fails(done[-length:], lost):
@@ -299,34 +284,31 @@ class Conversation:
 
     def _fails(self, steps: Sequence[Step], lost: CheckPart) -> tuple[Failed, CheckPart] | None:
         """How these steps fail on a fresh start, and what that costs; None when they do not, or cost what is lost."""
+        found = self._find_failure(steps, to_the_end=self.last is not None)
+        if found is None or (step := found[1]) is None:
+            return None
+        failed = found[0]
+        name_lost_node(self.context, failed)
+        costs = self._part_of(step.rule, failed.breaks)
+        if costs != lost and costs.id in self._failed:
+            return None
+        return self._show_all_steps(failed, steps), costs
+
+    def _find_failure(self, steps: Sequence[Step], *, to_the_end: bool = False) -> tuple[Failed, Step | None] | None:
+        """How these steps fail on a fresh start, and at which; at none when the program does not come up."""
         self.context.spoil()
+        step = None
         try:
             node, model, _ = self._begin()
-        except Failed:
-            return None
-        try:
             for step in steps:
                 step.do(node, model)
-            if self._at_end:
+            if to_the_end:
                 model.end(node)
         except Failed as failed:
-            name_lost_node(self.context, failed)
-            costs = self._part_of(step.rule, failed.breaks)
-            if costs == lost or self._tallies[costs.id].failed is None:
-                return self._told(failed, steps), costs
+            return failed, step
         return None
 
-    def _passes_alone(self, step: Step) -> bool:
-        """Whether a step is right on a fresh start: what it has met before came from what is lost."""
-        self.context.spoil()
-        try:
-            node, model, _ = self._begin()
-            step.do(node, model)
-        except Failed:
-            return False
-        return True
-
-    def _told(self, failed: Failed, steps: Sequence[Step]) -> Failed:
+    def _show_all_steps(self, failed: Failed, steps: Sequence[Step]) -> Failed:
         """A failure with all that led to it as its evidence."""
         record = self.context.record
         failed.steps = record.steps(replace(failed.evidence, sent="") if len(steps) > 1 else failed.evidence)

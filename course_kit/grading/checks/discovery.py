@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rcl_interfaces.srv import ListParameters
 from rclpy.duration import Infinite
 from rclpy.qos import (
     DurabilityPolicy,
@@ -18,16 +17,15 @@ from rclpy.qos import (
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.actions import ActionChannels
-from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.context import GRAPH_STEP_S
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.checks.grader_node import DEPTH
-from course_kit.grading.checks.hangs import explained
+from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.interfaces import get_type
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import nearest_name
-from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -37,17 +35,11 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.grader_node import GraderNode, Offer
     from course_kit.grading.model.plain_data import Record
     from course_kit.ros import topic
-    from course_kit.ros.messages import Message
-    from course_kit.ros.service import ServiceClient
 
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
-_GREET_S = 1.0
-_ASK_AGAIN_S = 0.5
-RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
-_GRAPH_S = 2.0  # how long an end of a topic is waited for, of a node that is up
 _MOST = 200  # names that are compared
 _VAGUELY = 0.3  # how alike two names are at least: whatever there is beside what was looked for is of interest
 _MOST_LISTED = 20
@@ -88,6 +80,12 @@ class WantedEndpoint:
         """Whether it is a service or an action, not the end of a topic."""
         return self.kind in ("service", "action")
 
+    def describe(self) -> str:
+        """In words, for a learner."""
+        if self.is_server:
+            return f"the {self.kind} {self.name} of type {self.type}"
+        return f"{_VERBS[self.kind]} {self.name} [{self.type}]"
+
     def is_ready(self, node: GraderNode) -> bool:
         """Whether the grader's own end, made on first use, is connected with it."""
         if self.kind == "service":
@@ -109,50 +107,46 @@ class WantedEndpoint:
         """All servers of this kind on the graph."""
         return node.services() if self.kind == "service" else node.actions()
 
+    def ends(self, node: GraderNode) -> list[topic.Endpoint]:
+        """All of this kind on the topic, of whatever type."""
+        return node.publishers(self.name) if self.kind == "publisher" else node.subscriptions(self.name)
 
-def expect_server(context: CheckContext, server: WantedEndpoint) -> Evidence:
-    """A service or an action is on the graph, with its type, and its program is there to be asked."""
-    # Its program has to be there to be asked, too: one that offers a service and ends at once is no server.
-    expected = f"the {server.kind} {server.name} of type {server.type}"
+    def types(self, node: GraderNode) -> list[str]:
+        """The types with which the name is there."""
+        if self.is_server:
+            return [offer.type for offer in self.offers(node) if offer.name == self.name]
+        return [end.type for end in self.ends(node)]
+
+
+def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
+    """A program that was just started has these, each with its type, a default end connects, and it can be asked."""
+    ends = sorted(ends, key=lambda end: (not end.is_server, end.kind))  # publishers before subscriptions
+    expected = "; ".join(end.describe() for end in ends)
     node, clock = context.grader_node, context.clock()
 
-    def has_other_type() -> bool:
-        return clock.wall() > _OTHER_TYPE_S and any(
-            offer.name == server.name and offer.type != server.type for offer in server.offers(node)
-        )
+    def missing() -> list[WantedEndpoint]:
+        return [end for end in ends if not (end.is_ready(node) if end.is_server else end.type in end.types(node))]
 
-    with explained(context, Evidence("", expected), exits.of_start, ENDED):
-        context.wait_for_start(lambda: server.is_ready(node) or has_other_type() or has_settled(context, clock))
-    if not server.is_ready(node):
-        raise _not_offered(context, server, expected)
+    def is_decided() -> bool:
+        lacks = missing()
+        has_other_type = clock.wall() > _OTHER_TYPE_S and any(set(end.types(node)) - {end.type} for end in lacks)
+        return not lacks or has_other_type or has_settled(context, clock)
+
+    with explain_end(context, Evidence("", expected), exceptions.of_start, ENDED):
+        context.wait_for_start(is_decided)
+    if missing() and not node.nodes():
+        context.spoil()
+        raise Failed(Evidence("", expected, "on the graph: no node"), *why_empty(context, missing()[0].name)[::-1])
+    for end in ends:
+        if not end.is_server:
+            _require_topic(context, end)
+        elif not end.is_ready(node):
+            raise _not_offered(context, end)
     try:
-        greet(context)
-    except SubmissionEndedError as ended:
+        hangs.greet(context)
+    except SubmissionEndedError as ended:  # one that offers a service and ends at once is no server
         if ended.diagnosis == "start.exit":
             raise Failed(Evidence("", expected, ENDED), ended.message, ended.diagnosis) from None
-    return Evidence("", expected, expected)
-
-
-def expect_topics(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
-    """A program that was just started publishes and subscribes to these, and a default reliable endpoint connects."""
-    clock, node = context.clock(), context.grader_node
-    evidence = Evidence("", f"a node with {ends[0].name}")
-
-    def is_there() -> bool:
-        return all(_found(context, end) for end in ends)
-
-    with explained(context, evidence, exceptions.of_start, ENDED):
-        context.wait_for_start(lambda: is_there() or has_settled(context, clock))
-    if not is_there() and not node.nodes():
-        context.spoil()
-        empty = Evidence("", evidence.expected, "on the graph: no node")
-        raise Failed(empty, *why_empty(context, ends[0].name)[::-1])
-    ordered = sorted(ends, key=lambda end: end.kind)  # publishers first
-    expected = "; ".join(f"{_VERBS[end.kind]} {end.name} [{end.type}]" for end in ordered)
-    with explained(context, Evidence("", expected)):
-        context.wait_until(lambda: all(_fitting(context, end) for end in ends), _GRAPH_S, step_s=GRAPH_STEP_S)
-    for end in ordered:
-        _require_topic(context, end, expected)
     return Evidence("", expected, expected)
 
 
@@ -167,7 +161,7 @@ def has_settled(context: CheckContext, clock: FairClock) -> bool:
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
     """A node of this full name is on the graph, after `ensure` has had the program running."""
     expected = f"a node called {name}"
-    with explained(context, Evidence("", expected), exits.of_call, ENDED):
+    with explain_end(context, Evidence("", expected), exits.of_call, ENDED):
         ensure()
         found = context.wait_until(lambda: name in context.grader_node.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
     if found:
@@ -228,32 +222,6 @@ def list_names(names: Sequence[str], what: str) -> str:
     return f"the {what}{'s' if len(names) > 1 else ''} {some}" if names else f"no {what}"
 
 
-def greet(context: CheckContext) -> None:
-    """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that."""
-    node = context.grader_node
-    offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
-    if offers:
-        client = node.client(ListParameters, offers[0])
-        context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
-        is_answered(context, client, ListParameters.Request(), _GREET_S)
-    else:
-        clock = context.clock()
-        context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
-
-
-def is_answered(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
-    """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile."""
-    # On a loaded machine rmw_fastrtps drops a response while the server's process has not noticed the client.
-    sent, clock = client.send(request), context.clock()
-
-    def has_come() -> bool:
-        if sent.sent == 1 and clock.wall() > _ASK_AGAIN_S:
-            sent.send_again()
-        return sent.answered()
-
-    return context.wait_until(has_come, seconds)
-
-
 def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
     """Why nothing came on the topic `missing` within some seconds after a message on the topic `sent`."""
     seen = hangs.doing(context)
@@ -269,13 +237,12 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
     return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."
 
 
-def _not_offered(context: CheckContext, wanted: WantedEndpoint, expected: str) -> Failed:
-    offers = wanted.offers(context.grader_node)
+def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
+    offers, types = wanted.offers(context.grader_node), wanted.types(context.grader_node)
     nodes = context.grader_node.nodes()
     context.spoil()
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or list_names(nodes, "node")
-    evidence = Evidence("", expected, f"on the graph: {got}")
-    types = [offer.type for offer in offers if offer.name == wanted.name]
+    evidence = Evidence("", wanted.describe(), f"on the graph: {got}")
     if wanted.type in types:
         message = (
             f"The {wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it. "
@@ -289,22 +256,12 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint, expected: str) -
         alike = [offer.name for offer in offers if offer.type == wanted.type] or [offer.name for offer in offers]
         message = f"No {wanted.kind} is called {wanted.name}.{name_nearest(wanted.name, alike)}"
         return Failed(evidence, message, f"name.{wanted.kind}")
-    if nodes:
-        return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
-    return Failed(evidence, *why_empty(context, wanted.name)[::-1])
+    return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)
 
 
-def _found(context: CheckContext, end: WantedEndpoint) -> list[topic.Endpoint]:
-    node = context.grader_node
-    return node.publishers(end.name) if end.kind == "publisher" else node.subscriptions(end.name)
-
-
-def _fitting(context: CheckContext, end: WantedEndpoint) -> list[topic.Endpoint]:
-    return [one for one in _found(context, end) if one.type == end.type]
-
-
-def _require_topic(context: CheckContext, end: WantedEndpoint, expected: str) -> None:
-    verb, found, fitting = _VERBS[end.kind], _found(context, end), _fitting(context, end)
+def _require_topic(context: CheckContext, end: WantedEndpoint) -> None:
+    verb, found, expected = _VERBS[end.kind], end.ends(context.grader_node), end.describe()
+    fitting = [end_there for end_there in found if end_there.type == end.type]
     if not found:
         others = context.grader_node.topics()
         message = f"No node {verb} {end.name}.{name_nearest(end.name, others)}"
@@ -314,7 +271,7 @@ def _require_topic(context: CheckContext, end: WantedEndpoint, expected: str) ->
         evidence = Evidence("", expected, f"{verb} {end.name} [{found[0].type}]")
         message = f"Your node {verb} {end.name} with type {found[0].type}, expected {end.type}."
         raise Failed(evidence, message, "type.interface")
-    reasons = [_mismatch(one.qos, publishes=end.kind == "publisher") for one in fitting]
+    reasons = [_mismatch(end_there.qos, publishes=end.kind == "publisher") for end_there in fitting]
     if all(reasons):
         evidence = Evidence("", expected, f"{verb} {end.name} with the QoS {_policies(fitting[0].qos)}")
         message = f"Your end is {_policies(fitting[0].qos)}, the other one {_policies(_DEFAULT)}: they do not connect."

@@ -12,7 +12,7 @@ from course_kit.ros.sequence import Arrow
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from course_kit.grading.checks.check import Evidence
+    from course_kit.grading.checks.evidence import Evidence
     from course_kit.ros.messages import Message
     from course_kit.ros.sequence import Kind
 
@@ -40,10 +40,6 @@ class Exchange:
     def missed(self, text: str) -> None:
         """Keep what should have come and has not."""
         self._keep(Arrow(self.partner, GRADER, "failure", _cut(text)))
-
-    def like(self, other: Exchange) -> bool:
-        """Whether the same was sent and came: the grader tried again."""
-        return [step for _, step in self.steps] == [step for _, step in other.steps]
 
     def _keep(self, step: Arrow) -> None:
         self.steps.append((time.time(), step))
@@ -73,8 +69,8 @@ class ExchangeLog:
     def last_exchange(self) -> tuple[str, str]:
         """What was sent last and what came for it, in words."""
         arrows = [arrow for _, arrow in self._turns[-1].steps] if self._turns else []
-        sent = "; ".join(one.text for one in arrows if one.sender == GRADER)
-        return sent, "; ".join(one.text for one in arrows if one.sender != GRADER)
+        sent = "; ".join(arrow.text for arrow in arrows if arrow.sender == GRADER)
+        return sent, "; ".join(arrow.text for arrow in arrows if arrow.sender != GRADER)
 
     def sent_texts(self) -> Iterator[str]:
         """All that was sent, in words, as far as it is kept."""
@@ -109,7 +105,6 @@ class ExchangeLog:
         turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
         if not turns:
             turns = [turn for turn in self._turns if not turn.minor or turn is self._turns[-1]]
-            turns = [turn for turn, after in zip(turns, [*turns[1:], Exchange()], strict=False) if not turn.like(after)]
         followed = (step for told in self._followed for step in told())
         pairs = sorted((*(pair for turn in turns for pair in turn.steps), *followed), key=lambda pair: pair[0])
         found = [step for _, step in pairs]
@@ -127,8 +122,9 @@ class ExchangeLog:
 
 
 def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
-    if last.sender == GRADER and evidence.got:
-        yield Arrow(last.receiver, GRADER, "failure", _cut(evidence.got))
+    if evidence.got and (last.sender == GRADER or evidence.got.startswith("no ")):
+        partner = last.receiver if last.sender == GRADER else last.sender
+        yield Arrow(partner, GRADER, "failure", _cut(evidence.got))
     if evidence.expected:
         yield Arrow(GRADER, GRADER, "note", _cut(f"expected: {evidence.expected}"))
 

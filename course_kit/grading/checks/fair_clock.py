@@ -23,14 +23,6 @@ class Used(NamedTuple):
         """The same and more."""
         return Used(self.cpu_s + cpu_s, self.waited_s + waited_s, self.hidden_s + hidden_s)
 
-    def since(self, before: Used) -> Used:
-        """What has come to it since then."""
-        return Used(
-            cpu_s=self.cpu_s - before.cpu_s,
-            waited_s=self.waited_s - before.waited_s,
-            hidden_s=self.hidden_s - before.hidden_s,
-        )
-
 
 class State(NamedTuple):
     """How things stand at one moment."""
@@ -101,6 +93,10 @@ class FairClock:
         self._counted = (wall, fair)
         return fair
 
+    def latency(self) -> float:
+        """Seconds, fairly counted as soon as there are many: of a quick answer nobody counts what others have taken."""
+        return self.fair() if self.wall() > 1.0 else self.wall()
+
     def grader_lost(self) -> float:
         """Seconds in which others have kept the grader from running: as late it may have noticed something."""
         now = self._state()
@@ -108,9 +104,11 @@ class FairClock:
 
     def _lost(self, wall: float, now: State, waited: float) -> float:
         """How much of the seconds on the wall others have taken away, of those that somebody has waited."""
-        used, before = now.submission.since(self._before.submission), self._before
-        lost = min(waited, wall - used.cpu_s / self._share, self._most * wall)
+        before = self._before
+        used_s = now.submission.cpu_s - before.submission.cpu_s
+        lost = min(waited, wall - used_s / self._share, self._most * wall)
         if now.busy_s is not None and before.busy_s is not None:
-            own = used.cpu_s + used.hidden_s + now.grader.cpu_s - before.grader.cpu_s
+            hidden_s = now.submission.hidden_s - before.submission.hidden_s
+            own = used_s + hidden_s + now.grader.cpu_s - before.grader.cpu_s
             lost = min(lost, now.busy_s - before.busy_s - own)
         return max(lost, 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+import os
 import uuid
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,14 +13,12 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.actions import ActionChannels
-from course_kit.grading.checks.answers import describe_wanted, differences
-from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.discovery import RESEND_AFTER_S
+from course_kit.grading.checks.answers import TOO_SOON, describe_wanted, differences
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
-from course_kit.grading.checks.graded_program import SubmissionEndedError
-from course_kit.grading.checks.hangs import explained
-from course_kit.grading.diagnosis import exits, goals
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.checks.hangs import RESEND_AFTER_S
+from course_kit.grading.diagnosis import goals
+from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 
@@ -107,15 +105,18 @@ class GradedGoal:
         """When the grader first heard of it, on the system's clock; 0 if it never has."""
         return next((when for when, _ in self.statuses), 0.0)
 
-    def accepted_by(self, *, expected: str = "the goal accepted", breaks: str = "") -> GradedGoal:
+    def accepted_by(
+        self, *, expected: str = "the goal accepted", breaks: str = "", diagnosis: str = "validation.overzealous"
+    ) -> GradedGoal:
         """The server accepts it.
 
         Args:
             expected: in words.
             breaks: the sentence of the exercise that is broken otherwise, where the check proves several.
+            diagnosis: what it means that it was rejected.
 
         Raises:
-            Failed: it rejects it, with validation.overzealous, or does not answer.
+            Failed: it rejects it, or does not answer.
 
         Example:
             >>> node.goal("/count_down", order=3).accepted_by()
@@ -123,9 +124,7 @@ class GradedGoal:
         self.wait_for_answer(expected)
         if not self.accepted:
             evidence = Evidence(self.shown, expected, "the goal rejected")
-            raise Failed(
-                evidence, "Your server rejected this goal, which is valid.", "validation.overzealous", breaks=breaks
-            )
+            raise Failed(evidence, "Your server rejected this goal, which is valid.", diagnosis, breaks=breaks)
         return self
 
     def rejected(
@@ -153,12 +152,21 @@ class GradedGoal:
             evidence = Evidence(self.shown, "the goal rejected", "the goal accepted")
             raise Failed(evidence, f"Your server accepted {what}.", diagnosis, breaks=breaks)
 
-    def ends(self, status: str = "SUCCEEDED", *, within_s: float = END_S, breaks: str = "", **fields: Any) -> Ended:
+    def ends(
+        self,
+        status: str = "SUCCEEDED",
+        *,
+        within_s: float = END_S,
+        not_before_s: float = 0.0,
+        breaks: str = "",
+        **fields: Any,
+    ) -> Ended:
         """It ends with this status, and a result with these fields.
 
         Args:
             status: SUCCEEDED, CANCELED or ABORTED.
             within_s: how long the end is waited for.
+            not_before_s: seconds after the goal was sent before which it does not end, where the work takes its time.
             breaks: as in `accepted_by`.
             fields: of the result, as `Answer.expect` takes them.
 
@@ -182,7 +190,38 @@ class GradedGoal:
         for path, wanted, got in differences(fields, ended.result):
             why = f"{path} of the result has to be {describe_wanted(wanted)}, and is {got!r}."
             raise Failed(evidence, why, breaks=breaks)
+        if (took_s := self.clock.wall()) < not_before_s:
+            evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
+            raise Failed(evidence, TOO_SOON, breaks=breaks)
         return ended
+
+    def expect_feedback(
+        self, at_least: int = 1, *, first: dict[str, Any] | None = None, last: dict[str, Any] | None = None
+    ) -> None:
+        """Feedback came while it ran, not all at once; asked of a goal that has ended.
+
+        Args:
+            at_least: so many messages; from two on they have to be spread over the goal's time.
+            first: fields of the first one.
+            last: fields of the last one.
+
+        Raises:
+            Failed: it is not so; with action.no_feedback or action.late_feedback.
+
+        Example:
+            >>> goal.ends()
+            >>> goal.expect_feedback(4, first={"sequence": [4]}, last={"sequence": [4, 3, 2, 1]})
+        """
+        heard = self.require_feedback(
+            at_least,
+            f"at least {at_least} feedback messages, spread over the goal's time",
+            complete=lambda messages: not list(differences(last or {}, messages[-1].feedback)),
+        )
+        for which, fields, message in (("first", first, heard[0].feedback), ("last", last, heard[-1].feedback)):
+            for path, value, got in differences(fields or {}, message):
+                expected = f"the {which} feedback with {describe_wanted(fields)}"
+                why = f"{path} of the {which} feedback has to be {value!r}, and is {got!r}."
+                raise Failed(Evidence(self.shown, expected, in_one_line(message)), why)
 
     def cancelled(self, *, within_s: float = PROMPT_S, breaks: str = "") -> GradedGoal:
         """A request to cancel it is accepted in time; how it then ends is for `ends`.
@@ -201,12 +240,10 @@ class GradedGoal:
         clock, running = self._context.clock(), self.over_at is None
         answer = self.cancel()
         evidence = Evidence(self.shown, expected)
-        with explained(self._context, evidence, goals.of_program, "no answer: the program ended"):
-            self._context.wait_until(answer.answered, hangs.ANSWER_S)
-        if not answer.answered():
-            raise hangs.unanswered(self._context, self.shown, expected, clock.fair())
+        hangs.await_answer(self._context, answer.answered, evidence, ended=goals.of_program)
         waited_s, late = clock.wall(), clock.past(within_s)
-        agreed = self.is_cancelled_by(answer.response())
+        agreed = any(bytes(info.goal_id.uuid) == self._id for info in answer.response().goals_canceling)
+        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
         if agreed and not late:
             return self
         code: str | None
@@ -226,20 +263,7 @@ class GradedGoal:
 
     def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
         """Wait until the server has said yes or no."""
-        nudged = False
-
-        def decided() -> bool:
-            nonlocal nudged
-            if not nudged and self.clock.wall() > RESEND_AFTER_S:
-                nudged = True
-                self._line.results.send(self._parts.GetResultService.Request())
-            return self.answered
-
-        evidence = Evidence(self.shown, expected)
-        with explained(self._context, evidence, exits.of_call, "no answer: the program ended"):
-            found = self._context.wait_until(decided, seconds)
-        if not found:
-            raise hangs.unanswered(self._context, self.shown, expected, self.clock.fair())
+        hangs.await_answer(self._context, lambda: self.answered, Evidence(self.shown, expected), seconds)
         self._turn.came("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> Ended:
@@ -249,16 +273,11 @@ class GradedGoal:
             result = self._result = self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
         else:
             result.send_again()
-        clock = self._context.clock()
-        try:
+        clock, evidence = self._context.clock(), Evidence(self.shown, expected)
+        with hangs.explain_end(self._context, evidence, goals.of_program, "no result: the program ended"):
             self._context.wait_until(lambda: self._has_come(result), seconds)
-        except SubmissionEndedError as ended:
-            diagnosis, message = goals.of_program(ended.process, self._context.job)
-            evidence = Evidence(self.shown, expected, "no result: the program ended")
-            self._turn.missed(evidence.got)
-            raise Failed(evidence, message, diagnosis) from None
         if result.answered():
-            response = bounded(result.response())
+            response = bound_message(result.response())
             end = Ended(response.status, response.result)
             self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
             return end
@@ -267,9 +286,7 @@ class GradedGoal:
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         look = partial(hangs.doing, self._context)
         diagnosis, message = goals.of_silence(look, over, seconds, self.process(), self._context.program.asked_job)
-        evidence = Evidence(self.shown, expected, f"no result within {seconds:.1f} s")
-        self._turn.missed(evidence.got)
-        raise Failed(evidence, message, diagnosis)
+        raise Failed(replace(evidence, got=f"no result within {seconds:.1f} s"), message, diagnosis)
 
     def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
         """The feedback of a goal that has ended, once no more comes."""
@@ -302,10 +319,10 @@ class GradedGoal:
         if len(heard) < at_least:
             count = f"{len(heard)} feedback message{'' if len(heard) == 1 else 's'}"
             raise Failed(Evidence(self.shown, expected, count), f"A client saw {count}.", "action.no_feedback")
-        times = sorted(one.came_s for one in heard)  # one that got lost and was sent again is the latest
+        times = sorted(message.came_s for message in heard)  # one that got lost and was sent again is the latest
         began, over = self.began_at or times[0], self.over_at or times[-1]
         left = part_left or (lambda _: 0.5)  # whoever does not tell may be at the middle
-        parts = [(one.came_s, left(one.feedback)) for one in heard if one.came_s <= over]
+        parts = [(message.came_s, left(message.feedback)) for message in heard if message.came_s <= over]
         if at_least > 1 and not is_spread(parts, began, over):
             got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
             evidence = Evidence(self.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
@@ -319,18 +336,11 @@ class GradedGoal:
         self._cancelling = self._context.record.sent("request to cancel the goal")
         return self._line.cancels.send(request)
 
-    def is_cancelled_by(self, response: Message) -> bool:
-        """Whether a response to `cancel` says that the goal will be cancelled."""
-        agreed = any(bytes(info.goal_id.uuid) == self._id for info in response.goals_canceling)
-        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
-        return agreed
-
     def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
-        process, before = self._context.program.status(), self._stderr
-        if not process.stderr.startswith(before):  # of long output the middle is left out
-            same = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(before, process.stderr, strict=False))
-            before = before[: sum(1 for _ in same)]
+        process = self._context.program.status()
+        # Of long output the middle is left out.
+        before = os.path.commonprefix([self._stderr, process.stderr])  # noqa: RUF071 - character by character
         return replace(process, stderr=process.stderr.removeprefix(before))
 
     def require_status(self, ended: Ended, status: int, evidence: Evidence, breaks: str = "") -> None:
@@ -351,9 +361,9 @@ class GradedGoal:
         """The first and the last feedback."""
         heard, begin, steps = self.feedback, self._turn.steps[0][0], []
         for number in sorted({1, len(heard)} if heard else ()):
-            one = heard[number - 1]
-            text = f"feedback {number} after {one.came_s - begin:.2f} s: {in_one_line(one.feedback)}"
-            steps.append((one.came_s, Arrow(self._turn.partner, GRADER, "message", text)))
+            message = heard[number - 1]
+            text = f"feedback {number} after {message.came_s - begin:.2f} s: {in_one_line(message.feedback)}"
+            steps.append((message.came_s, Arrow(self._turn.partner, GRADER, "message", text)))
         return steps
 
     def _uuid(self) -> UUID:

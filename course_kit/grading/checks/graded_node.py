@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.call_batch import call_many
-from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import WantedEndpoint
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import Exchange, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
@@ -22,19 +22,18 @@ from course_kit.grading.checks.parameters import (
     parameter_file,
     start_arguments,
 )
-from course_kit.grading.diagnosis import exceptions, exits
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.diagnosis import exceptions
+from course_kit.grading.model.bounds import bound_message
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.ros.messages import Message
+    from course_kit.grading.checks.grader_node import OfferedService
+    from course_kit.ros.messages import Message, ServiceType
 
 ANSWER_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
-_NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
-_MET = "met"  # remembered of a running submission
+_MET, _OFFERS = "met", "offers"  # remembered of a running submission
 _FILE = "parameters.yaml"
 
 
@@ -83,25 +82,15 @@ class GradedNode:
         evidence = Evidence(sent_text, "an answer")
         context.require_time(evidence)
         turn = context.record.sent(f"request {service}: {sent_text}", about=sent_text)
-        clock, client = context.latency_clock(), context.grader_node.client(end.interface, service)
-        try:
-            with hangs.explained(context, evidence, exits.of_call, "no answer: the program ended"):
-                sent = client.send(message)
-                self._wait(sent.answered, within_s)
-        except Failed as failed:
-            failed.breaks = breaks
-            raise
-        if not sent.answered():
-            turn.missed("no answer")
-            silent = hangs.unanswered(context, sent_text, "an answer", clock.fair())
-            silent.breaks = breaks
-            raise silent
-        response = bounded(sent.response())
+        clock = context.latency_clock()
+        sent = context.grader_node.client(end.interface, service).send(message)
+        hangs.await_answer(context, sent.answered, evidence, within_s, breaks=breaks)
+        response = bound_message(sent.response())
         turn.came(f"response: {in_one_line(response)}")
-        return Answer(sent_text, in_one_line(response), _latency_s(clock), response)
+        return Answer(sent_text, in_one_line(response), clock.latency(), response)
 
     def call_together(
-        self, service: str, requests: Sequence[Any], *, at_a_time: int = 10, within_s: float = 5.0, expected: str = ""
+        self, service: str, requests: Sequence[Any], *, at_a_time: int = 10, within_s: float = 5.0
     ) -> list[Answer]:
         """Send many requests, so many of them unanswered at a time, and wait for all answers.
 
@@ -110,7 +99,6 @@ class GradedNode:
             requests: each a message or a dict.
             at_a_time: how many wait for their answer at most, each sent by another client.
             within_s: seconds in which all are answered.
-            expected: in words.
 
         Raises:
             Failed: not all were answered in time; with service.blocks when they came too slowly.
@@ -121,13 +109,13 @@ class GradedNode:
         """
         self.meet()
         end, node = self._end(service), self.context.grader_node
-        messages = [message_of(end.interface.Request, one, {}) for one in requests]
+        messages = [message_of(end.interface.Request, request, {}) for request in requests]
         sent = f"{len(messages)} requests from {at_a_time} clients, at most {at_a_time} unanswered at a time"
-        evidence = Evidence(sent, expected or f"{len(messages)} answers within {within_s:g} s, each to its own request")
+        evidence = Evidence(sent, f"{len(messages)} answers within {within_s:g} s, each to its own request")
         clients = [node.client(end.interface, service, number) for number in range(at_a_time)]
         responses = call_many(self.context, clients, messages, within_s, evidence)
         pairs = zip(messages, responses, strict=True)
-        return [Answer(in_one_line(one), in_one_line(other), 0.0, other) for one, other in pairs]
+        return [Answer(in_one_line(request), in_one_line(other), 0.0, other) for request, other in pairs]
 
     # --- topics
 
@@ -181,15 +169,26 @@ class GradedNode:
             >>> node.send("/voltage", 9.0).expect("/state", "critical")
         """
         self.meet()
-        message = self._next(topic, within_s, breaks)
+        inbox, place, clock = self.inbox(topic), self._heard.setdefault(topic, 0), self.context.clock()
+        evidence = Evidence(self._last_sent, f"a message on {topic}")
+        with hangs.explain_end(self.context, evidence, breaks=breaks):
+            self.context.wait_until(lambda: inbox.count > place, within_s)
+        if inbox.count == place:
+            seconds = hangs.describe_seconds(clock.fair(), within_s)
+            got = f"within {seconds} s nothing on {topic}"
+            self._exchange().missed(got)
+            cause = discovery.explain_silent_topic(self.context, self._last_sent.partition(":")[0], topic, seconds)
+            raise Failed(replace(evidence, got=got), *cause[::-1], breaks=breaks)
+        message: Message = inbox.since(place)[0]
+        self._heard[topic] = place + 1
+        self._exchange().came(f"{topic}: {in_one_line(message)}", "message")
         if wanted is None and not fields:
             return message
         found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
-        for path, one, got in differences(found, message):
-            evidence = Evidence(
-                self._last_sent, f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
-            )
-            said = why or f"{path or topic} has to be {describe_wanted(one)}, and is {got!r}."
+        for path, expected_value, got in differences(found, message):
+            expected, came = f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
+            evidence = Evidence(self._last_sent, expected, came)
+            said = why or f"{path or topic} has to be {describe_wanted(expected_value)}, and is {got!r}."
             raise Failed(evidence, said, diagnosis, breaks=breaks)
         return message
 
@@ -215,21 +214,15 @@ class GradedNode:
             return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
         evidence = Evidence(self._last_sent, f"no message more on {' and '.join(listened)}")
-        with hangs.explained(self.context, evidence):
-            if seconds:
-                self.context.wait_until(lambda: bool(extra()), seconds)
-            else:
-                self.context.grader_node.spin_once(0.0)
+        with hangs.explain_end(self.context, evidence):
+            self.context.grader_node.spin_once(0.0)
+            self.context.wait_until(lambda: bool(extra()), seconds)
         for name in extra():
-            message = self.inbox(name).messages[-1]
+            got = f"{name}: {in_one_line(self.inbox(name).messages[-1])}"
             self._heard[name] = self.inbox(name).count
-            self._exchange().came(f"{name}: {in_one_line(message)}", "message")
-            got = f"{name}: {in_one_line(message)}"
-            raise Failed(
-                replace(evidence, got=got),
-                why or f"Nothing that we sent calls for this message on {name}.",
-                breaks=breaks,
-            )
+            self._exchange().came(got, "message")
+            said = why or f"Nothing that we sent calls for this message on {name}."
+            raise Failed(replace(evidence, got=got), said, breaks=breaks)
 
     # --- parameters
 
@@ -253,7 +246,7 @@ class GradedNode:
         remote, clock = self.parameters(of), self.context.latency_clock()
         result = remote.set_values(wanted)
         self._last_sent = f"set {describe_values(wanted)}"
-        return Change(self._last_sent, describe_result(result), _latency_s(clock), wanted, result)
+        return Change(self._last_sent, describe_result(result), clock.latency(), wanted, result)
 
     def get(self, *names: str, of: str = "") -> dict[str, Any]:
         """The values of parameters; None for one that is not declared.
@@ -263,7 +256,7 @@ class GradedNode:
             {'max_speed': 1.0}
         """
         self.meet()
-        return {name: one.value for name, one in self.parameters(of).values(list(names)).items()}
+        return {name: parameter.value for name, parameter in self.parameters(of).values(list(names)).items()}
 
     def parameters(self, of: str = "") -> RemoteParameters:
         """The parameters of a node as they are asked for from outside."""
@@ -291,6 +284,15 @@ class GradedNode:
         return GradedGoal(self.context, action, interface, message_of(interface.Goal, goal, fields))
 
     # --- the program
+
+    def wait(self, seconds: float) -> None:
+        """Let time go by, in which messages are taken in.
+
+        Example:
+            >>> node.set(max_speed=0.5).accepted()
+            >>> node.wait(0.2)  # rclpy may tell the callbacks of a change after it has answered
+        """
+        self.context.wait_until(lambda: False, seconds)
 
     def start(
         self,
@@ -359,14 +361,13 @@ class GradedNode:
         self.prepare()
         clock = context.clock()
         evidence = Evidence("", f"a node with {', '.join(end.name for end in self.endpoints)}")
-        with hangs.explained(context, evidence, exceptions.of_start, discovery.ENDED):
+        with hangs.explain_end(context, evidence, exceptions.of_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
-            if missing := [end for end in self.endpoints if not end.is_there(self.context)]:
+            if missing := [end for end in self.endpoints if not end.is_there(context)]:
                 context.spoil()
-                raise Failed(
-                    replace(evidence, got="not all of it is there"), *discovery.explain_missing(context, missing[0])
-                )
-            discovery.greet(self.context)
+                evidence = replace(evidence, got="not all of it is there")
+                raise Failed(evidence, *discovery.explain_missing(context, missing[0]))
+            hangs.greet(context)
         context.memory[_MET] = True
 
     def prepare(self) -> None:
@@ -392,13 +393,6 @@ class GradedNode:
 
     # --- inside
 
-    def _wait(self, condition: Callable[[], bool], seconds: float) -> bool:
-        if self.context.wait_until(condition, min(_NUDGE_S, seconds)):
-            return True
-        with self.context.record.looking_away():  # an executor of several threads tells what a callback
-            discovery.greet(self.context)  # has raised when it has more to do
-        return self.context.wait_until(condition, seconds - _NUDGE_S)
-
     def _is_connected(self) -> bool:
         return all([end.is_there(self.context) for end in self.endpoints])  # noqa: C419 - each makes its end
 
@@ -406,7 +400,7 @@ class GradedNode:
         """What has this name; where a topic has both ends among them, the publisher if not another kind is wanted."""
         found = [end for end in self.endpoints if end.name == name]
         if found:
-            end = min(found, key=lambda one: (one.kind != kind, one.kind))
+            end = min(found, key=lambda end: (end.kind != kind, end.kind))
             self.context.turn_to(end.program)
             return end
         known = ", ".join(end.name for end in self.endpoints)
@@ -422,29 +416,34 @@ class GradedNode:
     def _exchange(self) -> Exchange:
         return self._turn or self.context.record.sent("(nothing)", minor=True)
 
-    def _next(self, topic: str, within_s: float, breaks: str) -> Message:
-        inbox, place = self.inbox(topic), self._heard.setdefault(topic, 0)
-        evidence = Evidence(self._last_sent, f"a message on {topic}")
-        clock = self.context.clock()
-        try:
-            with hangs.explained(self.context, evidence):
-                came = self.context.wait_until(lambda: inbox.count > place, within_s)
-        except Failed as failed:
-            failed.breaks = breaks
-            raise
-        if not came:
-            seconds = hangs.told(clock.fair(), within_s)
-            self._exchange().missed(f"within {seconds} s nothing on {topic}")
-            evidence = replace(evidence, got=f"within {seconds} s nothing on {topic}")
-            sent = self._last_sent.partition(":")[0]
-            cause = discovery.explain_silent_topic(self.context, sent, topic, seconds)
-            raise Failed(evidence, *cause[::-1], breaks=breaks)
-        message = inbox.since(place)[0]
-        self._heard[topic] = place + 1
-        self._exchange().came(f"{topic}: {in_one_line(message)}", "message")
-        return message
+
+def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer: Any) -> OfferedService:
+    """Offer a service to the program, which calls it; one that is offered already gets another answer.
+
+    Args:
+        node: the program.
+        name: the service's full name.
+        interface: its class.
+        answer: fields of the response that each request gets at once; without any, requests wait for `reply`.
+
+    Example:
+        >>> door = offer_service(node, "/open", SetBool)
+        >>> node.goal("/deliver", room="attic")
+        >>> node.context.wait_until(lambda: door.requests, 3.0)
+        >>> door.reply(SetBool.Response(success=True))
+    """
+    context = node.context
+    offers: dict[str, OfferedService] = context.memory.setdefault(_OFFERS, {})
+    if name not in offers:
+        offers[name] = context.grader_node.offer_service(name, interface, context.record)
+    offers[name].answer = message_of(interface.Response, None, answer) if answer else None
+    return offers[name]
 
 
-def _latency_s(clock: FairClock) -> float:
-    """After how many seconds an answer came; of a quick one nobody counts what others have taken away."""
-    return clock.fair() if clock.wall() > _NUDGE_S else clock.wall()
+def withdraw_service(node: GradedNode, name: str) -> None:
+    """Offer a service no more, as if its node had ended.
+
+    Example:
+        >>> withdraw_service(node, "/open")
+    """
+    node.context.grader_node.withdraw_service(node.context.memory[_OFFERS].pop(name))

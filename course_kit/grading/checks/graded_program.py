@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.check import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.fair_clock import Used
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Frame
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.process_status import ProcessStatus
 
 if TYPE_CHECKING:
@@ -56,9 +57,9 @@ class GradedProgram:
     def run_to_end(self, time_is_up: Callable[[], bool]) -> ProcessStatus:
         """Start it and wait until it has ended, by itself or because the time is up."""
         self.start((), {}, {})
-        while (process := ProcessStatus.from_mapping(self._ask("finish", seconds=_FINISH_S))).running:
+        while (process := self._ask_status("finish", seconds=_FINISH_S)).running:
             if time_is_up():
-                return ProcessStatus.from_mapping(self._ask("time is up"))
+                return self._ask_status("time is up")
         return process
 
     def forget(self) -> None:
@@ -69,14 +70,13 @@ class GradedProgram:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
             return ProcessStatus(running=True)
-        status = ProcessStatus.from_mapping(self._ask("facts" if fresh else "state"))
+        status = self._ask_status("facts" if fresh else "state")
         self.stderr = status.stderr
         return status
 
-    def require_running(self) -> None:
-        """Raise SubmissionEndedError if it has ended."""
-        if self.job.mode != "attach" and not self._lives[0]:
-            raise SubmissionEndedError(self.status(), self.job)
+    def is_alive(self) -> bool:
+        """Whether it has not ended."""
+        return self.job.mode == "attach" or bool(self._lives[0])
 
     def lost_in(self) -> Frame | None:
         """The line by which its node has lost its executor; None where it has not."""
@@ -106,6 +106,9 @@ class GradedProgram:
     def computed_since_start(self, used: Used) -> float:
         """Seconds of these for which it has computed since it was started last."""
         return used.cpu_s - self._used_before.cpu_s
+
+    def _ask_status(self, what: str, **more: Any) -> ProcessStatus:
+        return convert_record(self._ask(what, **more), ProcessStatus)
 
     def _ask(self, what: str, **more: object) -> Record:
         self._supervisor.send({"do": what, **more})

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -12,24 +12,28 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.grading.checks.check import Evidence, Failed
-from course_kit.grading.checks.exchange_log import GRADER
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.exchange_log import GRADER, in_one_line
+from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers_of, subscriptions_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
     from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile
     from rclpy.subscription import Subscription
 
-    from course_kit.grading.checks.offered_service import OfferedService
+    from course_kit.grading.checks.exchange_log import ExchangeLog
     from course_kit.ros.messages import Message, MessageType, ServiceType
     from course_kit.ros.topic import Endpoint
 
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
+_MOST_REQUESTS = 1000  # for a service of ours
 _AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
 _MOST_SEEN = 30  # nodes that are drawn
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
@@ -39,13 +43,11 @@ NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an un
 AnyInbox = TypeVar("AnyInbox", bound=Inbox)
 
 
-@dataclass(frozen=True)
-class Offer:
+class Offer(NamedTuple):
     """A service or an action somebody on the graph offers."""
 
     name: str
     type: str
-    node: str
 
 
 class BoundedInbox(Inbox):
@@ -56,103 +58,64 @@ class BoundedInbox(Inbox):
 
     def keep(self, message: Message, received_s: float) -> None:
         """See `Inbox`."""
-        super().keep(bounded(message), received_s)
+        super().keep(bound_message(message), received_s)
 
 
-class _Receiver:
-    """Takes in what comes for the clients, inboxes and services of a node, by a wait set.
+class OfferedService:
+    """A service of the grader, which a learner's node calls.
 
-    An rclpy executor does it as well, at about five times the computing: it makes a timer, a wait set and a task for
-    each turn, and a grading is a thousand turns. With ten clients of one service each is woken by every response.
+    Attributes:
+        answer: the response that each request gets at once; requests wait for `reply` while it is None.
+        requests: the last that have come.
     """
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
-        self._clients: dict[int, ServiceClient] = {}  # by the handle's address, as the wait set names what is ready
-        self._inboxes: dict[int, tuple[Subscription, Inbox]] = {}
-        self._services: dict[int, OfferedService] = {}
-        self._patient: list[tuple[Subscription, Inbox]] = []
-        self._nothing = rclpy_implementation.GuardCondition(context.handle)  # a wait set must not be empty
-        self._wait_set: rclpy_implementation.WaitSet | None = None
+    def __init__(self, node: Node, name: str, interface: ServiceType, record: ExchangeLog) -> None:
+        self._type, self._record = interface, record
+        self.rclpy_service = node.create_service(interface, name, lambda _, response: response)
+        self.answer: Message | None = None
+        self.requests: deque[Message] = deque(maxlen=_MOST_REQUESTS)
+        self._waiting: deque[Any] = deque(maxlen=_MOST_REQUESTS)  # the headers of requests without an answer
 
-    def add_client(self, client: ServiceClient) -> None:
-        """Receive the responses of a client."""
-        self._clients[client.rclpy_client.handle.pointer] = client
-        self._wait_set = None
-
-    def add_inbox(self, subscription: Subscription, inbox: Inbox) -> None:
-        """Receive the messages of a subscription; of an action they wake nobody, as that costs computing for each."""
-        if not isinstance(inbox, BoundedInbox):
-            self._patient.append((subscription, inbox))
+    def take(self) -> None:
+        """Take one request in."""
+        request, header = self.rclpy_service.handle.service_take_request(self._type.Request)
+        if header is None:
             return
-        self._inboxes[subscription.handle.pointer] = (subscription, inbox)
-        self._wait_set = None
+        self.requests.append(bound_message(request))
+        self._waiting.append(header)
+        self._record.came(f"request {self.rclpy_service.srv_name}: {in_one_line(self.requests[-1])}", "request")
+        if self.answer is not None:
+            self.reply(self.answer)
 
-    def add_service(self, offered: OfferedService) -> None:
-        """Receive the requests for a service."""
-        self._services[offered.rclpy_service.handle.pointer] = offered
-        self._wait_set = None
-
-    def remove_service(self, offered: OfferedService) -> None:
-        """Receive no more of them."""
-        del self._services[offered.rclpy_service.handle.pointer]
-        self._wait_set = None
-
-    def receive(self, timeout_s: float) -> None:
-        """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
-        ready = self._wait(timeout_s)
-        for pointer in ready.get_ready_entities("subscription"):
-            _take_message(*self._inboxes[pointer])
-        for subscription, inbox in self._patient:
-            for _ in range(_AT_ONCE):
-                if not _take_message(subscription, inbox):
-                    break
-        for pointer in ready.get_ready_entities("client"):
-            client, service_type = self._clients[pointer].rclpy_client, self._clients[pointer].type
-            header, response = client.handle.take_response(service_type.Response)
-            if header is not None:  # else the response was for another client of the same service
-                with suppress(KeyError):  # a second answer to the same request
-                    client.get_pending_request(header.request_id.sequence_number).set_result(response)
-        for pointer in ready.get_ready_entities("service"):
-            self._services[pointer].take()
-
-    def _wait(self, timeout_s: float) -> rclpy_implementation.WaitSet:
-        if self._wait_set is None:
-            sizes = len(self._inboxes), 1, 0, len(self._clients), len(self._services), 0
-            self._wait_set = rclpy_implementation.WaitSet(*sizes, self._context.handle)
-        wait_set = self._wait_set
-        wait_set.clear_entities()
-        wait_set.add_guard_condition(self._nothing)
-        for subscription, _ in self._inboxes.values():
-            wait_set.add_subscription(subscription.handle)
-        for client in self._clients.values():
-            wait_set.add_client(client.rclpy_client.handle)
-        for offered in self._services.values():
-            wait_set.add_service(offered.rclpy_service.handle)
-        wait_set.wait(int(timeout_s * 1e9))
-        return wait_set
-
-
-def _take_message(subscription: Subscription, inbox: Inbox) -> bool:
-    """Take in the next message; False where there is none."""
-    taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-    if taken is not None:
-        inbox.take(*taken)
-    return taken is not None
+    def reply(self, response: Message) -> None:
+        """Answer every request that waits."""
+        while self._waiting:
+            self._record.sent(f"response: {in_one_line(response)}", "response")
+            self.rclpy_service.send_response(response, self._waiting.popleft())
 
 
 class GraderNode:
-    """The grader on the graph. Its own endpoints never appear in what it reports."""
+    """The grader on the graph. Its own endpoints never appear in what it reports.
+
+    It receives by a wait set. An rclpy executor does it as well, at about five times the computing: it makes a timer, a
+    wait set and a task for each turn, and a grading is a thousand turns. With ten clients of one service each is woken
+    by every response.
+    """
 
     def __init__(self, domain: int | None) -> None:
         """Join the graph of `domain`, or of ROS_DOMAIN_ID when None."""
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         self.node = quiet_node(NAME, self._context)
-        self._receiver = _Receiver(self._context)
         self._clients: dict[tuple[str, int], ServiceClient] = {}
-        self._inboxes: dict[str, Inbox] = {}
+        self._inboxes: dict[str, tuple[Subscription, Inbox]] = {}
         self._publishers: dict[str, Publisher] = {}
+        self._services: list[OfferedService] = []
+        self._takers: dict[
+            int, Callable[[], object]
+        ] = {}  # by the handle's address, as the wait set names what is ready
+        self._nothing = rclpy_implementation.GuardCondition(self._context.handle)  # a wait set must not be empty
+        self._wait_set: rclpy_implementation.WaitSet | None = None
 
     @property
     def domain(self) -> int:
@@ -164,7 +127,7 @@ class GraderNode:
         if not self._context.ok():
             raise ExternalShutdownException
         try:
-            self._receiver.receive(timeout_s)
+            self._receive(timeout_s)
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
             evidence = Evidence(got="messages too large for the grader's memory")
             message = (
@@ -177,8 +140,8 @@ class GraderNode:
         """The client `number` of a service; made on first use and kept, so that it is connected the next time."""
         key = (name, number)
         if key not in self._clients:
-            self._clients[key] = ServiceClient(self.node, interface, name)
-            self._receiver.add_client(self._clients[key])
+            self._clients[key] = client = ServiceClient(self.node, interface, name)
+            self._await(client.rclpy_client.handle, lambda: _take_response(client))
         return self._clients[key]
 
     def inbox(self, interface: MessageType, topic: str) -> Inbox:
@@ -190,10 +153,11 @@ class GraderNode:
     ) -> AnyInbox:
         """The inbox that has taken every message on a topic since the first use."""
         if topic not in self._inboxes:
-            self._inboxes[topic] = made = kind()
+            made = kind()
             subscription = made.subscribe(self.node, interface, topic, qos, quiet=True, raw=raw)
-            self._receiver.add_inbox(subscription, made)
-        found = self._inboxes[topic]
+            self._inboxes[topic] = (subscription, made)
+            self._await(subscription.handle, lambda: _take_message(subscription, made))
+        _, found = self._inboxes[topic]
         assert isinstance(found, kind)  # noqa: S101 - for the type checker
         return found
 
@@ -205,13 +169,17 @@ class GraderNode:
             )
         return self._publishers[topic]
 
-    def add_service(self, offered: OfferedService) -> None:
-        """Receive the requests for a service, until it is removed."""
-        self._receiver.add_service(offered)
+    def offer_service(self, name: str, interface: ServiceType, record: ExchangeLog) -> OfferedService:
+        """Receive the requests for a service, until it is withdrawn."""
+        offered = OfferedService(self.node, name, interface, record)
+        self._services.append(offered)
+        self._await(offered.rclpy_service.handle, offered.take)
+        return offered
 
-    def remove_service(self, offered: OfferedService) -> None:
+    def withdraw_service(self, offered: OfferedService) -> None:
         """Offer it no more."""
-        self._receiver.remove_service(offered)
+        self._services.remove(offered)
+        self._wait_set = None
         self.node.destroy_service(offered.rclpy_service)
 
     def publishers(self, topic: str) -> list[Endpoint]:
@@ -255,4 +223,54 @@ class GraderNode:
 
     def _offers(self, role: graph.Role) -> list[Offer]:
         uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
-        return [Offer(use.channel, kind, use.node) for use in uses for kind in use.types]
+        return [Offer(use.channel, kind) for use in uses for kind in use.types]
+
+    def _await(self, handle: Any, take: Callable[[], object]) -> None:
+        self._takers[handle.pointer] = take
+        self._wait_set = None
+
+    def _receive(self, timeout_s: float) -> None:
+        """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
+        ready = self._wait(timeout_s)
+        for subscription, inbox in self._inboxes.values():
+            if not isinstance(inbox, BoundedInbox):
+                for _ in range(_AT_ONCE):
+                    if not _take_message(subscription, inbox):
+                        break
+        for kind in ("subscription", "client", "service"):
+            for pointer in ready.get_ready_entities(kind):
+                self._takers[pointer]()
+
+    def _wait(self, timeout_s: float) -> rclpy_implementation.WaitSet:
+        """Wait for what wakes: messages about an action do not, as that costs computing for each."""
+        waking = [subscription for subscription, inbox in self._inboxes.values() if isinstance(inbox, BoundedInbox)]
+        if self._wait_set is None:
+            sizes = len(waking), 1, 0, len(self._clients), len(self._services), 0
+            self._wait_set = rclpy_implementation.WaitSet(*sizes, self._context.handle)
+        wait_set = self._wait_set
+        wait_set.clear_entities()
+        wait_set.add_guard_condition(self._nothing)
+        for subscription in waking:
+            wait_set.add_subscription(subscription.handle)
+        for client in self._clients.values():
+            wait_set.add_client(client.rclpy_client.handle)
+        for offered in self._services:
+            wait_set.add_service(offered.rclpy_service.handle)
+        wait_set.wait(int(timeout_s * 1e9))
+        return wait_set
+
+
+def _take_message(subscription: Subscription, inbox: Inbox) -> bool:
+    """Take in the next message; False where there is none."""
+    taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+    if taken is not None:
+        inbox.take(*taken)
+    return taken is not None
+
+
+def _take_response(client: ServiceClient) -> None:
+    """Take in the next response; with none, it was for another client of the same service."""
+    header, response = client.rclpy_client.handle.take_response(client.type.Response)
+    if header is not None:
+        with suppress(KeyError):  # a second answer to the same request
+            client.rclpy_client.get_pending_request(header.request_id.sequence_number).set_result(response)

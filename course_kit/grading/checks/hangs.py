@@ -1,4 +1,4 @@
-"""Why a program does not answer: it has ended, or from what its threads are doing, and whether it computes."""
+"""Waits for an answer. Without one: the program has ended, or what are its threads doing, and does it compute?"""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.check import Evidence, Failed
+from rcl_interfaces.srv import ListParameters
+
+from course_kit.grading.checks.context import GRAPH_STEP_S
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.grading.diagnosis.tracebacks import Activity, activity
+from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -17,51 +21,108 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.process_status import ProcessStatus
+    from course_kit.ros.messages import Message
+    from course_kit.ros.service import ServiceClient
 
 ANSWER_S = 5.0  # how long one answer is waited for
+RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
+_NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
+_GREET_S = 1.0
+_ASK_AGAIN_S = 0.5
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
 _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing
 
 
 @contextmanager
-def explained(
+def explain_end(
     context: CheckContext,
     evidence: Evidence,
     why: Callable[[ProcessStatus, Job], exits.Cause] = exceptions.of_end,
     got: str = "the program ended",
+    breaks: str = "",
 ) -> Iterator[None]:
     """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
     try:
         yield
     except SubmissionEndedError as ended:
         diagnosis, message = why(ended.process, context.job)
-        raise Failed(replace(evidence, got=got), message, diagnosis) from None
+        raise Failed(replace(evidence, got=got), message, diagnosis, breaks=breaks) from None
 
 
-def unanswered(context: CheckContext, shown: str, expected: str, waited_s: float = ANSWER_S) -> Failed:
+def await_answer(  # noqa: PLR0913 - what differs between services, goals and parameters
+    context: CheckContext,
+    answered: Callable[[], bool],
+    evidence: Evidence,
+    seconds: float = ANSWER_S,
+    *,
+    ended: Callable[[ProcessStatus, Job], exits.Cause] = exits.of_call,
+    logged: Callable[[str, Job], exits.Cause | None] = exits.of_logged,
+    breaks: str = "",
+) -> None:
+    """Wait until something is answered.
+
+    Raises:
+        Failed: it is not; with the reason if it can be established.
+    """
+    clock = context.clock()
+    with explain_end(context, evidence, ended, "no answer: the program ended", breaks):
+        if context.wait_until(answered, min(_NUDGE_S, seconds)):
+            return
+        with context.record.looking_away():  # an executor of several threads tells what a callback has raised when it
+            greet(context)  # has more to do
+        if context.wait_until(answered, seconds - _NUDGE_S):
+            return
+    silent = unanswered(context, evidence, clock.fair(), logged)
+    silent.breaks = breaks
+    raise silent
+
+
+def greet(context: CheckContext) -> None:
+    """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that."""
+    node = context.grader_node
+    offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
+    if offers:
+        client = node.client(ListParameters, offers[0])
+        context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
+        is_answered(context, client, ListParameters.Request(), _GREET_S)
+    else:
+        clock = context.clock()
+        context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
+
+
+def is_answered(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
+    """Whether a server answers within so many seconds, whatever it says; it is asked a second time meanwhile."""
+    # On a loaded machine rmw_fastrtps drops a response while the server's process has not noticed the client.
+    sent, clock = client.send(request), context.clock()
+
+    def has_come() -> bool:
+        if sent.sent == 1 and clock.wall() > _ASK_AGAIN_S:
+            sent.send_again()
+        return sent.answered()
+
+    return context.wait_until(has_come, seconds)
+
+
+def unanswered(
+    context: CheckContext,
+    evidence: Evidence,
+    waited_s: float,
+    logged: Callable[[str, Job], exits.Cause | None] = exits.of_logged,
+) -> Failed:
     """Establish why a program that is still running does not answer."""
     context.spoil()
     seen = doing(context)
     busy = computes(context)
-    evidence = Evidence(shown, expected, f"no answer within {told(waited_s)} s; the program is still running")
-    diagnosis, message = _why_silent(context, seen, told(waited_s), busy=busy)
-    if diagnosis is None and (logged := exits.of_logged(context.program.status().stderr, context.job)):
-        diagnosis, message = logged
+    evidence = replace(evidence, got=f"no answer within {describe_seconds(waited_s)} s; the program is still running")
+    diagnosis, message = _why_silent(context, seen, describe_seconds(waited_s), busy=busy)
+    if diagnosis is None and (cause := logged(context.program.status(fresh=True).stderr, context.job)):
+        diagnosis, message = cause
     if waited_s < ANSWER_S and context.time_is_up():
         message += f" That used up the {context.deadline_s:g} s that this check may take."
     return Failed(evidence, message, diagnosis)
 
 
-def unanswered_parameters(context: CheckContext, evidence: Evidence, waited_s: float) -> Failed:
-    """Establish why a program that lives on has not answered a request about its parameters for so many seconds."""
-    logged = exceptions.of_logged(context.program.status(fresh=True).stderr, context.job)
-    if logged is None:
-        return unanswered(context, evidence.sent, evidence.expected, waited_s)
-    context.spoil()
-    return Failed(replace(evidence, got=f"no answer within {told(waited_s)} s"), logged[1], logged[0])
-
-
-def told(waited_s: float, most: float = ANSWER_S) -> str:
+def describe_seconds(waited_s: float, most: float = ANSWER_S) -> str:
     """Seconds as the learner reads them: the whole timeout, or less where a check's deadline came first."""
     return f"{min(round(waited_s, 1), most):g}"
 

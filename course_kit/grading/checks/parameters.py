@@ -11,17 +11,16 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.check import Evidence, Failed
 from course_kit.grading.checks.discovery import (
     ENDED,
     explain_other_nodes,
     has_settled,
-    is_answered,
     list_names,
     why_empty,
 )
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import exceptions
-from course_kit.grading.model.bounds import bounded
+from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:
@@ -84,13 +83,14 @@ class RemoteParameters:
         context, expected = self._context, f"a node called {self.node}"
         clock = context.clock()
 
-        with hangs.explained(context, Evidence("", expected), exceptions.of_start, ENDED):
+        with hangs.explain_end(context, Evidence("", expected), exceptions.of_start, ENDED):
             context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
             if not self.is_ready():
                 raise self._explain_absence(expected)
             clock = context.clock()
-            if not is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
-                raise hangs.unanswered_parameters(context, Evidence(_VERBS[0], expected), clock.fair())
+            if not hangs.is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
+                evidence = Evidence(_VERBS[0], expected)
+                raise hangs.unanswered(context, evidence, clock.fair(), exceptions.of_logged)
         return Evidence("", expected, expected)
 
     def _explain_absence(self, expected: str) -> Failed:
@@ -115,14 +115,12 @@ class RemoteParameters:
         evidence = _evidence(question)
         context.require_time(evidence)
         turn = context.record.sent(evidence.sent, minor=question.service in _VERBS[:2])
-        clock = context.clock()
-        with hangs.explained(context, evidence):
-            sent = self._clients[question.service].send(request)
-            if context.wait_until(sent.answered, hangs.ANSWER_S):
-                response = bounded(sent.response())
-                turn.came(_describe_response(request, response))
-                return response
-            raise hangs.unanswered_parameters(context, evidence, clock.fair())
+        sent = self._clients[question.service].send(request)
+        ended, logged = exceptions.of_end, exceptions.of_logged
+        hangs.await_answer(context, sent.answered, evidence, ended=ended, logged=logged)
+        response = bound_message(sent.response())
+        turn.came(_describe_response(request, response))
+        return response
 
 
 def describe_result(result: SetParametersResult) -> str:
@@ -165,7 +163,7 @@ def _evidence(question: Question) -> Evidence:
         return Evidence(question.service, "the names of all parameters")
     if question.service == "get_parameters":
         return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
-    values = {one.name: parameters.from_message(one.value) for one in question.fields["parameters"]}
+    values = {parameter.name: parameters.from_message(parameter.value) for parameter in question.fields["parameters"]}
     return Evidence(f"{question.service}: {describe_values(values)}", "an answer: accepted, or refused and why")
 
 

@@ -9,8 +9,9 @@ import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import Approximation, differences, only_field
-from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.answers import Approximation, describe_wanted, differences, only_field
+from course_kit.grading.checks.check import Check
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.steps import draw_values
 
@@ -141,11 +142,7 @@ def endpoints_offered(
     def talk(node: GradedNode) -> Evidence:
         node.prepare()
         ends = [end for end in node.endpoints if not names or end.name in names]
-        seen = [discovery.expect_server(node.context, end) for end in ends if end.is_server]
-        if topics := [end for end in ends if not end.is_server]:
-            seen.append(discovery.expect_topics(node.context, topics))
-        expected = "; ".join(one.expected for one in seen)
-        return Evidence("", expected, expected)
+        return discovery.expect_endpoints(node.context, ends)
 
     return make_check(talk, check_id=check_id, title=title, points=points, proves=proves, after=after)
 
@@ -205,50 +202,10 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
             code, why = _cause(node, fields, answer.response), ""
             if answer.response == type(answer.response)():
                 code, why = None, "The response came back as ROS 2 creates it: your callback filled in nothing."
-            if at_a_time and any(not list(differences(one, answer.response)) for one in wanted):
+            if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
                 code = None
                 why = "This is the answer to another client's request: your callback mixes up values of two calls."
             answer.expect(**fields, diagnosis=code, why=why)
-
-    return make_check(talk, **declared)
-
-
-def service_refuses(  # noqa: PLR0913 - what an author may say of it
-    service: str,
-    requests: Sequence[dict[str, Any]],
-    *,
-    refused: dict[str, Any] | None = None,
-    reason: str = "message",
-    what: str = "a request that it has to refuse",
-    valid: dict[str, Any] | None = None,
-    **declared: Unpack[CheckFields],
-) -> Check:
-    """A check that a service refuses some requests, says why, and lives on.
-
-    Args:
-        service: its name.
-        requests: fields of each; a value may be a drawing.
-        refused: the fields by which a refusal is known; `success=False` when left out.
-        reason: the field that says why, "" where the exercise asks for no reason.
-        what: is wrong with these requests, for the learner.
-        valid: a request that is asked afterwards, and must not be refused.
-        declared: see `CheckFields`.
-
-    Example:
-        >>> service_refuses("/divide", [{"a": draw_between(1, 9), "b": 0}], valid={"a": 4, "b": 2},
-        ...                 what="a division by 0", check_id="by_zero", title="A division by 0 is refused",
-        ...                 points=1.0, proves=["by_zero"])
-    """
-
-    def talk(node: GradedNode) -> None:
-        wanted = refused or {"success": False}
-        for fields in draw_values(requests, node.context.random):
-            node.call(service, fields).refused(reason=reason, what=what, **wanted)
-        if valid is not None:
-            answer = node.call(service, valid)
-            if not list(differences(wanted, answer.response)):
-                why = "Your service refused a valid request."
-                answer.fail(why, expected="no refusal", diagnosis="validation.overzealous")
 
     return make_check(talk, **declared)
 
@@ -278,8 +235,8 @@ def topic_answers(
     """
 
     def talk(node: GradedNode) -> None:
-        for one in draw_values(messages, node.context.random):
-            message = node.message_for(subscription, one)
+        for given in draw_values(messages, node.context.random):
+            message = node.message_for(subscription, given)
             wanted = expect(message)
             try:
                 node.send(subscription, message).expect(publisher, wanted, within_s=within_s)
@@ -294,42 +251,60 @@ def topic_answers(
     return make_check(talk, **declared)
 
 
-def topic_silent(*topics: str, seconds: float = 1.0, **declared: Unpack[CheckFields]) -> Check:
-    """A check that nothing comes on some topics while nothing is sent.
+def parameter_declared(
+    defaults: dict[str, Any],
+    *,
+    node: str,
+    **declared: Unpack[CheckFields],
+) -> Check:
+    """A check that a node has parameters, with these values at the start, and so with their types.
 
     Args:
-        topics: their names.
-        seconds: for how long.
+        defaults: by the parameters' names.
+        node: its full name.
         declared: see `CheckFields`.
 
     Example:
-        >>> topic_silent("/alarm", check_id="quiet", title="No alarm without a cause", points=1.0, proves=["quiet"])
+        >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
+        ...                    title="max_speed is 1.0 at the start", points=1.0, proves=["parameter"])
     """
-    return make_check(lambda node: node.expect_nothing(*topics, seconds=seconds), **declared)
 
+    def talk(graded: GradedNode) -> Evidence:
+        graded.meet()
+        remote = graded.parameters(node)
+        names, found = remote.names(), remote.values(list(defaults))
+        evidence = Evidence(
+            "get_parameters", describe_wanted(defaults), describe_wanted({k: v.value for k, v in found.items()})
+        )
+        if missing := [name for name in defaults if name not in names]:
+            raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
+        if wrong := [name for name, value in defaults.items() if type(found[name].value) is not type(value)]:
+            point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
+            told = " and ".join(f"{name} is {found[name].type}" for name in wrong)
+            raise Failed(evidence, f"{told}.{point}", "parameter.type")
+        if others := {name: found[name].value for name, value in defaults.items() if found[name].value != value}:
+            raise Failed(
+                evidence, f"Started without settings, your node has {describe_wanted(others)}.", "parameter.default"
+            )
+        return evidence
 
-def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack[CheckFields]) -> Check:
-    """A check that messages come at a rate.
-
-    Args:
-        topic: its name.
-        hz: messages in a second.
-        off_by: the share of the period by which it may be off; a machine is now and then busy.
-        declared: see `CheckFields`.
-
-    Example:
-        >>> topic_rate("/heartbeat", 10.0, check_id="rate", title="Ten a second", points=1.0, proves=["rate"])
-    """
-    period_s = 1.0 / hz
-    bounds = (1.0 - off_by) * period_s, (1.0 + off_by) * period_s
-    return make_check(lambda node: expect_rate(node, topic, period_s, bounds), **declared)
+    return make_check(talk, **declared)
 
 
 def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float]) -> Evidence:
-    """Messages come on a topic, on average with a period between these bounds, in seconds.
+    """Messages come on a topic, on average with a period between these bounds.
+
+    Args:
+        node: the program.
+        topic: its name.
+        period_s: the right period, in seconds.
+        bounds: the shortest and the longest that are right; a machine is now and then busy.
 
     Raises:
         Failed: they do not, with topic.silent where hardly any come.
+
+    Example:
+        >>> expect_rate(node, "/heartbeat", 0.1, (0.08, 0.12))
     """
     node.meet()
     inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
@@ -340,7 +315,7 @@ def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[flo
         looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
         periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
         found, count = periods[0], inbox.count + 1
-        if any(bounds[0] <= one <= bounds[1] for one in periods):
+        if any(bounds[0] <= period <= bounds[1] for period in periods):
             return Evidence("", expected, f"one every {found:.3g} s")
         if clock.past(10 * period_s + _SILENT_S):
             break
@@ -353,8 +328,8 @@ def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[flo
 def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
     """The diagnosis of a wrong number: another formula, or // where the number is off by less than one."""
     for _, right, other in differences(wanted, got):
-        one = right.value if isinstance(right, Approximation) else right
-        if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (one, other)):
-            near = node.context.job.facts.floor_divides and abs(one - other) < 1
+        expected = right.value if isinstance(right, Approximation) else right
+        if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (expected, other)):
+            near = node.context.job.facts.floor_divides and abs(expected - other) < 1
             return "math.integer_division" if near else "math.formula"
     return None

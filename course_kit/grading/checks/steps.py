@@ -61,9 +61,9 @@ def draw_by(make: Callable[[random.Random], Any]) -> Draw:
 def draw_values(value: Any, rng: random.Random) -> Any:
     """A list, a dict or a value in which each drawing is replaced by what it gives."""
     if isinstance(value, dict):
-        return {name: draw_values(one, rng) for name, one in value.items()}
+        return {name: draw_values(part, rng) for name, part in value.items()}
     if isinstance(value, (list, tuple)):
-        return [draw_values(one, rng) for one in value]
+        return [draw_values(part, rng) for part in value]
     if not isinstance(value, Draw):
         return value
     return value.make(rng) if value.make else draw_values(rng.choice(value.options), rng)
@@ -116,7 +116,7 @@ def step_rule(
     """
 
     def declare(function: Callable[..., None]) -> Callable[..., None]:
-        times = often or max([1, *(len(one.options) for one in draws.values() if isinstance(one, Draw))])
+        times = often or max([1, *(len(draw.options) for draw in draws.values() if isinstance(draw, Draw))])
         setattr(function, _RULE, Rule(function.__name__, check, draws, when, times, function))
         return function
 
@@ -154,7 +154,7 @@ class Steps:
     def __init__(self, rules: Sequence[Rule], rng: random.Random) -> None:
         self._rng, self._rules = rng, tuple(rules)
         self._hands: dict[int, list[int]] = {}
-        self.round = sum(one.often for one in rules)
+        self.round = sum(rule.often for rule in rules)
         self._waiting: list[Rule] = []
         self._drawn = 0
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
@@ -166,17 +166,17 @@ class Steps:
         self._drawn += 1
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
         if by_state and seen is not None and len(self._seen) <= _FEW_STATES:
-            allowed = [one for one in self._rules if one.is_allowed(model)]
-            untried = [(one, option) for one in allowed for option in one.options() if option not in seen]
+            allowed = [rule for rule in self._rules if rule.is_allowed(model)]
+            untried = [(rule, option) for rule in allowed for option in rule.options() if option not in seen]
             if untried:
                 rule, chosen = self._rng.choice(untried)
                 return self._step(rule, state, chosen)
         if not self._waiting:
-            self._waiting = [one for one in self._rules for _ in range(one.often - 1)]
+            self._waiting = [rule for rule in self._rules for _ in range(rule.often - 1)]
             self._rng.shuffle(self._waiting)
             self._waiting += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
         if apart:
-            self._waiting.sort(key=lambda one: one.name)
+            self._waiting.sort(key=lambda rule: rule.name)
         return self._step(self._waiting.pop(), state)
 
     def _step(self, rule: Rule, state: str, wanted: _Option | None = None) -> Step:

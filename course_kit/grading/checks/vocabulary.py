@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from course_kit.grading.checks.answers import Answer, Approximation, Change
-from course_kit.grading.checks.check import Check, Evidence, Failed
+from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.conversation import CheckPart, Model, conversation
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.graded_node import GradedNode
-from course_kit.grading.checks.offered_service import OfferedService, offer_service, withdraw_service
+from course_kit.grading.checks.graded_node import GradedNode, offer_service, withdraw_service
+from course_kit.grading.checks.grader_node import OfferedService
 from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,
+    expect_rate,
     node_name,
+    parameter_declared,
     service_answers,
-    service_refuses,
     topic_answers,
-    topic_rate,
-    topic_silent,
 )
-from course_kit.grading.checks.ready_made_goals import goal_cancelled, goal_feedback, goal_refused, goal_succeeds
-from course_kit.grading.checks.ready_made_parameters import parameter_acts, parameter_declared, parameter_refuses
 from course_kit.grading.checks.steps import draw_between, draw_by, draw_one_of, step_rule
 
 __all__ = [
@@ -40,20 +38,12 @@ __all__ = [
     "draw_by",
     "draw_one_of",
     "endpoints_offered",
-    "goal_cancelled",
-    "goal_feedback",
-    "goal_refused",
-    "goal_succeeds",
+    "expect_rate",
     "node_name",
     "offer_service",
-    "parameter_acts",
     "parameter_declared",
-    "parameter_refuses",
     "service_answers",
-    "service_refuses",
     "step_rule",
     "topic_answers",
-    "topic_rate",
-    "topic_silent",
     "withdraw_service",
 ]

@@ -26,7 +26,7 @@ _PER_CHARACTER = 6  # bytes at most, as JSON
 _DOTS = "..."
 
 
-def bounded(message: Message) -> Message:
+def bound_message(message: Message) -> Message:
     """A ROS message in which no text and no sequence is too long; it is changed, not copied.
 
     Of a sequence the last elements stay: what is added to a list of goals or of parameters is added at its end.
@@ -37,7 +37,7 @@ def bounded(message: Message) -> Message:
             if len(value) > LONGEST_TEXT:
                 setattr(message, name, value[:LONGEST_TEXT])
         elif hasattr(value, "get_fields_and_field_types"):
-            bounded(value)
+            bound_message(value)
         else:
             if len(value) > MOST_ELEMENTS:
                 setattr(message, name, value[-MOST_ELEMENTS:])
@@ -52,7 +52,7 @@ def _bound_elements(message: Message, name: str) -> None:
             setattr(message, name, [text[:LONGEST_TEXT] for text in elements])
         elif hasattr(elements[0], "get_fields_and_field_types") and _growing(_kind(elements[0])):
             for element in elements:
-                bounded(element)
+                bound_message(element)
 
 
 def _kind(message: Message) -> Any:
@@ -75,7 +75,7 @@ def _growing(kind: Message) -> tuple[str, ...]:
     return tuple(names)
 
 
-def cut(text: str, longest: int = _LONGEST) -> str:
+def cut_text(text: str, longest: int = _LONGEST) -> str:
     """A text that takes at most so many bytes as JSON, and that UTF-8 can hold; of a longer one the beginning."""
     whole = text[:longest].encode("utf-8", errors="replace").decode("utf-8")
     if len(text) == len(whole) and _size(whole) <= longest:
@@ -84,20 +84,18 @@ def cut(text: str, longest: int = _LONGEST) -> str:
     return (whole[:room] if _size(whole[:room]) <= room else whole[: room // _PER_CHARACTER]) + _DOTS
 
 
-def results(found: Sequence[Record]) -> list[Record]:
+def bound_results(found: Sequence[Record]) -> list[Record]:
     """Results of checks as plain data, in which no text is too long, nor all of them together."""
-    longest = _LONGEST
-    told = [_result(one, longest) for one in found]
-    while sum(_size(one[name]) for one in told for name in _TEXTS) > _TOGETHER:
-        longest //= 2
-        told = [_result(one, longest) for one in told]
-    return told
+    longest = min(_LONGEST, _TOGETHER // (len(_TEXTS) * max(len(found), 1)))
+    return [_result(each, longest) for each in found]
 
 
 def _result(found: Record, longest: int) -> Record:
-    steps = [{**step, "text": cut(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]]
+    steps = [
+        {**step, "text": cut_text(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]
+    ]
     graph = [part[:_MOST_IN_GRAPH] for part in found.get("graph") or ()] or None
-    return {**found, **{name: cut(str(found[name]), longest) for name in _TEXTS}, "steps": steps, "graph": graph}
+    return {**found, **{name: cut_text(str(found[name]), longest) for name in _TEXTS}, "steps": steps, "graph": graph}
 
 
 def _size(text: str) -> int:

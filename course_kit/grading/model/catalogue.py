@@ -6,18 +6,16 @@ import sys
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import msgspec
+
+from course_kit import environment
+from course_kit.interfaces.hints import nearest_name
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
-
-from course_kit import environment
-from course_kit.interfaces.hints import nearest_name
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _FILE = Path(__file__).parents[1] / "diagnosis" / "diagnoses.toml"
 
@@ -39,10 +37,6 @@ class Diagnosis:
         return f"{self.notebook}#{self.section.replace(' ', '-')}"
 
 
-REPLACEABLE = ("title", "explanation", "notebook", "section")
-"""What an exercise may word in its own way; hints it has in its ladder."""
-
-
 @lru_cache(maxsize=1)
 def catalogue() -> dict[str, Diagnosis]:
     """All diagnoses by code."""
@@ -50,22 +44,35 @@ def catalogue() -> dict[str, Diagnosis]:
     return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
 
 
-def reword_diagnosis(code: str, fields: Mapping[str, str]) -> Diagnosis:
-    """The entry of a code as an exercise words it."""
-    if code not in catalogue():
-        near = nearest_name(code, catalogue())
-        raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")
-    for name, text in fields.items():
-        if name not in REPLACEABLE:
-            raise ValueError(f"the diagnosis {code} has no '{name}' to set; known are {', '.join(REPLACEABLE)}")
-        if not text.strip():
-            raise ValueError(f"'{name}' of the diagnosis {code} is empty")
-    if "notebook" in fields and "section" not in fields:
-        raise ValueError(f"the diagnosis {code} names a notebook without a 'section' of it")
-    return replace(catalogue()[code], **fields)
+class DiagnosisWords(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """What an exercise words in its own way of a diagnosis; hints it has in its ladder."""
+
+    title: str | None = None
+    explanation: str | None = None
+    notebook: str | None = None
+    section: str | None = None
+
+    def reword(self, usual: Diagnosis) -> Diagnosis:
+        """The diagnosis in these words."""
+        return replace(usual, **msgspec.to_builtins(self))
+
+    def require_sense(self, code: str) -> None:
+        """See that there is such a diagnosis, and that no text is empty.
+
+        Raises:
+            ValueError: it is not so.
+        """
+        if code not in catalogue():
+            near = nearest_name(code, catalogue())
+            raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")
+        for name, text in msgspec.to_builtins(self).items():
+            if not text.strip():
+                raise ValueError(f"'{name}' of the diagnosis {code} is empty")
+        if self.notebook and not self.section:
+            raise ValueError(f"the diagnosis {code} names a notebook without a 'section' of it")
 
 
-def complete(message: str, found: Diagnosis | None) -> str:
+def complete_message(message: str, found: Diagnosis | None) -> str:
     """What happened in this case, followed by why and by where to read, when the cause is known."""
     if found is None:
         return message

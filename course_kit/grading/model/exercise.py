@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
+from pathlib import Path  # noqa: TC003 - msgspec looks it up
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import msgspec
 from msgspec import structs
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import catalogue, exercise_folders
+from course_kit.grading.model import exercise_folders
+from course_kit.grading.model.catalogue import DiagnosisWords, catalogue
 from course_kit.grading.model.exercise_folders import FoundExercises
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
@@ -24,9 +25,6 @@ else:
     import tomli as tomllib
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
     from course_kit.grading.model.catalogue import Diagnosis
 
 FORMAT_VERSION = 1
@@ -54,14 +52,15 @@ class Sentence(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     cell: str = ""
     freedom: str = ""  # for a sentence that grants a freedom, the right program of the proof set that makes use of it
 
+    def __post_init__(self) -> None:
+        """Take away the ends of lines that TOML keeps around a text."""
+        for name in self.__struct_fields__:
+            structs.force_setattr(self, name, getattr(self, name).strip())
+
     @property
     def is_row(self) -> bool:
         """Whether it is a row of a table."""
         return self.text.startswith("|")
-
-    def without_margins(self) -> Sentence:
-        """The same without the ends of lines that TOML keeps around a text."""
-        return Sentence(*(text.strip() for text in structs.astuple(self)))
 
 
 class _Endpoint(msgspec.Struct, forbid_unknown_fields=True):
@@ -70,33 +69,55 @@ class _Endpoint(msgspec.Struct, forbid_unknown_fields=True):
     type: str
     program: str = ""  # the one of the exercise's files whose node has it; empty where there is one program
 
+    def __post_init__(self) -> None:
+        self.name = from_root(self.name)
 
-@dataclass(frozen=True)
-class Exercise:
-    """One exercise."""
 
-    folder: Path  # where it lies
-    id: str  # its name, which is the folder's
-    title: str  # for people
+class Exercise(msgspec.Struct, frozen=True, kw_only=True):
+    """One exercise: what stands in its exercise.toml, and where that lies."""
+
+    folder: Path
+    format_version: int
+    id: _Identifier  # its name, which is the folder's
+    title: _Text  # for people
     order: int  # its place in the course
     points: float  # full marks
     pass_mark: float  # the points from which it is passed
-    starter: str  # the file name of the starter program
-    notebook: str  # the file name of its notebook
-    solution: Path  # the file, or folder of files, with its solution, which may be missing, as in a student edition
-    grader: str  # the module or file with checks in Python, see `workers.grader_module`
-    class_name: str  # the Node class a submission defines
-    variable: str  # what a submission sets instead, in exercises without ROS
-    files: tuple[str, ...]  # the names of all files of a submission, where it has several
-    launch_file: str  # the one of them that starts the others together
-    seed: int | None  # what the checks draw from when nobody gives a seed; drawn itself when None
-    limits: Limits  # what a submission may use
-    hints: tuple[Hint, ...]  # the ladder, from a nudge to a push
-    diagnoses: Mapping[str, Diagnosis]  # by code, those that it words in its own way or links elsewhere
+    notebook: _Text  # the file name of its notebook
+    written_grader: _Text = msgspec.field(name="grader")
+    written_starter: str = msgspec.field(name="starter", default="")
+    written_solution: str = msgspec.field(name="solution", default="")
+    class_name: str = ""  # the Node class a submission defines
+    variable: str = ""  # what a submission sets instead, in exercises without ROS
+    files: tuple[_FileName, ...] = ()  # the names of all files of a submission, where it has several
+    launch_file: str = ""  # the one of them that starts the others together
+    seed: int | None = None  # what the checks draw from when nobody gives a seed; drawn itself when None
+    limits: Limits = Limits()  # what a submission may use
+    hints: tuple[Hint, ...] = ()  # the ladder, from a nudge to a push
+    diagnoses: dict[str, DiagnosisWords] = {}  # by code, those that it words in its own way or links elsewhere
     sentences: tuple[Sentence, ...] = ()  # its task, sentence by sentence
-    endpoints: tuple[Record, ...] = ()  # what a submission's node offers, publishes and subscribes to
+    endpoints: tuple[_Endpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
     practice: bool = False  # whether it counts for nothing: a drill
     symptom: str = ""  # of a drill, what somebody who uses its program sees
+
+    @property
+    def starter(self) -> str:
+        """The file name of the starter program."""
+        return self.written_starter or self.files[0]
+
+    @property
+    def solution(self) -> Path:
+        """The file, or folder of files, with its solution, which may be missing, as in a student edition."""
+        if self.written_solution:
+            return self.folder / self.written_solution
+        in_course = self.folder.parent.parent / "solutions" / self.folder.name
+        return in_course if self.files else in_course / self.starter
+
+    @property
+    def grader(self) -> str:
+        """The module or file with checks in Python, see `workers.grader_module`."""
+        own = self.written_grader.endswith(_OWN_MODULE)
+        return str(self.folder.absolute() / self.written_grader) if own else self.written_grader
 
     @property
     def interfaces(self) -> str:
@@ -120,8 +141,12 @@ class Exercise:
 
     def diagnosis(self, code: str | None) -> Diagnosis | None:
         """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
-        found = self.diagnoses.get(code or "") or catalogue.catalogue().get(code or "")
-        if found is None or found.notebook:
+        found = catalogue().get(code or "")
+        if found is None:
+            return None
+        if own := self.diagnoses.get(found.code):
+            found = own.reword(found)
+        if found.notebook:
             return found
         return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
@@ -168,9 +193,14 @@ def read_exercise(folder: Path) -> Exercise:
     """Read the exercise in a folder."""
     table = read_exercise_table(folder)
     try:
-        return _make_exercise(table, folder)
+        if table.get("format_version") != FORMAT_VERSION:
+            version = table.get("format_version")
+            raise ValueError(f"its format_version is {version}, but this kit reads {FORMAT_VERSION}")  # noqa: TRY301
+        exercise = convert_record({**table, "folder": folder}, Exercise)
+        _require_sense(exercise)
     except ValueError as problem:
         raise _unusable(folder, problem) from problem
+    return exercise
 
 
 def read_exercise_table(folder: Path) -> Record:
@@ -185,78 +215,30 @@ def _unusable(folder: Path, problem: Exception) -> GradingError:
     return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {problem}.")
 
 
-class _Table(msgspec.Struct):
-    """What stands in an exercise.toml; for what it is about see `Exercise`."""
+def _require_sense(exercise: Exercise) -> None:
+    """What stands in an exercise.toml makes sense together.
 
-    format_version: int
-    id: _Identifier
-    title: _Text
-    order: int
-    points: float
-    pass_mark: float
-    notebook: _Text
-    grader: _Text
-    starter: str = ""
-    class_name: str = ""
-    variable: str = ""
-    files: tuple[_FileName, ...] = ()
-    launch_file: str = ""
-    seed: int | None = None
-    practice: bool = False
-    symptom: str = ""
-    solution: _Text | None = None
-    limits: dict[str, int | float] = {}
-    hints: tuple[Hint, ...] = ()
-    diagnoses: dict[str, dict[str, str]] = {}
-    sentences: tuple[Sentence, ...] = ()
-    endpoints: tuple[_Endpoint, ...] = ()
-
-
-def _make_exercise(fields: Record, folder: Path) -> Exercise:
-    if "checks" in fields:
-        raise ValueError("checks are written in Python now, in a file that 'grader' names, instead of [[checks]]")
-    if fields.get("format_version") != FORMAT_VERSION:
-        version = fields.get("format_version")
-        raise ValueError(f"its format_version is {version}, but this kit reads {FORMAT_VERSION}")
-    table = convert_record(fields, _Table)
-    if table.id != folder.name:
-        raise ValueError(f"its id '{table.id}' is not the name of its folder")
-    if not 0 < table.pass_mark <= table.points:
-        raise ValueError(f"the pass mark {table.pass_mark:g} is not between 0 and {table.points:g} points")
-    if sum(map(bool, (table.class_name, table.variable, table.files))) != 1:
+    Raises:
+        ValueError: it does not.
+    """
+    folder = exercise.folder
+    if exercise.id != folder.name:
+        raise ValueError(f"its id '{exercise.id}' is not the name of its folder")
+    if not 0 < exercise.pass_mark <= exercise.points:
+        raise ValueError(f"the pass mark {exercise.pass_mark:g} is not between 0 and {exercise.points:g} points")
+    if sum(map(bool, (exercise.class_name, exercise.variable, exercise.files))) != 1:
         raise ValueError("it needs either a 'class_name' or a 'variable', or 'files'")
-    if not (table.starter or table.files):
+    if not (exercise.written_starter or exercise.files):
         raise ValueError("'starter' is missing")
-    if table.launch_file not in ("", *table.files):
-        raise ValueError(f"the launch file {table.launch_file} is none of its files")
-    names = [sentence.id for sentence in table.sentences]
+    if exercise.launch_file not in ("", *exercise.files):
+        raise ValueError(f"the launch file {exercise.launch_file} is none of its files")
+    names = [sentence.id for sentence in exercise.sentences]
     if doubles := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"two sentences have the id '{doubles[0]}'")
-    in_course = folder.parent.parent / "solutions" / folder.name  # which a release leaves out
-    if not table.files:
-        in_course /= table.starter
-    read: Record = {
-        "folder": folder,
-        "starter": table.starter or table.files[0],
-        "solution": in_course if table.solution is None else folder / table.solution,
-        "grader": _find_grader(table.grader, folder),
-        "limits": convert_record(table.limits, Limits),
-        "diagnoses": {code: catalogue.reword_diagnosis(code, texts) for code, texts in table.diagnoses.items()},
-        "sentences": tuple(sentence.without_margins() for sentence in table.sentences),
-        "endpoints": tuple({**structs.asdict(one), "name": from_root(one.name)} for one in table.endpoints),
-    }
-    same: Record = {
-        field.name: getattr(table, field.name) for field in dataclasses.fields(Exercise) if field.name not in read
-    }
-    return Exercise(**read, **same)
-
-
-def _find_grader(grader: str, folder: Path) -> str:
-    """What checks it: a module, or a file of its folder."""
-    if not grader.endswith(_OWN_MODULE):
-        return grader
-    if not (folder / grader).is_file():
+    for code, words in exercise.diagnoses.items():
+        words.require_sense(code)
+    grader = exercise.written_grader
+    if grader.endswith(_OWN_MODULE) and not (folder / grader).is_file():
         raise ValueError(f"the grader {grader} is not there")
-    if not (folder / grader).resolve().is_relative_to(folder.resolve()):
+    if grader.endswith(_OWN_MODULE) and not (folder / grader).resolve().is_relative_to(folder.resolve()):
         raise ValueError(f"the grader {grader} lies outside of the exercise's folder")
-    return str(folder.absolute() / grader)

@@ -78,11 +78,11 @@ def place(folder: Path) -> Path:
 
 
 def find() -> FoundExercises:
-    """The course's own exercises and those that were added."""
+    """The course's own exercises and those that were added; a folder that is named twice counts once."""
     own = course_folder()
     found = {} if own is None else within(own)
     problems = []
-    for folder in (Path(entry) for entry in _entries() if os.path.isabs(entry)):  # noqa: PTH117
+    for folder in _entries():
         exercises = list(_exercises(folder))
         if not exercises:
             problems.append(_nothing(folder, VARIABLE))
@@ -90,27 +90,18 @@ def find() -> FoundExercises:
             known = found.get(exercise.name, ())
             if not any(_is_same(exercise, other) for other in known):
                 found[exercise.name] = (*known, exercise)
-    problems += _not_absolute()
     return FoundExercises(found, tuple(problems))
 
 
-def add(folders: Iterable[str]) -> list[str]:
+def add(folders: Iterable[str]) -> None:
     """Add folders for this process and all that it starts."""
-    told = []
     for named in folders:
         folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept
         if not any(_exercises(folder)):
             raise GradingError(_nothing(folder, _OPTION))
         if os.pathsep in str(folder):
             raise GradingError(f"The name {folder} has a '{os.pathsep}' in it, which divides folders. Rename it.")
-        before = [one for one in _entries() if _is_same(folder, Path(one))]
-        if before:
-            told.append(
-                f"the folder {folder} is named twice, as {before[0]} by {_OPTION} or {VARIABLE}; it counts once."
-            )
-            continue
-        os.environ[VARIABLE] = os.pathsep.join([*_entries(), str(folder)])
-    return told
+        os.environ[VARIABLE] = os.pathsep.join(filter(None, [os.environ.get(VARIABLE, ""), str(folder)]))
 
 
 def interface_path() -> str:
@@ -121,22 +112,18 @@ def interface_path() -> str:
 
 def added() -> list[Path]:
     """The folders of all exercises that were added."""
-    return [one for entry in _entries() if os.path.isabs(entry) for one in _exercises(Path(entry))]  # noqa: PTH117
+    return [exercise for folder in _entries() for exercise in _exercises(folder)]
 
 
-def _entries() -> list[str]:
-    return [os.path.expanduser(entry) for entry in os.environ.get(VARIABLE, "").split(os.pathsep) if entry]  # noqa: PTH111
-
-
-def _not_absolute() -> Iterator[str]:
-    """A relative name would mean another folder in each place, one with submissions, perhaps."""
-    for entry in _entries():
-        if not os.path.isabs(entry):  # noqa: PTH117
-            yield f"{VARIABLE} names the folder {entry}, which counts for nothing. Write its whole path, from / on."
+def _entries() -> list[Path]:
+    named = os.environ.get(VARIABLE, "").split(os.pathsep)
+    return [Path(os.path.expanduser(entry)) for entry in named if entry]  # noqa: PTH111 - of a user nobody knows: as it is
 
 
 def _exercises(folder: Path) -> Iterator[Path]:
-    """A folder itself if it is an exercise, else those in it."""
+    """A folder itself if it is an exercise, else those in it; a relative name means another in each place, and none."""
+    if not folder.is_absolute():
+        return
     with suppress(OSError):  # a folder of somebody else's
         if (folder / TOML).is_file():
             yield folder
@@ -154,6 +141,8 @@ def _is_same(one: Path, other: Path) -> bool:
 
 
 def _nothing(folder: Path, named_by: str) -> str:
+    if not folder.is_absolute():
+        return f"{named_by} names the folder {folder}, which counts for nothing. Write its whole path, from / on."
     if not folder.is_dir():
         return f"There is no folder {folder}, which {named_by} names."
     return f"There is no exercise in {folder}, which {named_by} names: no {TOML}, neither in it nor in a folder in it."

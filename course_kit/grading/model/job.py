@@ -126,7 +126,7 @@ class Job:
     @property
     def running_endpoints(self) -> list[Record]:
         """Those of the program that runs; where several run, all."""
-        return [one for one in self.endpoints if self.launches or one.get("program", "") in ("", self.name)]
+        return [end for end in self.endpoints if self.launches or end.get("program", "") in ("", self.name)]
 
     @property
     def start_cpu_s(self) -> float:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
-if TYPE_CHECKING:
-    from course_kit.grading.model.plain_data import Record
+from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
 
 
 @dataclass(frozen=True)
@@ -25,8 +23,3 @@ class ProcessStatus:
     stdout: str = ""
     stderr: str = ""
     notes: Record = field(default_factory=dict)
-
-    @classmethod
-    def from_mapping(cls, facts: Record) -> ProcessStatus:
-        """Out of what the supervisor answers, which tells more."""
-        return cls(**{one.name: facts[one.name] for one in fields(cls) if one.name in facts})

@@ -36,7 +36,7 @@ class Facts:
 
     def waits_for_a_future(self, line: int) -> bool:
         """Whether the function around `line` makes an asynchronous call and looks at its future itself."""
-        around = [one for one in self.functions if one[0] <= line <= one[1]]
+        around = [lines for lines in self.functions if lines[0] <= line <= lines[1]]
         return max(around)[2] if around else False
 
 

@@ -15,6 +15,8 @@ from importlib.util import cache_from_source, find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import read_exercise
@@ -62,7 +64,7 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         hidden=hidden_files_of(exercise),
         interfaces=exercise.interfaces,
         points=exercise.points,
-        endpoints=exercise.endpoints,
+        endpoints=tuple(msgspec.to_builtins(exercise.endpoints)),
         launch_file=exercise.launch_file,
     )
     if command is None:

@@ -61,9 +61,9 @@ def main(supervisor: Channel, job: Job, lives: mmap) -> None:
     except ChannelClosedError:
         return
     except GradingError as problem:
-        told["problem"] = bounds.cut(str(problem))
+        told["problem"] = bounds.cut_text(str(problem))
     except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
-        told["problem"] = bounds.cut(f"{type(problem).__name__}: {problem}")
+        told["problem"] = bounds.cut_text(f"{type(problem).__name__}: {problem}")
     supervisor.send(told)
 
 

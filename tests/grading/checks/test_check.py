@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.check import Check, Evidence, Failed, choose_part, in_order, run_all
+from course_kit.grading.checks.check import Check, choose_part, in_order, run_all
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.vocabulary import check
 

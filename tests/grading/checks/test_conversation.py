@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.check import Evidence, Failed, NotRun
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
 

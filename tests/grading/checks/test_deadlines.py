@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-import threading
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -15,16 +13,16 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.checks.check import Check, Evidence, run_all
+from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext
-from course_kit.grading.checks.discovery import WantedEndpoint, expect_node, expect_server, expect_topics
+from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
+from course_kit.grading.checks.evidence import Evidence
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.hangs import ANSWER_S
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -99,8 +97,8 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "parameter values": (lambda context: RemoteParameters(context, NODE).values(["x"]), ANSWER_S),
     "set": (lambda context: RemoteParameters(context, NODE).set_values({"x": 1.0}), ANSWER_S),
     "node that serves its parameters": (lambda context: RemoteParameters(context, NODE).expect_served(), ANSWER_S),
-    "endpoints": (lambda context: expect_topics(context, [OTHER]), 2.0),
-    "service that is missing": (lambda context: expect_server(context, MISSING), 2.0),
+    "endpoints": (lambda context: expect_endpoints(context, [OTHER]), 2.0),
+    "service that is missing": (lambda context: expect_endpoints(context, [MISSING]), 2.0),
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),
 }
@@ -124,32 +122,6 @@ def test_no_verb_waits_beyond_the_deadline(context: CheckContext, verb: str) -> 
     assert spent[0] < patience_s
     if told := re.search(r"within ([\d.]+) s", result.got):
         assert float(told[1]) < patience_s
-
-
-def test_a_program_that_is_run_for_its_value_is_ended_at_the_deadline() -> None:
-    """The supervisor is stood in for: its program would run for ever."""
-    ours, theirs = Channel.pair()
-    answers = {"launch": {"domain": 1}, "time is up": {"running": False, "limit": "time"}}
-
-    def supervise() -> None:
-        with suppress(ChannelClosedError):
-            while True:
-                theirs.send(answers.get(theirs.receive()["do"], {"running": True}))
-
-    supervisor = threading.Thread(target=supervise)
-    supervisor.start()
-    lives = []
-
-    def one(context: CheckContext) -> Evidence:
-        lives.append(context.program.run_to_end(context.time_is_up))
-        return EVIDENCE
-
-    job = Job("course_kit.graders.pattern_choice", "run", "answer.py", 3, variable="answers")
-    (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], CheckContext(ours, job))
-    ours.close()
-    supervisor.join()
-    theirs.close()
-    assert (result.status, lives[0].limit) == ("passed", "time"), result.message
 
 
 def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:

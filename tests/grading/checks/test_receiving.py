@@ -12,11 +12,11 @@ from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
 from course_kit.grading.checks import grader_node as graders
+from course_kit.grading.checks.call_batch import CallBatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from course_kit.ros.service import SentRequest
 
 CLIENTS, CALLS = 10, 50
 STEPS_S = (0.004, 0.005, 0.006)  # no two in a row the same
@@ -67,20 +67,9 @@ def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: gra
     for client in clients:  # from then on the server knows them, and loses nothing
         known = client.send(AddTwoInts.Request())
         turn(peer, grader_node, known.answered)
-    waiting = list(range(CALLS))
-    flying: dict[int, SentRequest] = {}
-    sums: dict[int, int] = {}
-
-    def all_answered() -> bool:
-        for number in [number for number, sent in flying.items() if sent.answered()]:
-            sums[number] = flying.pop(number).response().sum
-        while waiting and len(flying) < CLIENTS:
-            number = waiting.pop(0)
-            flying[number] = clients[number % CLIENTS].send(AddTwoInts.Request(a=number, b=1000))
-        return not flying
-
-    turn(peer, grader_node, all_answered)
-    assert sums == {number: number + 1000 for number in range(CALLS)}
+    batch = CallBatch(clients, [AddTwoInts.Request(a=number, b=1000) for number in range(CALLS)])
+    turn(peer, grader_node, batch.exchange)
+    assert [response.sum for response in batch.responses] == [number + 1000 for number in range(CALLS)]
 
 
 def test_a_message_comes_with_its_times(peer: Any, grader_node: graders.GraderNode) -> None:

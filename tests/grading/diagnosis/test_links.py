@@ -40,7 +40,7 @@ def headings(path: Path) -> set[str]:
 def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str) -> None:
     found = catalogue.catalogue()[code]
     notebook = REPOSITORY / found.notebook
-    message = catalogue.complete("It failed.", found)
+    message = catalogue.complete_message("It failed.", found)
     assert message.startswith(f"It failed. {found.explanation}")
     assert (found.link in message) == notebook.is_file()
     if notebook.is_file():
@@ -49,7 +49,8 @@ def test_a_link_into_a_notebook_that_exists_names_one_of_its_headings(code: str)
 
 @pytest.mark.parametrize(("name", "code"), OWN)
 def test_a_link_of_an_exercise_names_a_heading_of_its_notebook(name: str, code: str) -> None:
-    found = load_exercise(name).diagnoses[code]
+    found = load_exercise(name).diagnosis(code)
+    assert found is not None
     assert found.section in headings(REPOSITORY / found.notebook)
     assert found != catalogue.catalogue()[code]
 
@@ -57,7 +58,8 @@ def test_a_link_of_an_exercise_names_a_heading_of_its_notebook(name: str, code: 
 @pytest.mark.parametrize(("name", "code"), OWN)
 def test_what_an_exercise_says_of_a_diagnosis_is_in_its_card_and_report(name: str, code: str) -> None:
     exercise = load_exercise(name)
-    own, usual = exercise.diagnoses[code], catalogue.catalogue()[code]
+    own, usual = exercise.diagnosis(code), catalogue.catalogue()[code]
+    assert own is not None
     check = engine._check(exercise, {**RESULT, "diagnosis": code})
     report = Report(name, exercise.title, "a.py", "graded", False, 0.0, 1.0, 1.0, (check,))
     card = html.unescape(render_html(report, REPOSITORY))
@@ -94,9 +96,12 @@ def test_a_diagnosis_of_the_task_itself_leads_to_the_notebook_of_the_exercise() 
             '[diagnoses."math.formulae"]\ntitle = "A"',
             "there is no diagnosis 'math.formulae'; did you mean math.formula?",
         ),
-        ('[diagnoses."math.formula"]\nhint = "A"', "the diagnosis math.formula has no 'hint' to set; known are title"),
+        ('[diagnoses."math.formula"]\nhint = "A"', "there is no 'hint' to set in diagnoses[...]"),
         ('[diagnoses."math.formula"]\ntitle = " "', "'title' of the diagnosis math.formula is empty"),
-        ('[diagnoses."math.formula"]\nsection = 3', "'diagnoses[...][...]' cannot be right: expected str, got int"),
+        (
+            '[diagnoses."math.formula"]\nsection = 3',
+            "'diagnoses[...].section' cannot be right: expected str | null, got int",
+        ),
         ('[diagnoses."math.formula"]\nnotebook = "a.ipynb"', "names a notebook without a 'section' of it"),
         ("[diagnoses]\n'math.formula' = 'A'", "'diagnoses[...]' cannot be right: expected object, got str"),
         ("diagnoses = 3", "'diagnoses' cannot be right: expected object, got int"),
