@@ -179,7 +179,7 @@ def _guard_spinning_for_a_while(patches: Patches, lab: Engine) -> None:
                 _tell_of_spinning(lab, what, node)
             _has_come(lab, future, timeout_sec)
         else:
-            _spin_for(node, executor, lambda executor: _spin_until(executor, future, timeout_sec))
+            _spin_for(node, executor, lambda executor: _spin_until(lab, executor, future, timeout_sec))
 
     patches.set(rclpy, "spin_once", spin_once)
     patches.set(rclpy, "spin_until_future_complete", spin_until_future_complete)
@@ -281,11 +281,13 @@ def _spin_for(node: Node, executor: Executor | None, work: Callable[[Executor], 
             executor.remove_node(node)
 
 
-def _spin_until(executor: Executor, future: Future, timeout: float | None) -> None:
+def _spin_until(lab: Engine, executor: Executor, future: Future, timeout: float | None) -> None:
     """Spin as rclpy would, letting Python see an interrupt now and then."""
     deadline = None if timeout is None or timeout < 0 else time.monotonic() + timeout
     future.add_done_callback(lambda _: executor.wake())
     while executor.context.ok() and not future.done() and not future.cancelled():
+        if lab.in_callback():  # what is waited for may come from a node of the lab
+            lab.executor.run_others(future.done, 0.0)
         left = _SLICE if deadline is None else min(_SLICE, deadline - time.monotonic())
         if left <= 0:
             return
