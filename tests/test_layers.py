@@ -60,8 +60,8 @@ BUDGETS = {
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
     "course_kit/reader": 783,  # the files of the capstone, out of a zip or a notebook
-    "course_kit/grading": 10830,  # with the capstone
-    "course_kit/graders": 3029,  # with the capstone
+    "course_kit/grading": 10334,  # with the capstone
+    "course_kit/graders": 2962,  # with the capstone
     "course_kit/learner": 1434,  # with the steps of the lessons and the page of progress
     "course_kit/panels": 2536,  # with the second day and the corridor of the capstone
     "course_kit/integrations": 1372,  # the capstone, %check, %solution, the second day; 150 for the tutor

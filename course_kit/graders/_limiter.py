@@ -18,7 +18,7 @@ from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from std_msgs.msg import Float64
 
@@ -28,7 +28,6 @@ _RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 _NEAR = 0.15
 _UNIT = "m/s"
 BEYOND = 9.0  # m/s, above every valid limit
-_REMEMBERED = 6  # refused changes, of which a wrong node may have kept some
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
 SILENT_S = 2.0  # four periods
@@ -40,7 +39,6 @@ _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.05, 1.1  # how long what nobody asked for 
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
-_PYTHON = {"string": str, "double": float, "bool": bool}
 BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
 RANGES = {
     "robot_name": "not empty",
@@ -64,32 +62,14 @@ class LimiterSettings:
     wheel_diameter: float = 0.1  # m
     enabled: bool = True
 
-    def with_some(self, refused: Sequence[Mapping[str, Any]]) -> Iterator[tuple[LimiterSettings, Mapping[str, Any]]]:
-        """The settings of a node which keeps some of these refused values, each with the last change it has kept."""
-        kept: dict[str, list[tuple[Any, int]]] = {name: [(getattr(self, name), -1)] for name in TYPES}
-        recent = refused[-_REMEMBERED:]
-        for number, values in enumerate(recent):
-            for name, value in values.items():
-                if type(value) is _PYTHON[TYPES[name]]:
-                    kept[name].append((value, number))
-        for some in itertools.product(*kept.values()):
-            last = max(number for _, number in some)
-            if last >= 0:
-                yield LimiterSettings(*(value for value, _ in some)), recent[last]
-
 
 DEFAULTS = LimiterSettings()
 
 
-def is_valid(name: str, value: object) -> bool:
-    """Whether a parameter may have a value."""
-    if type(value) is not _PYTHON[TYPES[name]]:
-        return False
-    if name == "max_velocity":
-        return 0.0 < value <= BOUNDS[name][1]  # type: ignore[operator]
-    if name == "wheel_diameter":
-        return BOUNDS[name][0] <= value <= BOUNDS[name][1]  # type: ignore[operator]
-    return value != ""
+def is_valid(name: str, value: Any) -> bool:
+    """Whether a parameter may have a value of its type."""
+    low, high = BOUNDS.get(name, (0.0, 0.0))
+    return bool(low <= value <= high and value > 0.0 if name in BOUNDS else value != "")
 
 
 @dataclass(frozen=True)
@@ -104,14 +84,15 @@ class Reaction:
         """From the messages."""
         return cls(tuple(float(getattr(getattr(twist, part), axis)) for part, axis in FIELDS), float(wheel.data))
 
-    def describe(self) -> str:
+    def __str__(self) -> str:
         """As the learner is shown it."""
-        return f"/cmd_vel {self.describe_fields()}; /wheel_speed {self.wheel:.6g}"
+        return f"/cmd_vel {describe_fields(self.fields)}; /wheel_speed {self.wheel:.6g}"
 
-    def describe_fields(self) -> str:
-        """The fields of /cmd_vel that are not 0."""
-        told = [f"{name}={value:.6g}" for name, value in zip(_NAMES, self.fields, strict=True) if value != 0.0]
-        return ", ".join(told) or "all fields 0"
+
+def describe_fields(fields: Sequence[float]) -> str:
+    """The fields of a geometry_msgs/Twist that are not 0."""
+    told = [f"{name}={value:.6g}" for name, value in zip(_NAMES, fields, strict=True) if value != 0.0]
+    return ", ".join(told) or "all fields 0"
 
 
 def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reaction:
@@ -132,29 +113,27 @@ def cause_of(
 ) -> tuple[bool, str | None, str]:
     """What is wrong with a reaction to a command: whether /wheel_speed alone is, the diagnosis, and a sentence."""
     right = right_reaction(settings, fields)
-    if all(map(_same, right.fields, got.fields)):
-        return (True, *_cause_of_wheel(settings, fields, got, floors=floors))
+    names = [name for name, one, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _same(one, two)]
     if not settings.enabled:
-        return False, None, "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
-    pairs = zip(_NAMES[1:], right.fields[1:], got.fields[1:], strict=True)
-    if changed := [name for name, one, two in pairs if not _same(one, two)]:
-        told = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(changed)}."
+        if names:
+            return (
+                False,
+                None,
+                "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still.",
+            )
+        return True, "math.formula", "With enabled=False the robot stands still, and so do its wheels."
+    others = [name for name in names if name != _NAMES[0]]
+    if others:
+        told = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
         return False, None, told
-    if _same(got.fields[0], fields[0]):
-        told = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
-    elif _same(got.fields[0], -right.fields[0]):
-        told = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
-    else:
+    if names:
         told = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
-    return False, "math.formula", told
-
-
-def _cause_of_wheel(
-    settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
-) -> tuple[str, str]:
+        if _same(got.fields[0], fields[0]):
+            told = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
+        elif _same(got.fields[0], -right.fields[0]):
+            told = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
+        return False, "math.formula", told
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
-    if not settings.enabled:
-        return "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     slips = (
         (_over(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
@@ -163,13 +142,12 @@ def _cause_of_wheel(
         (_over(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
-    for value, told in slips:
-        if _same(got.wheel, value):
-            return "math.formula", told
-    off = abs(got.wheel - _over(speed, diameter / 2.0))
-    if off <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        return "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
-    return "math.formula", "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
+    usual = [told for value, told in slips if _same(got.wheel, value)]
+    if not usual and abs(got.wheel - right.wheel) <= 1.0 and (got.wheel == round(got.wheel) or floors):
+        told = "Digits were lost in the calculation: look for //, int() and round()."
+        return True, "math.integer_division", told
+    none = "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
+    return True, "math.formula", (usual or [none])[0]
 
 
 def read_status(text: str) -> tuple[str, float] | None:
@@ -182,16 +160,6 @@ def read_status(text: str) -> tuple[str, float] | None:
         return name, float(number)
     except ValueError:
         return None
-
-
-def what_is_wrong_with_status(settings: LimiterSettings, line: str) -> str:
-    """What a status line does not tell, for the learner."""
-    read = read_status(line)
-    if read is None:
-        return "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
-    if read[0] != settings.robot_name:
-        return f"The line begins with {read[0]!r}; robot_name is {settings.robot_name!r}."
-    return f"The line says {read[1]!r} m/s; max_velocity is {settings.max_velocity!r}, unrounded."
 
 
 def missing_in_reason(name: str, value: Any, reason: str) -> str:
@@ -232,7 +200,8 @@ class LimiterSteps(Model):
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
         self.refused: list[dict[str, Any]] = []
-        self.past: list[dict[str, Any] | list[float]] = []  # changes that were accepted, and commands
+        # Changes and commands, and whether they were refused.
+        self.past: list[tuple[dict[str, Any] | list[float], bool]] = []
         self.heard_at: list[float] = []  # when lines of /status have come, told at the end
         self.quiet_until = self.sent_at = 0.0  # seconds of time.monotonic()
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
@@ -251,6 +220,12 @@ class LimiterSteps(Model):
         self.in_time(change)
         self.keep_values(values)
 
+    def set_numbers(self, node: GradedNode, velocity: float, diameter: float) -> None:
+        """Valid numbers are accepted, one after the other."""
+        for name, value in (("max_velocity", velocity), ("wheel_diameter", diameter)):
+            if CHANGES[name] not in self.lost:
+                self.accept(node, {name: float(value)}, CHANGES[name])
+
     def refuse_set(self, node: GradedNode, values: dict[str, Any]) -> None:
         """Valid and invalid values at once are refused."""
         wrong = {name: value for name, value in values.items() if not is_valid(name, value)}
@@ -261,11 +236,16 @@ class LimiterSteps(Model):
             why = f"Your node refuses {describe_values(wrong)} by itself, and accepts it beside others: judge all."
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
         change.refused(expected=f"refused, and nothing changed: {describe_values(wrong)} is not valid")
-        self.refused.append(values)
+        self.note_refusal(values)
         if not any(name in change.result.reason for name in wrong):
             for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
                 self.accept(node, {name: values[name]}, CHANGES[name])
             self.require_reason(change, *next(iter(wrong.items())))
+
+    def note_refusal(self, values: dict[str, Any]) -> None:
+        """The node has refused these values."""
+        self.refused.append(values)
+        self.past.append((values, True))
 
     def require_reason(self, change: Change, name: str, value: Any) -> None:
         """The reason of a refusal names the parameter and its range."""
@@ -292,7 +272,7 @@ class LimiterSteps(Model):
     def keep_values(self, values: dict[str, Any]) -> None:
         """The node has accepted these values."""
         self.settings = replace(self.settings, **values)
-        self.past.append(values)
+        self.past.append((values, False))
         if set(values) != {"robot_name"}:
             self.quiet_until = time.monotonic() + _ACTS_S
 
@@ -318,84 +298,84 @@ class LimiterSteps(Model):
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         self.require_quiet(node, 0.0, enabled=self.settings.enabled)
-        self.past.append(fields)
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         try:
             got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         except Failed as silence:
-            raise self.blame(node, silence, self.past[:-1], lambda model: model.drive(node, fields)) from None
+            if "reacts" in self.lost:
+                raise
+            raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         right = right_reaction(self.settings, fields)
         if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_same, right.fields, got.fields))):
             self.seen = self.settings
+            self.past.append((fields, False))
             return
         if "one_each" not in self.lost:
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
-        told = "; ".join(filter(None, (sent, f"{COMMAND}: {Reaction(tuple(fields), 0.0).describe_fields()}")))
-        evidence = Evidence(told, right.describe(), got.describe())
-        failed = self.explain_reaction(evidence, fields, got, floors=context.job.facts.floor_divides)
-        raise self.blame(node, failed, self.past[:-1], lambda model: model.drive(node, fields))
+        told = "; ".join(filter(None, (sent, f"{COMMAND}: {describe_fields(fields)}")))
+        evidence = Evidence(told, str(right), str(got))
+        failed = self.explain_reaction(node, evidence, fields, got)
+        raise self.blame(node, failed, lambda model: model.drive(node, fields))
 
-    def explain_reaction(self, evidence: Evidence, fields: list[float], got: Reaction, *, floors: bool) -> Failed:
+    def explain_reaction(self, node: GradedNode, evidence: Evidence, fields: list[float], got: Reaction) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
-        for one, values in self.settings.with_some(self.refused):
-            if same_reaction(got, right_reaction(one, fields)):
-                why = "Your node refused the change, yet it acts on it: it kept a value before it had checked all."
-                return Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
-        now, before = self.settings, self.seen
-        changed = [name for name in TYPES if getattr(now, name) != getattr(before, name)]
-        for old in (before, self.start):
-            if old != now and same_reaction(got, right_reaction(old, fields)):
+        now = self.settings
+        for values in itertools.product(
+            *zip(*(vars(one).values() for one in (now, self.seen, self.start)), strict=True)
+        ):
+            old = LimiterSettings(*values)
+            names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
+            if names and same_reaction(got, right_reaction(old, fields)):
                 why = "Your node accepted the change, but what comes out is the same as before."
-                names = [name for name in TYPES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
-                code = "parameter.read_once"
-                return Failed(evidence, why, code, breaks=CHANGES[names[0]] if names else "limited")
-        of_wheel, diagnosis, why = cause_of(now, fields, got, floors=floors)
-        if not now.enabled:
-            breaks = "disabled"
-        elif "enabled" in changed and not (of_wheel and got.wheel):
-            breaks, why = "change_enabled", f"After enabled=True: {why}"
-        elif of_wheel:
-            same = now.wheel_diameter == self.start.wheel_diameter or diagnosis == "math.integer_division"
-            breaks = "wheels" if same else "change_diameter"
-        else:
-            same = now.max_velocity == self.start.max_velocity or diagnosis is None
-            breaks = "limited" if same else "change_velocity"
+                return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
+        of_wheel, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.facts.floor_divides)
+        breaks = "disabled" if not now.enabled else "wheels" if of_wheel else "limited"
         return Failed(evidence, why, diagnosis, breaks=breaks)
 
-    def blame(
-        self,
-        node: GradedNode,
-        failed: Failed,
-        past: list[dict[str, Any] | list[float]],
-        act: Callable[[LimiterSteps], None],
-    ) -> Failed:
+    def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
-        context = node.context
-        if not self.refused or failed.diagnosis == "parameter.not_atomic" or context.job.mode == "attach":
+        plain: list[dict[str, Any] | list[float]] = []
+        alone = list(plain)  # and of what was refused only the wrong values, one at a time
+        for done, refused in self.past:
+            if not refused:
+                plain.append(done)
+            if isinstance(done, dict) and refused and len(done) > 1:
+                alone += [{name: value} for name, value in done.items() if not is_valid(name, value)]
+            else:
+                alone.append(done)
+        if not self.refused or not self._goes_right(node, act, plain):
             return failed
-        with context.record.looking_away():
-            context.spoil()
+        why = "Your node refused the change, yet it acts on it: what it does is different from before."
+        together = any(len(values) > 1 for values in self.refused) and self._goes_right(node, act, alone)
+        return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
+
+    def _goes_right(
+        self, node: GradedNode, act: Callable[[LimiterSteps], None], past: Sequence[dict[str, Any] | list[float]]
+    ) -> bool:
+        """Whether an act is right on a fresh start after these changes and commands; a stranger's node has none."""
+        if node.context.job.mode == "attach":
+            return False
+        with node.context.record.looking_away():
+            node.context.spoil()
             node.meet()
             model = type(self)()
             model.lost = self.lost
             try:
                 model.begin(node)
                 for done in past:
-                    if isinstance(done, dict):
-                        node.set(done, of=NODE).accepted()
-                        model.keep_values(done)
-                    else:
+                    if isinstance(done, list):
                         node.send(COMMAND, twist_of(done))
                         node.expect(LIMITED)
                         node.expect(WHEEL)
+                    elif node.set(done, of=NODE).result.successful:
+                        model.keep_values(done)
                 act(model)
             except Failed:
-                return failed
-        why = "Your node refused the change, yet it acts on it: what it does is different from before."
-        return Failed(failed.evidence, why, "parameter.not_atomic", breaks=_refused_by(self.refused[-1]))
+                return False
+        return True
 
     def watch_status(self, node: GradedNode) -> None:
         """From now on a line of /status has to tell the settings; that is seen while other things are asked."""
@@ -426,21 +406,21 @@ class LimiterSteps(Model):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."
             failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")
-            raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
+            raise self.blame(node, failed, lambda model: model.require_status(node))
         line = str(inbox.messages[-1].data)
         evidence = replace(evidence, got=f"on {STATUS}: {line}")
         read = read_status(line)
-        for one, values in self.settings.with_some(self.refused):
-            now = (self.settings.robot_name, self.settings.max_velocity)
-            if (one.robot_name, one.max_velocity) != now and read == (one.robot_name, one.max_velocity):
-                why = "Your node refused the change, yet /status shows it."
-                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
         breaks, code = "change_status" if changed and read is not None else "status", None
-        why = what_is_wrong_with_status(self.settings, line)
+        if read is None:
+            why = "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
+        elif read[0] != self.settings.robot_name:
+            why = f"The line begins with {read[0]!r}; robot_name is {self.settings.robot_name!r}."
+        else:
+            why = f"The line says {read[1]!r} m/s; max_velocity is {self.settings.max_velocity!r}, unrounded."
         if changed and read == (self.start.robot_name, self.start.max_velocity):
             why, code = "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
         failed = Failed(evidence, why, code, breaks=breaks)
-        raise self.blame(node, failed, self.past, lambda model: model.require_status(node))
+        raise self.blame(node, failed, lambda model: model.require_status(node))
 
 
 def _refused_by(values: Mapping[str, Any]) -> str:

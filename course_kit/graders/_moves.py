@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +15,7 @@ from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
@@ -26,7 +27,6 @@ ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
 BESIDE = 0.1  # metres; how far from the straight way a position may lie
 LONG_M = 1.0  # from this length on feedback has to come
-ASPECTS = ("arrives", "distance", "feedback", "progress")  # of a move, each the id of a check
 _A_METRE = 5  # feedback messages
 _BARELY_BEGUN = 0.1  # the progress that the first message says at most
 _FITS = 0.05  # how well progress fits distance_remaining
@@ -162,10 +162,20 @@ def describe_end(ended: Ended) -> str:
     )
 
 
-def metres_left(goal: GradedGoal, target: ArenaPoint) -> float:
-    """How far from its target the robot was at the last feedback so far; without end where there was none."""
-    heard = goal.feedback
-    return math.dist(place_of(heard[-1].feedback.position), target) if heard else math.inf
+def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) -> float:
+    """How far from its target the robot was at the last feedback so far, or until then; endless without feedback."""
+    heard = [one.feedback for one in goal.feedback if one.came_s <= at_s]
+    return math.dist(place_of(heard[-1].position), target) if heard else math.inf
+
+
+@contextmanager
+def costing(breaks: str) -> Iterator[None]:
+    """What fails in here costs this check, or the one that proves this sentence."""
+    try:
+        yield
+    except Failed as failed:
+        failed.breaks = breaks
+        raise
 
 
 # --- a goal and its answer
@@ -180,11 +190,8 @@ def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoa
 
 def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> None:
     """A valid goal is accepted; else find out what the server minds: this goal, all goals, or what was before."""
-    try:
+    with costing("accepted"):
         goal.wait_for_answer("the goal accepted")
-    except Failed as failed:
-        failed.breaks = "accepted"
-        raise
     if goal.accepted:
         return
     evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr
@@ -215,21 +222,6 @@ def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bo
 
 
 # --- one aspect of a move
-
-
-def judge_aspect(aspect: str, move: Move) -> None:
-    """One aspect of a move that ended SUCCEEDED is right."""
-    require = {
-        "arrives": require_arrival,
-        "distance": require_distance,
-        "feedback": require_enough,
-        "progress": require_truth,
-    }[aspect]
-    try:
-        require(move)
-    except Failed as failed:
-        failed.breaks = aspect
-        raise
 
 
 def require_arrival(move: Move) -> None:
@@ -358,9 +350,16 @@ def require_limits(goal: GradedGoal) -> None:
     """Progress stays in 0 to 1 where there is no way to go and no feedback is needed."""
     if found := find_jump(goal.wait_for_last_feedback(lambda _: True)):
         evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
-        why = "A goal at the present position needs no feedback, but progress goes from 0 to 1."
-        raise Failed(evidence, why, breaks="already_there")
+        raise Failed(evidence, "A goal at the present position needs no feedback, but progress goes from 0 to 1.")
 
+
+ASPECTS = {
+    "arrives": require_arrival,
+    "distance": require_distance,
+    "feedback": require_enough,
+    "progress": require_truth,
+}
+# of a move that has ended SUCCEEDED, by the check whose points it costs
 
 # --- a move that is cancelled
 
@@ -374,7 +373,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
     if code == "action.cancel_refused" and left > CANCEL_UNTIL_M and (slow or goal.feedback):
         return failed
     if slow and not (code == "action.cancel_blocked" and waited_s > _PROMPT_S):
-        return OverError(failed.evidence, failed.message)
+        return OverError(failed.evidence, failed.message, breaks=failed.breaks)
     return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
 
 

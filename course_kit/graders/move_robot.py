@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from course_interfaces.action import MoveRobot
 
 from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
+from course_kit.grading.checks.evidence import UnseenError
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
@@ -65,7 +67,7 @@ class RobotModel(Model):
     def begin(self, node: GradedNode) -> None:
         """Have the robot at its own speed where the fast one was too fast; look where a stranger's robot is."""
         if node.context.job.mode == "attach":
-            self.take_over(node)
+            self.finish(self.at, CENTRE, self.start(node, CENTRE))
         elif _moves.speed_of(node.context).own:
             self.start_afresh(node)
 
@@ -82,7 +84,7 @@ class RobotModel(Model):
         self.make_plain_move(node)
         for z in (math.nan, 2.5, -1.0):
             self.special = "any_z"
-            self.judge(self.drive(node, self.target_of(way), z, "any_z"))
+            self.drive(node, self.target_of(way), z, "any_z")
 
     @step_rule("already_there", angle=ANGLE, often=2)
     def be_there(self, node: GradedNode, angle: float) -> None:
@@ -94,8 +96,9 @@ class RobotModel(Model):
         self.targets[-1] = place_inside(self.at, 0.3, angle)  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
-        _moves.require_limits(goal)
-        _moves.judge_aspect("arrives", Move(self.at, self.at, goal, ended))
+        with _moves.costing("already_there"):
+            _moves.require_limits(goal)
+        self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
     @step_rule("outside")
     def reach_edges(self, node: GradedNode) -> None:
@@ -164,7 +167,7 @@ class RobotModel(Model):
                 self.see_one_at_a_time(node, first, second, Evidence(sent, expected, "both goals accepted"))
             target = place_inside(begin, 0.5, one if accepted[0] is first else other)
             self.targets.append(target)
-            _moves.judge_aspect("arrives", self.finish(begin, target, accepted[0]))
+            self.judge(self.finish(begin, target, accepted[0]), "arrives")
 
     @step_rule("second_goal", way=_moves.draw_way(draw_between(1.0, 1.4)), angle=ANGLE)
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
@@ -202,7 +205,7 @@ class RobotModel(Model):
         self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
         target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:
-            self.judge(self.drive(node, target))
+            self.drive(node, target)
 
     # --- steps of the rules
 
@@ -213,25 +216,15 @@ class RobotModel(Model):
             self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
     def drive(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> Move:
-        """Drive to a target."""
-        return self.finish(self.at, target, self.start(node, target, z, breaks))
+        """Drive to a target, rightly in each aspect."""
+        move = self.finish(self.at, target, self.start(node, target, z, breaks))
+        self.judge(move)
+        return move
 
     def move_rightly(self, node: GradedNode, target: ArenaPoint) -> None:
-        """A move that is right in each aspect; a long one shows that what was special before it has left nothing."""
-        move = self.drive(node, target)
-        self.judge(move)
-        if move.length >= _moves.LONG_M:
+        """A right move; a long one shows that what was special before it has left nothing."""
+        if self.drive(node, target).length >= _moves.LONG_M:
             self.special = ""
-
-    def take_over(self, node: GradedNode) -> None:
-        """Send a stranger's robot to the middle, as soon as it has ended what it does for somebody else."""
-        clock, goal = node.context.clock(), None
-        while not (goal and goal.accepted) and not clock.past(_moves.allowed_s(ARENA)):
-            node.context.wait_until(lambda: False, _ASK_AGAIN_S if goal else 0.0)
-            goal = _moves.send_goal(node, CENTRE)
-            goal.wait_for_answer("the goal accepted")
-        goal = goal if goal and goal.accepted else self.start(node, CENTRE)
-        self.finish(self.at, CENTRE, goal)
 
     def start(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> GradedGoal:
         """Send a goal, which is accepted; what rejects just this one costs the check that is named."""
@@ -301,9 +294,10 @@ class RobotModel(Model):
         if before is not None and len(before[0].goal.feedback) > before[1]:  # after its result, say
             self.judge(before[0], "progress")
         lost = {*self.lost, "progress"} if "feedback" in self.lost else self.lost
-        for aspect in _moves.ASPECTS:
+        for aspect, require in _moves.ASPECTS.items():
             if aspect not in lost and (aspect in aspects or not aspects):
-                _moves.judge_aspect(aspect, move)
+                with _moves.costing(aspect):
+                    require(move)
         self._judged = (move, len(move.goal.feedback))
 
     def cancel(
@@ -317,12 +311,17 @@ class RobotModel(Model):
         if disturbed and "second_goal" not in self.lost:
             self.reject_second(node, goal, place_inside(begin, 0.6, target.x))
         goal.shown += ", and on the way the request to cancel it"
-        clock = node.context.clock(lambda: 0.0)  # an answer that came when the goal was over was not late for us alone
+        clock, asked_s = node.context.clock(lambda: 0.0), time.time()
         try:
             goal.cancelled()
         except Failed as failed:
             failed.breaks = breaks
-            explained = _moves.explain_refusal(failed, goal, target, clock.fair(), slow=slow)
+            driven = min(length, _moves.metres_left(goal, target, asked_s)) - _moves.metres_left(goal, target)
+            if driven > A_SECOND and not failed.diagnosis:
+                failed.diagnosis = "action.cancel_blocked"
+            # However busy the machine is: who has driven so far meanwhile has had this much time.
+            waited_s = max(clock.fair(), driven / A_SECOND)
+            explained = _moves.explain_refusal(failed, goal, target, waited_s, slow=slow)
             if isinstance(explained, OverError):
                 self.start_afresh(node)
             raise explained from None
@@ -345,8 +344,8 @@ class RobotModel(Model):
     def act(self, node: GradedNode, step: Callable[[], object]) -> None:
         """Do a step; what may be the fast robot's fault, or a busy machine's, is done again at its own speed."""
         context, speed, steps = node.context, _moves.speed_of(node.context), [step]
-        over = again = 0
-        while over < _moves.OFTEN:
+        again, over = 0, list[OverError]()
+        while len(over) < _moves.OFTEN:
             clock = context.clock()
             try:
                 for before in steps[:-1]:
@@ -354,8 +353,8 @@ class RobotModel(Model):
                         before()
                 step()
                 break
-            except OverError:
-                over += 1
+            except OverError as failed:
+                over.append(failed)
             except Failed as failed:
                 again += 1
                 if isinstance(failed, HastyError) and _moves.is_too_hasty(clock, context, again):
@@ -374,14 +373,13 @@ class RobotModel(Model):
         if speed.own and speed.needed < _moves.OFTEN:
             speed.own = False
             self.start_afresh(node)
+        if len(over) == _moves.OFTEN and over[-1].breaks:
+            raise UnseenError(over[-1].evidence, over[-1].message)
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""
-        if (
-            failed.breaks not in ("accepted", "succeeds", *_moves.ASPECTS)
-            or failed.breaks in self.lost
-            or not self.special
-        ):
+        of_moves = failed.breaks in ("accepted", "succeeds", *_moves.ASPECTS)
+        if not of_moves or failed.breaks in self.lost or not self.special:
             return
         special, targets = self.special, self.targets[-8:]
         if node.context.job.mode != "attach":
@@ -389,7 +387,8 @@ class RobotModel(Model):
                 with node.context.record.looking_away():
                     self.start_afresh(node)
                     for target in targets:
-                        self.judge(self.drive(node, target), failed.breaks)
+                        move = self.finish(self.at, target, self.start(node, target))
+                        self.judge(move, failed.breaks)
             except Failed:
                 return
         if failed.breaks in _moves.ASPECTS:

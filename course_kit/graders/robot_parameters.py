@@ -57,14 +57,13 @@ _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
-_VELOCITIES = (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF)
-_DIAMETERS = (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF)
 _NAMES = (" ", "  my robot: 2 ", "Zo\u00eb \u83ef")
-_INVALID = (
-    *({"max_velocity": value} for value in _VELOCITIES),
-    *({"wheel_diameter": value} for value in _DIAMETERS),
-    {"robot_name": ""},
-)
+_WRONG = {
+    "max_velocity": (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF),
+    "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),
+    "robot_name": ("",),
+}
+_INVALID = tuple({name: value} for name, values in _WRONG.items() for value in values)
 _TOGETHER = (
     {"max_velocity": 2.5, "wheel_diameter": 2.0},
     {"wheel_diameter": 0.5, "max_velocity": 6.0},
@@ -83,7 +82,7 @@ _WITH_NAMES = (
     {"robot_name": "half_2", "wheel_diameter": 0.0},
     {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
 )
-_ENABLED = ((False, (0.5, 0.0)), (True, (0.5, 1.0, -1.0, 1.01, -1.01)))  # and shares of the limit to drive at
+_SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _COMMANDS = (("m/s", 0.0, [0.0] * 5), ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
 
 
@@ -103,6 +102,8 @@ class Limiter(LimiterSteps):
             self.set_several(node, {"robot_name": "last", "max_velocity": 0.7, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+            for values in ({"max_velocity": 8.0}, {"robot_name": ""}) if "refuses" not in self.lost else ():
+                self.refuse(node, values)
             self.watch_status(node)
         self.require_quiet(node, max(self.sent_at + LATE_S - time.monotonic(), 0.0), enabled=True)
         self.require_status(node)
@@ -123,18 +124,25 @@ class Limiter(LimiterSteps):
     )
     def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
-        velocity, diameter = values
-        self.accept(node, {"max_velocity": float(velocity)}, "change_velocity")
-        self.accept(node, {"wheel_diameter": diameter}, "change_diameter")
+        self.set_numbers(node, *values)
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
-    @step_rule("change_enabled", value=draw_one_of(*_ENABLED))
-    def set_enabled(self, node: GradedNode, value: tuple[bool, tuple[float, ...]]) -> None:
-        """On and off act, on a command to stand still, too; on, just the limit passes, and nothing beyond."""
-        enabled, shares = value
-        self.accept(node, {"enabled": enabled}, "change_enabled")
-        for share in shares:
-            self.drive(node, [share * one for one in (self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0)])
+    @step_rule("change_enabled")
+    def switch_off(self, node: GradedNode) -> None:
+        """Off acts, on a command to stand or to turn on the spot, too."""
+        self.accept(node, {"enabled": False}, "change_enabled")
+        for fields in ([0.5 * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0], [0.0] * 5 + [0.5], [0.0] * 6):
+            self.drive(node, fields)
+
+    @step_rule("change_enabled", velocity=draw_between(0.2, 4.0), diameter=draw_between(0.02, 0.9))
+    def switch_on(self, node: GradedNode, velocity: float, diameter: float) -> None:
+        """On acts, and so does what was changed meanwhile."""
+        if self.settings.enabled:
+            self.accept(node, {"enabled": False}, "change_enabled")
+        self.set_numbers(node, velocity, diameter)
+        self.accept(node, {"enabled": True}, "change_enabled")
+        for share in _SHARES:
+            self.drive(node, [share * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0])
 
     @step_rule("change_status", value=draw_one_of(*_NAMES))
     def set_name(self, node: GradedNode, value: str) -> None:
@@ -167,7 +175,7 @@ class Limiter(LimiterSteps):
         name = next(iter(values))
         change = node.set(values, of=NODE)
         change.refused(expected=f"refused: {RANGES[name]}")
-        self.refused.append(values)
+        self.note_refusal(values)
         self.in_time(change)
         self.require_reason(change, name, values[name])
 
@@ -209,7 +217,7 @@ class Limiter(LimiterSteps):
         """A value of another type."""
         name = next(iter(values))
         node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
-        self.refused.append(values)
+        self.note_refusal(values)
 
     @step_rule("undeclared", values=draw_one_of({"wheel_count": 4}, {"max_velocity_": 1.0}))
     def set_undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
@@ -224,7 +232,7 @@ def node_up(node: GradedNode) -> Evidence:
     return node.parameters(NODE).expect_served()
 
 
-@check(points=0.5, after=["node_up"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, after=["node_up"], proves=list(TYPES))
 def declared(node: GradedNode) -> Evidence:
     """The four parameters are declared."""
     names = node.parameters(NODE).names()
@@ -234,23 +242,23 @@ def declared(node: GradedNode) -> Evidence:
     return evidence
 
 
-@check(points=0.5, after=["declared"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, after=["declared"], proves=list(TYPES))
 def types(node: GradedNode) -> Evidence:
     """Each parameter has its type."""
-    found = node.parameters(NODE).values(list(TYPES))
-    told = ", ".join(f"{name}: {one.type}" for name, one in found.items())
-    evidence = Evidence("get_parameters", ", ".join(f"{name}: {kind}" for name, kind in TYPES.items()), told)
-    if empty := [name for name, one in found.items() if one.type == NOT_SET]:
+    found = {name: one.type for name, one in node.parameters(NODE).values(list(TYPES)).items()}
+    told, wanted = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, TYPES))
+    evidence = Evidence("get_parameters", wanted, told)
+    if empty := [name for name, kind in found.items() if kind == NOT_SET]:
         why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
         raise Failed(evidence, why, "parameter.default")
-    if wrong := [name for name, one in found.items() if one.type != TYPES[name]]:
-        why = " and ".join(f"{name} is {found[name].type}, expected {TYPES[name]}" for name in wrong)
-        point = any((found[name].type, TYPES[name]) == ("integer", "double") for name in wrong)
+    if wrong := [name for name, kind in found.items() if kind != TYPES[name]]:
+        why = " and ".join(f"{name} is {found[name]}, expected {TYPES[name]}" for name in wrong)
+        point = any((found[name], TYPES[name]) == ("integer", "double") for name in wrong)
         raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
     return evidence
 
 
-@check(points=0.5, after=["types"], proves=["robot_name", "max_velocity", "wheel_diameter", "enabled"])
+@check(points=0.5, after=["types"], proves=list(TYPES))
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
     found = {name: one.value for name, one in node.parameters(NODE).values(list(TYPES)).items()}

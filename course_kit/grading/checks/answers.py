@@ -180,7 +180,7 @@ class Change(Reply):
         """
         if not self.result.successful:
             evidence = Evidence(self.sent, "accepted: the value is valid", self.got)
-            require_proper_answer(self.result, evidence)
+            require_proper_answer(self.result, evidence, breaks)
             why = f"Your node refused {describe_values(self.values)}, which is valid."
             raise Failed(evidence, why, "validation.overzealous", breaks=breaks)
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.check import Check, name_lost_node
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnseenError
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -135,6 +136,7 @@ class Conversation:
     _failed: dict[str, Failed] = field(default_factory=dict)  # by checks
     _done: Counter[str] = field(default_factory=Counter)  # right steps, by checks
     _hindered: dict[str, str] = field(default_factory=dict)  # what kept a check from being judged
+    _unseen: set[str] = field(default_factory=set)  # checks of which something was over before it could be seen
     _strikes: Counter[str] = field(default_factory=Counter)  # by rules
     _apart: bool = False  # each rule on a fresh start: what one leaves behind for another is lost already
 
@@ -161,7 +163,7 @@ class Conversation:
                 step.do(node, model)
             except Failed as failed:
                 self._keep(failed, done)
-                if self.context.job.first_failure:
+                if self.context.job.first_failure and self.lost:
                     return
                 self.context.spoil()
                 try:
@@ -189,10 +191,13 @@ class Conversation:
         Raises:
             Failed: a step that this check is about has failed.
             NotRun: it could not be judged, because another check was lost in each try.
+            GradingError: the machine was too slow to judge it.
         """
         if part.id in self._failed:
             raise self._failed[part.id]
         done = self._done[part.id]
+        if not done and part.id in self._unseen:
+            raise GradingError(f'the machine is too busy to judge "{part.title}": grade it again later.')
         if not done and any(rule.check in (part.id, "") for rule in rules_of(self.model)):
             hindered_by = self._hindered.get(part.id)
             raise NotRun(f'"{hindered_by}" must pass first.' if hindered_by else "no time was left for it.")
@@ -224,6 +229,9 @@ class Conversation:
     def _keep(self, failed: Failed, done: list[Step]) -> None:
         """Keep a failure for the check that it costs, shrunk; of a check that is lost already only the count."""
         last = done[-1]
+        if isinstance(failed, UnseenError):
+            self._unseen.add(self._part_of(last.rule, "").id)
+            return
         name_lost_node(self.context, failed)
         lost = self._part_of(last.rule, failed.breaks)
         if lost.id not in self._failed:
@@ -257,25 +265,23 @@ class Conversation:
     def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:
         """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
-        best, found = done, None
+        shrinks, best, found = False, done, (failed, lost)
         for length in sorted({*(length for length in _TAILS if length < len(done)), len(done)}):
             if length > 1 and clock.past(_SHRINK_S):
                 break
             if again := self._fails(done[-length:], lost):
-                best, found = done[-length:], again
+                shrinks, best, found = True, done[-length:], again
                 break
-        if found is None:
-            note = f"It happened after {len(done) - 1} other steps." if len(done) > 1 else ""
-            failed.message = f"{failed.message} {note}".strip()
-            return failed, lost, 1
         place = 0
-        while place < len(best) - 1 and not clock.past(_SHRINK_S):
+        while shrinks and place < len(best) - 1 and not clock.past(_SHRINK_S):
             shorter = [*best[:place], *best[place + 1 :]]
             if again := self._fails(shorter, lost):
                 best, found = shorter, again
             else:
                 place += 1
         shortest = found[0]
+        if not shrinks and len(done) > 1:  # by itself the last step is right
+            shortest.message = f"{shortest.message} It happened after {len(done) - 1} other steps."
         if self.model.history and len(best) > 1:
             if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):
                 shortest.diagnosis = None
@@ -285,7 +291,7 @@ class Conversation:
     def _fails(self, steps: Sequence[Step], lost: CheckPart) -> tuple[Failed, CheckPart] | None:
         """How these steps fail on a fresh start, and what that costs; None when they do not, or cost what is lost."""
         found = self._find_failure(steps, to_the_end=self.last is not None)
-        if found is None or (step := found[1]) is None:
+        if found is None or (step := found[1]) is None or isinstance(found[0], UnseenError):
             return None
         failed = found[0]
         name_lost_node(self.context, failed)

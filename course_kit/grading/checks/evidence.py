@@ -32,5 +32,9 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         self.steps: tuple[Arrow, ...] = ()  # what crossed the wire; taken from the record of the check when empty
 
 
+class UnseenError(Failed):
+    """What a step was to show was over before the grader could see it: it shows nothing, and proves nothing."""
+
+
 class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
     """A check that makes no sense in this grading; the text tells the learner why."""

@@ -128,11 +128,11 @@ def describe_result(result: SetParametersResult) -> str:
     return "accepted" if result.successful else f"refused, with the reason {result.reason!r}"
 
 
-def require_proper_answer(result: SetParametersResult, evidence: Evidence) -> None:
+def require_proper_answer(result: SetParametersResult, evidence: Evidence, breaks: str = "") -> None:
     """A refusal is the learner's own, not rclpy's for a callback that returned something else."""
     if exceptions.INVALID_RESULT in result.reason:
         message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
-        raise Failed(evidence, message, "parameter.bad_callback")
+        raise Failed(evidence, message, "parameter.bad_callback", breaks=breaks)
 
 
 def describe_values(values: Mapping[str, object]) -> str:

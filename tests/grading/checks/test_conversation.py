@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnseenError
 from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
+from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.vocabulary import Check, GradedNode
@@ -112,6 +113,23 @@ def test_a_failure_that_names_a_sentence_costs_the_check_that_proves_it() -> Non
 
     found = judge(checks_of(Elsewhere), StandIn())
     assert found == {"a": "passed", "b": "c is wrong.", "c": "passed"}  # which is right by itself
+
+
+@pytest.mark.parametrize("seen", [0, 1])
+def test_what_was_never_seen_is_neither_right_nor_wrong(seen: int) -> None:
+    class Late(Letters):
+        @step_rule("c", times=draw_one_of(1, 2, 3))
+        def ask_c(self, node: GradedNode, times: int) -> None:
+            del node
+            if times > seen:
+                raise UnseenError(Evidence("c"), "It was over.")
+
+    checks, context = checks_of(Late), StandIn()
+    if seen:
+        assert judge(checks, context)["c"] == "passed"
+        return
+    with pytest.raises(GradingError, match="grade it again"):
+        judge(checks, context)
 
 
 def test_an_endless_loop_is_met_once() -> None:
