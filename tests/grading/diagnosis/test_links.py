@@ -26,6 +26,7 @@ RESULT = {
     "expected": "2.0",
     "got": "3.0",
     "message": "It failed.",
+    "graph": None,
     "steps": [],
     "proves": [],
 }
