@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 SIZE, QUICK = 200, 50  # the least with one that never ends
 RIGHT, EACH, FEW = 12, 24, 6
-RIGHT_AIM_S, MIXED_AIM_S = 0.16, 0.25  # ours, wall seconds for each of the 12 and of the 20, start-up included
-EACH_AIMS_S = {"temperature_service": 0.16, "move_robot": 0.32, "robot_parameters": 0.32}
+RIGHT_AIM_S, MIXED_AIM_S = 0.25, 0.25  # ours, wall seconds for each of the 12 and of the 20, start-up included
+EACH_AIMS_S = {"temperature_service": 0.25, "move_robot": 0.75, "robot_parameters": 0.75}
 PARTS = ("throughput", "right", "rivals")
 
 

@@ -16,7 +16,7 @@ from measure import interleaved
 
 ROOT = Path(__file__).resolve().parent.parent
 ROUNDS = 7
-AIMS_S = {"temperature_service": 1.5, "move_robot": 4.0, "robot_parameters": 4.0, "pattern_choice": None}
+AIMS_S = {"temperature_service": 2.0, "move_robot": 6.0, "robot_parameters": 5.0, "pattern_choice": None}
 SUBMISSIONS = {
     f"{name}, {kind}": (name, ROOT / folder / name / f"{name}.py", aim_s if kind == "solution" else None)
     for name, aim_s in AIMS_S.items()

@@ -1,4 +1,4 @@
-"""Listening to a topic, for `topic echo`, `hz` and `bw`, and publishing on one, for `topic pub`."""
+"""Listening to a topic, for `topic echo`, `hz`, `bw` and `delay`, and publishing on one, for `topic pub`."""
 
 from __future__ import annotations
 
@@ -19,16 +19,32 @@ from course_kit.ros2cli.session import CommandError, Session
 
 if TYPE_CHECKING:
     from argparse import Namespace
+    from collections.abc import Callable
 
     from rclpy.publisher import Publisher
     from rclpy.subscription import Subscription
 
-    from course_kit.ros.messages import MessageType
+    from course_kit.ros.messages import Message, MessageType
+    from course_kit.ros.topic import MessageInfo
     from course_kit.ros2cli.text import Layout
 
 REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
 _WORD_AFTER = 10.0  # seconds without a message until somebody is told that nothing comes
 _SPIN_S = 0.5
+_NS = 1e9
+
+
+class _InfoInbox(Inbox):
+    """An inbox that keeps what rclpy tells of each message beside it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.infos: deque[MessageInfo] = deque()
+
+    def take(self, message: Message, info: MessageInfo) -> None:
+        """Take one message in."""
+        self.infos.append(info)
+        super().take(message, info)
 
 
 class ReceivedMessage(NamedTuple):
@@ -36,6 +52,7 @@ class ReceivedMessage(NamedTuple):
 
     at: float
     message: Any
+    info: MessageInfo
 
 
 class Listener:
@@ -43,20 +60,29 @@ class Listener:
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
         self._options, self._session, self._topic = options, session, topic
-        self._inbox = Inbox()
+        self._inbox = _InfoInbox()
+        self._matches = _filter_of(getattr(options, "filter_expr", None))
 
     def echo(self, layout: Layout) -> None:
-        """Print messages as YAML, for as long as they come."""
-        from course_kit.ros2cli.text import to_yaml
+        """Print messages as YAML or CSV, for as long as they come."""
+        from course_kit.ros2cli.text import to_csv, to_yaml
 
-        self.subscribe(wait=False)
+        options = self._options
+        self.subscribe(wait=False, raw=options.raw)
         while True:
-            shown = self._field(self.next().message)
-            if hasattr(shown, "get_fields_and_field_types"):
-                print(f"{to_yaml(shown, layout)}---", flush=True)
-            else:
+            received = self.next()
+            shown = self._field(received.message)
+            if not self._matches(shown):
+                continue
+            if options.include_message_info:
+                print(f"---Got new message, message info:---\n{received.info}\n---Message data:---", flush=True)
+            if not hasattr(shown, "get_fields_and_field_types"):
                 print(f"{shown}\n---", flush=True)
-            if self._options.once:
+            elif options.csv:
+                print(to_csv(shown, layout), flush=True)
+            else:
+                print(f"{to_yaml(shown, layout)}---", flush=True)
+            if options.once:
                 return
 
     def subscribe(self, *, wait: bool, raw: bool = False) -> None:
@@ -85,7 +111,13 @@ class Listener:
                 told = True
                 sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
         inbox = self._inbox
-        return ReceivedMessage(inbox.times.popleft(), inbox.messages.popleft())
+        return ReceivedMessage(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())
+
+    def next_matching(self) -> ReceivedMessage:
+        """The next message for which the filter holds."""
+        while not self._matches((received := self.next()).message):
+            pass
+        return received
 
     def _silence(self, seconds: float) -> str:
         publishers = self._session.node.count_publishers(self._topic)
@@ -157,11 +189,29 @@ def print_rate(listener: Listener, window: int) -> None:
     listener.subscribe(wait=True)
     report_at = time.monotonic() + REPORT_EVERY
     while True:
-        times.append(listener.next().at)
+        times.append(listener.next_matching().at)
         if time.monotonic() >= report_at and len(times) > 1:
             gaps = [later - earlier for earlier, later in pairwise(times)]
             mean = sum(gaps) / len(gaps)
             print(f"average rate: {1.0 / mean if mean else math.inf:.3f}\n\t{_spread(gaps)}", flush=True)
+            report_at = time.monotonic() + REPORT_EVERY
+
+
+def print_delay(listener: Listener, window: int) -> None:
+    """Print once a second how old messages are when they come, by the stamp in their header."""
+    delays: deque[float] = deque(maxlen=_checked(window))
+    listener.subscribe(wait=True)
+    report_at = time.monotonic() + REPORT_EVERY
+    while True:
+        received = listener.next()
+        stamp = getattr(getattr(received.message, "header", None), "stamp", None)
+        if stamp is None:
+            raise CommandError(
+                "msg does not have header: only messages with a std_msgs/Header say when they were sent."
+            )
+        delays.append(received.at - stamp.sec - stamp.nanosec / _NS)
+        if time.monotonic() >= report_at:
+            print(f"average delay: {sum(delays) / len(delays):.3f}\n\t{_spread(delays)}", flush=True)
             report_at = time.monotonic() + REPORT_EVERY
 
 
@@ -192,8 +242,8 @@ def _bandwidth_line(sizes: list[tuple[float, int]], now: float) -> str:
     return f"{shown(per_second)}/s from {len(numbers)} messages\n\tMessage size mean: {mean} min: {least} max: {most}"
 
 
-def _spread(values: list[float]) -> str:
-    from statistics import pstdev  # slow to import, and only `hz` needs it
+def _spread(values: deque[float] | list[float]) -> str:
+    from statistics import pstdev  # slow to import, and only `hz` and `delay` need it
 
     return f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {pstdev(values):.5f}s window: {len(values)}"
 
@@ -202,6 +252,24 @@ def _checked(window: int) -> int:
     if window < 1:
         raise CommandError(f"--window must be a number of messages, at least 1, not {window}.")
     return window
+
+
+def _filter_of(expression: str | None) -> Callable[[Message], bool]:
+    """What tells the messages that are wanted: a Python expression of `m`, as somebody has typed it for themselves."""
+    if expression is None:
+        return lambda _: True
+    try:
+        code = compile(expression, "--filter", "eval")
+    except (SyntaxError, ValueError) as error:
+        raise CommandError(f"--filter {expression!r} is not a Python expression: {error}.") from error
+
+    def matches(message: Message) -> bool:
+        try:
+            return bool(eval(code, {"m": message}))  # noqa: S307 - the user's own words, as in the real command
+        except Exception as error:
+            raise CommandError(f"--filter {expression!r} has failed: {type(error).__name__}: {error}.") from error
+
+    return matches
 
 
 def publish_values(options: Namespace, session: Session, topic: str) -> None:

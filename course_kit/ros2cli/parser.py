@@ -39,13 +39,11 @@ _ONLY_IN_ROS = {
     "": "bag component control extensions lifecycle multicast plugin security test",
     "pkg": "create xml",
     "doctor": "hello",
-    "topic": "delay",
 }
 _OPTIONS_ONLY_IN_ROS = {
     "doctor": "-r --report -rf --report-failed -ep --exclude-packages",
     "launch": "-d --debug -p --print -a --show-all-subprocesses-output --launch-prefix --launch-prefix-filter",
-    "service": "--csv",
-    "topic": "--qos-liveliness --qos-liveliness-lease-duration-seconds --csv --filter --raw -i --include-message-info",
+    "topic": "--qos-liveliness --qos-liveliness-lease-duration-seconds",
 }
 _INSTEAD = {"create": "a folder with your program in it is enough: `ros2 run` finds it"}
 DEFAULT_TIMEOUT = 10.0

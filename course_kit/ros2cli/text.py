@@ -78,6 +78,25 @@ def _elements(value: Any, layout: Layout, field_type: str) -> Any:
     return [*shown, "..."] if len(shown) < len(listed) else shown
 
 
+def to_csv(value: object, layout: Layout) -> str:
+    """The scalars of a message in order, separated by commas."""
+    plain = to_plain(value, layout)
+    parts: list[str] = []
+
+    def collect(part: object) -> None:
+        if isinstance(part, dict):
+            for inner in part.values():
+                collect(inner)
+        elif isinstance(part, list):
+            for inner in part:
+                collect(inner)
+        else:
+            parts.append(str(part))
+
+    collect(plain)
+    return ",".join(parts)
+
+
 def add_layout(verb: ArgumentParser) -> None:
     """The options of every verb that shows messages."""
     verb.add_argument("-f", "--full-length", action="store_true", help="long strings and arrays in full")
@@ -85,6 +104,7 @@ def add_layout(verb: ArgumentParser) -> None:
     verb.add_argument("--no-arr", action="store_true", help="no elements of arrays")
     verb.add_argument("--no-str", action="store_true", help="no strings")
     verb.add_argument("--flow-style", action="store_true", help="in one line")
+    verb.add_argument("--csv", action="store_true", help="values separated by commas")
 
 
 def layout_of(options: Namespace) -> Layout:

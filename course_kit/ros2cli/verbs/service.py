@@ -17,7 +17,7 @@ from course_kit.ros2cli.parser import (
     add_verbs,
 )
 from course_kit.ros2cli.session import CommandError, Session
-from course_kit.ros2cli.text import add_layout, dump_yaml, layout_of, to_plain
+from course_kit.ros2cli.text import add_layout, dump_yaml, layout_of, to_csv, to_plain
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
@@ -96,6 +96,9 @@ def _echo(options: Namespace, session: Session) -> None:
     words = {getattr(info, word): word for word in _KINDS}
     while True:
         message = listener.next().message
+        if options.csv:
+            print(to_csv(message, layout), flush=True)
+            continue
         plain = to_plain(message, layout)
         plain["info"]["event_type"] = words.get(plain["info"]["event_type"], plain["info"]["event_type"])
         print(f"{dump_yaml(plain, layout)}---", flush=True)

@@ -1,4 +1,4 @@
-"""`ros2 topic`: list, type, find, info, echo, pub, hz, bw."""
+"""`ros2 topic`: list, type, find, info, echo, pub, hz, bw, delay."""
 
 from __future__ import annotations
 
@@ -64,8 +64,10 @@ def add_to(place: ArgumentParser) -> None:
     _add_echo(add_about(verbs, "topic", "echo", _echo, "Show the messages of a topic"))
     _add_pub(add_about(verbs, "topic", "pub", _pub, "Publish messages"))
     hz = _add_measure(verbs, "hz", _hz, "Show how often messages come")
+    _add_filter(hz, "count")
     hz.add_argument("--wall-time", action="store_true", help="accepted; the time is the computer's anyway")
     _add_measure(verbs, "bw", _bw, "Show how many bytes come", window=100)
+    _add_measure(verbs, "delay", _delay, "Show how old messages are when they come, by their header")
 
 
 def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 10000) -> ArgumentParser:
@@ -74,6 +76,15 @@ def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 
     _add_qos(verb)
     add_patience(verb)
     return verb
+
+
+def _add_filter(verb: ArgumentParser, do: str) -> None:
+    verb.add_argument(
+        "--filter",
+        dest="filter_expr",
+        metavar="EXPR",
+        help=f"{do} only messages m for which this Python is true",
+    )
 
 
 def _add_qos(verb: ArgumentParser) -> None:
@@ -90,7 +101,10 @@ def _add_echo(verb: ArgumentParser) -> None:
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
     add_layout(verb)
+    verb.add_argument("-i", "--include-message-info", action="store_true", help="with what came beside each message")
+    verb.add_argument("--raw", action="store_true", help="the bytes as they came")
     verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
+    _add_filter(verb, "show")
     _add_qos(verb)
     add_patience(verb)
 
@@ -180,6 +194,12 @@ def _hz(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli import listening
 
     listening.print_rate(_listener(options, session), options.window)
+
+
+def _delay(options: Namespace, session: Session) -> None:
+    from course_kit.ros2cli import listening
+
+    listening.print_delay(_listener(options, session), options.window)
 
 
 def _bw(options: Namespace, session: Session) -> None:
