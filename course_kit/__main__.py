@@ -1,9 +1,7 @@
 """The entry point of the `course-kit` command.
 
 It first takes the working directory off the path of modules: instructors call the command where submissions lie, and
-a `random.py` among them must not become part of the grader. Empty or relative entries of PYTHONPATH put it there.
-(`python -m course_kit` does, too, and Python itself then loads modules from there before this runs: do not use it where
-strangers' files lie.)
+a `random.py` among them must not become part of the grader.
 """
 
 from __future__ import annotations

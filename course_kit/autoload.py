@@ -1,8 +1,6 @@
 """Runs at the start of every Python of this environment, through `course_kit.pth`; so it does next to nothing.
 
-It makes the course's interfaces importable in any program. When rclpy is first imported it has the ROS settings of the
-course made, so that a plain `python server.py` in a terminal joins the same graph as the notebook, and a fault of the
-wheels repaired.
+It makes the course's interfaces importable in any program, and gives rclpy the course's settings when it is imported.
 `COURSE_KIT_AUTOLOAD=0` turns it off. Even `typing` and `importlib.abc` would cost more than all of this.
 """
 

@@ -34,10 +34,7 @@ def carried_files(exercise: Exercise) -> dict[str, Path]:
 
 
 def added_exercises() -> list[str]:
-    """The ids of the exercises that lie in other folders, those too that the course has itself.
-
-    Whoever loads one of these is told that it is there twice.
-    """
+    """The ids of the exercises that lie in other folders, those too that the course has itself."""
     found = exercise_folders.find().folders
     return sorted(name for name, places in found.items() if any(map(exercise_folders.is_added, places)))
 

@@ -1,10 +1,7 @@
 """The submissions that prove an exercise's grader: right ones in many styles, and wrong ones that must be told apart.
 
-They lie in the checkout: `exercises/` and `solutions/`, right programs in `tests/grading/correct/`, one wrong program
-for each diagnosis in `tests/broken/`, and in `tests/slips/` right programs with one thing changed. An exercise of
-another folder has them beside it, in `proof/`: `correct/`, `broken/` and `slips.toml`.
-
-Where a submission has several files, a right program is a folder with those that differ from the solution.
+CONTRIBUTING says where they lie. An exercise of another folder has them in `proof/`. Where a submission has several
+files, a right program is a folder with those that differ from the solution.
 """
 
 from __future__ import annotations

@@ -52,10 +52,7 @@ _GRADING = (
 
 
 def create_exercise(name: str, kind: str, folder: Path) -> Exercise:
-    """Make a new exercise.
-
-    It appears under its name only when it is complete.
-    """
+    """Make a new exercise."""
     _require_usable(name)
     target = folder.absolute() / name
     if os.path.lexists(target):
@@ -76,10 +73,7 @@ def create_exercise(name: str, kind: str, folder: Path) -> Exercise:
 
 
 def refresh_exercise(exercise: Exercise) -> list[Path]:
-    """Write the sentences of an exercise anew into its starter and its notebook; returns what has changed.
-
-    Of an exercise that is not the course's own, title, points and starter are written into the notebook, too.
-    """
+    """Write the sentences of an exercise anew into its starter and its notebook; returns what has changed."""
     programs = [exercise.folder / name for name in exercise.files or (exercise.starter,) if name.endswith(".py")]
     notebook = exercise.folder / exercise.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (*programs, notebook)}

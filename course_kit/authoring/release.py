@@ -1,8 +1,6 @@
 """`course-kit release`: the student edition, which is the course without its answers.
 
-`edition_plan` decides what goes in, by the lists in edition.toml: of the exercises the files as they were committed, of
-the demos all but the cells of the instructor. The edition gets its name only if `leaks` finds no answer in it. What is
-left is its own course: `./course lab` and `./course test` work in it.
+`edition_plan` decides what goes in. The edition gets its name only if `leaks` finds no answer in it.
 """
 
 from __future__ import annotations

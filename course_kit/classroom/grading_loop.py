@@ -150,10 +150,7 @@ class ClassGrading:
 
 
 def versions_of(exercise: Exercise) -> dict[str, str]:
-    """Fingerprints of the kit and an exercise as they are now: results with the same two were graded by the same rules.
-
-    An exercise's grader may lie in its folder, with all that it uses.
-    """
+    """Fingerprints of the kit and an exercise: results with the same two were graded by the same rules."""
     apart = {exercise.folder / exercise.starter, exercise.folder / exercise_folders.PROOF}
     found = (path for path in exercise.folder.rglob("*") if path.suffix in _SOURCES and path.is_file())
     return {"kit": _kit(), "exercise": _fingerprint(path for path in found if not apart & {path, *path.parents})}

@@ -1,8 +1,7 @@
 """What is known of the submissions of a class, and the folder that keeps it: one file each, written atomically.
 
-The folder is the journal of a run. Whatever ends the run, a record is either there as a whole or not at all. What
-counts of a submission stands in its record, and nowhere else: `score`, `passed`, `has_grade`, `is_late` and `remarks`
-are those after lateness, penalty and the instructor's override; `graded_score` is that of the checks.
+What counts of a submission stands in its record, and nowhere else: `score`, `passed`, `has_grade`, `is_late` and
+`remarks` are those after lateness, penalty and override; `graded_score` is that of the checks.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Grades a class: each distinct submission once, every result written the moment it is there.
 
-Whatever stops a run (Ctrl-C, a crash, a power cut, a full disk) costs at most what was under way; the next run with
-`resume` looks at what is handed in now: it keeps the results of what is the same, grades what is new or has changed,
-and moves the results of what is gone to `superseded`.
+Whatever stops a run costs at most what was under way. With `resume` the next run keeps the results of what is the same,
+grades what is new or has changed, and moves the results of what is gone to `superseded`.
 """
 
 from __future__ import annotations

@@ -189,10 +189,7 @@ def _reasons_for_people() -> tuple[type[Exception], ...]:
 
 
 def _without_folders(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """What `--exercises` names, and the other arguments; it may stand anywhere.
-
-    argparse would not find an EXERCISE or FILE behind it where they can be left out.
-    """
+    """What `--exercises` names, and the other arguments; it may stand anywhere."""
     named: list[str] = []
     others: list[str] = []
     following = iter(arguments)
@@ -342,10 +339,7 @@ def speak_to_any_terminal() -> None:
 
 
 def print_json(document: str) -> None:
-    """JSON is UTF-8, whatever the terminal's own encoding.
-
-    What would steer a terminal, or turn the writing round, stands in it as an escape, which means the same.
-    """
+    """JSON is UTF-8, whatever the terminal's own encoding."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")
     print(_UNUSUAL.sub(lambda found: found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1], document))

@@ -25,11 +25,7 @@ class StepCells(NamedTuple):
 
     @property
     def solution(self) -> str:
-        """The code of the fold.
-
-        Raises:
-            ValueError: the cell below the check has no fold with a solution.
-        """
+        """The code of the fold."""
         found = _SOLUTION.search(self.fold.source)
         if found is None:
             raise ValueError(f"the cell below %check {self.name} has no fold with a solution")

@@ -1,12 +1,7 @@
 """Makes nbval end kernels as Jupyter does, and notice at once when one has died.
 
-nbval kills its kernels, so that nothing they registered for their end would run; and it waits the whole cell
-timeout for a kernel that is no more. The course's `conftest.py` loads it.
-
-It also leaves pictures out of the comparison, as nbval itself does those in PNG: the HTML of panels, diagrams and time
-lines holds style sheets and measured times. The words that each brings along, as text/plain, are compared.
-
-The steps of a lesson are run with their solutions in place, so that every check is proven to accept one.
+It leaves pictures out of the comparison: the HTML of panels and diagrams holds style sheets and measured times. The
+words that each brings along, as text/plain, are compared. Steps of a lesson are run with their solutions in place.
 """
 
 from __future__ import annotations

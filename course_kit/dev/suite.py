@@ -1,8 +1,6 @@
 """`./course test`: pytest on the tests and, by nbval, the notebooks, as much of them as somebody has time for.
 
-`--quick` takes minutes: no browser, no whole class, the first three lessons. `--all` adds the tests marked `weekly`,
-and sessions of `noxfile.py`: other Pythons and, as root, a JupyterHub. `tests/sizes.py` has what is in which.
-Other arguments go to pytest as they are, and that one run is all: `./course test tests/lab -k replace`.
+`tests/sizes.py` has what is in `--quick` and `--all`. Other arguments go to pytest: `./course test tests/lab`.
 """
 
 from __future__ import annotations

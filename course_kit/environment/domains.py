@@ -1,15 +1,12 @@
 """ROS domains as leases: no two courses, and no two graders, on one machine ever share a graph.
 
-A domain is a number, and the number stands for UDP ports: whoever uses the same one in the same network namespace sees
-the same graph, other users and other containers included. So a lease is a port, too, one that RTPS leaves free in the
-domain's own block: it is held where the graph is, needs no file, and the kernel takes it back when the process ends,
-however it ends. The numbers 1 to 101 are leased (safe beside the kernel's ephemeral ports, see "The ROS_DOMAIN_ID"
-among the ROS 2 concepts; 0 is left to the user's own robots).
+A domain stands for UDP ports: whoever uses the same one in the same network namespace sees the same graph. So a lease
+is a port, too, one that RTPS leaves free in the domain's own block; the kernel takes it back when the process ends. The
+numbers 1 to 101 are leased (safe beside the kernel's ephemeral ports); 0 is left to the user's own robots.
 
-*Exclusive*: one socket binds the domain's lease port. A domain with nodes of somebody without a lease is passed over.
-*Shared*: every process of an owner binds the lease port with SO_REUSEPORT, which the kernel grants to processes of one
-user only. To find each other, and no other owner, each also binds a mark: a port of the domain on a loopback address
-that is made of the owner's name.
+*Exclusive*: one socket binds the domain's lease port. *Shared*: every process of an owner binds it with SO_REUSEPORT,
+which the kernel grants to processes of one user only. To find each other, and no other owner, each also binds a mark: a
+port of the domain on a loopback address that is made of the owner's name.
 """
 
 from __future__ import annotations
@@ -130,10 +127,7 @@ class Leases:
         self._occupied = occupied
 
     def share(self, owner: str) -> Lease:
-        """Lease the domain of `owner`, together with every other process of the same user and owner.
-
-        The number is stable: it follows from the owner's name, or is the one its living processes use already.
-        """
+        """Lease the domain of `owner`, together with every other process of the same user and owner."""
         candidates = _candidates(owner)
         mark = _address(f"{self._scope} {_realm()} {owner}")
         with self._choice():
@@ -170,10 +164,7 @@ class Leases:
 
     @contextmanager
     def _choice(self) -> Iterator[None]:
-        """One process at a time, of all in this network namespace, chooses which domain it shares.
-
-        It takes a millisecond. Where somebody keeps others from it for longer, the choice is made all the same.
-        """
+        """One process at a time, of all in this network namespace, chooses which domain it shares."""
         deadline = time.monotonic() + _CHOICE_S
         pause = threading.Event()
         while (held := _bind(self._address, port_at(0, _CHOICE))) is None and time.monotonic() < deadline:

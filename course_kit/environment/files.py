@@ -17,10 +17,7 @@ _LONGEST = 40  # characters of a name within that of its temporary file: a name 
 def write_atomically(
     path: Path, content: str | bytes, *, durable: bool = True, folders: bool = True, mode: int = 0o666
 ) -> None:
-    """Write a file; who reads it meanwhile, or after a crash, finds all of it or what was there before.
-
-    A file that is replaced hands down its mode; a link is replaced, and what it leads to stays.
-    """
+    """Write a file; who reads it meanwhile, or after a crash, finds all of it or what was there before."""
     data = content.encode() if isinstance(content, str) else content
     if folders:
         with suppress(FileExistsError):  # also a file in its place, of which opening tells more exactly

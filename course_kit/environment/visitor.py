@@ -1,11 +1,8 @@
 """For a process that comes to a graph, asks and goes: it is answered at the first try.
 
-Fast DDS announces a participant before it listens (RTPSParticipantImpl::enable in 2.14), to one port after the other of
-all that peers may have. Who is there answers at once, and once. Peers have the first ports, so their answers come while
-the others are still announced to, and are lost; each is then found by its next regular announcement, and its nodes
-later still. So such a process announces itself only to the ports that are bound, the highest first, and before them to
-the free ones that come next: somebody who begins at the same moment will have one of these. Whoever comes later
-announces itself. loopback.xml cannot say that: it would have to name ports, and those of one domain and moment.
+Fast DDS announces a participant before it listens, to one port after the other of all that peers may have. Who is there
+answers at once, and once: those answers are lost, and each peer is found by its next regular announcement only. So such
+a process announces itself to the free ports that come next, and to those that are bound, the highest first.
 """
 
 from __future__ import annotations
@@ -29,11 +26,7 @@ _AT_ONCE = 8  # so many may begin at the same moment; a participant takes the fi
 
 @contextmanager
 def visit_graph(wanted: bool = True) -> Iterator[bool]:
-    """Have this process's first node, if it is made meanwhile, be a visitor's; yields whether it is.
-
-    Fast DDS reads its profile once: this is for a process that ends with its visit. Where somebody else's profile is in
-    force, or no file can be written, nothing is changed.
-    """
+    """Have this process's first node, if it is made meanwhile, be a visitor's; yields whether it is."""
     profile = _profile() if wanted and os.environ.get(PROFILE_VARIABLE) == str(LOOPBACK_PROFILE) else None
     if profile is None:
         yield False

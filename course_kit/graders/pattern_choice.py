@@ -1,8 +1,7 @@
 """Exercise 4: which communication pattern fits. The answers are read and marked; no ROS is involved.
 
-What is wanted: answers to the ten scenarios of the seed; half a point for each pattern, half for each reason. Missing,
-unknown and malformed answers are named, and the others count. A student edition lacks the answers to what counts: there
-nothing is marked, and what is said is whether the submission is complete.
+Half a point for each pattern, half for each reason. A student edition lacks the answers to what counts: there nothing
+is marked, and what is said is whether the submission is complete.
 """
 
 from __future__ import annotations
@@ -170,15 +169,7 @@ _LONGEST = 500  # characters of an answer or its id, as text
 
 @dataclass(frozen=True)
 class FoundAnswers:
-    """What a submission has put into its variable.
-
-    Attributes:
-        entries: by id, each a value or `Unusable`; None when it is no dictionary.
-        value: its text, when it is no dictionary.
-        set_names: what else the program has set.
-        is_set: whether there is such a variable at all.
-        too_large: whether it was too much to be handed over.
-    """
+    """What a submission has put into its variable."""
 
     entries: dict[object, object] | None = None
     value: str = ""
@@ -188,11 +179,7 @@ class FoundAnswers:
 
 
 def find_answers(told: Record, variable: str) -> FoundAnswers:
-    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`).
-
-    Either way they come as texts, in the words of `repr`, and are read as literals, never run. What is too long to be
-    the answer of a person is not read at all.
-    """
+    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`)."""
     names = tuple(name for name in told.get("set_names", ()) if name != variable)
     if told.get("too_large"):
         return FoundAnswers(set_names=names, too_large=True)

@@ -312,12 +312,7 @@ _MISTAKES: dict[tuple[str, str], tuple[tuple[Callable[[float], float], str], ...
 
 
 def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
-    """What wrong answers have in common: the diagnosis and a sentence.
-
-    Args:
-        answers: all samples of one direction with the values that came, at least one of them wrong.
-        floors: whether the learner's program uses `//`.
-    """
+    """What wrong answers have in common: the diagnosis and a sentence."""
     integer, formula = "math.integer_division", "math.formula"
     first, off = answers[0][0], max(abs(got - right_value(sample)) for sample, got in answers)
     if any(0.0 < abs(got) < _DENORMAL for _, got in answers):

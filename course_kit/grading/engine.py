@@ -225,10 +225,7 @@ def _check(exercise: Exercise, result: Record) -> CheckReport:
 
 
 def _hints(exercise: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
-    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check.
-
-    Whoever writes their own exercise does not have the catalogue before them: there it comes last.
-    """
+    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
     of_cause, of_check = exercise.ladder(found.code) if found else (), exercise.ladder(check)
     of_kit = (found.hint,) if found and not of_cause else ()
     added = exercise_folders.is_added(exercise.folder)

@@ -134,10 +134,7 @@ def grade_all(
     stops: Callable[[], int] = lambda: 0,
     listen: Callable[[int], None] = lambda _: None,
 ) -> Iterator[tuple[Thing, Report]]:
-    """Grade; each report comes out with its thing as soon as it is there, in whatever order; a report as it is.
-
-    After one of `stops` what is under way is finished, after two it is given up; `listen` learns how many are.
-    """
+    """Grade; each report comes out with its thing as soon as it is there, in whatever order; a report as it is."""
     waiting = iter(requests)
     under_way: dict[Future[Report], tuple[Thing, GradingRequest]] = {}
     while stops() < _AT_ONCE:

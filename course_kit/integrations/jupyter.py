@@ -1,8 +1,7 @@
 """Starts JupyterLab on the course, on this machine as it is: shared folders, root, a hub.
 
-A JupyterHub starts for each user their own folder of lessons, then its own single-user server. One installation serves
-all users and belongs to none of them; files, progress and the ROS domain are those of the Unix user as whom the hub
-starts this. `course_kit/guides/jupyterhub.md` is the administrator's guide.
+A JupyterHub starts for each user their own folder of lessons, then its own single-user server;
+`course_kit/guides/jupyterhub.md` is the administrator's guide.
 """
 
 from __future__ import annotations

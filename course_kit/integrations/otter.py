@@ -1,10 +1,6 @@
 """For courses that run on Otter-Grader: each check of an exercise as a test case of Otter, with its points.
 
-Otter gives a test case its points when its function returns, and none when it raises, with the error as feedback. So
-the checks that pass are the partial credit. All test cases of a notebook read one grading.
-
-`course-kit otter EXERCISE` prints the test file, in Otter's exception-based format. An instructor may change its points
-and hide cases there.
+All test cases of a notebook read one grading. `course-kit otter EXERCISE` prints the test file.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """An extension of Jupyter Server: terminals and kernels of any server in this environment find `ros2`.
 
-A hub or an editor starts the server itself, without the course's folder of programs on PATH. Terminals complete `ros2`
-with Tab, and notebooks are exported as `export` says. Installed with the package, and enabled by
-`jupyter_server_config.d/ros2_course_kit.json`.
+Terminals complete `ros2` with Tab, and notebooks are exported as `export` says.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Reads .msg, .srv and .action text; every fault is reported with its line and what was expected there.
 
-The rules are those of rosidl_adapter in Jazzy (see "Interfaces" among the ROS 2 concepts), with two additions: what
-could never be built or imported later (a field called `class`) is refused at once, and common leading blanks are
-taken off, so that a definition may be an indented string in a program.
+The rules are those of rosidl_adapter in Jazzy, with two additions: what could never be built or imported later (a field
+called `class`) is refused at once, and common leading blanks are taken off.
 """
 
 from __future__ import annotations

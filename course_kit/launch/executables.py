@@ -1,8 +1,7 @@
 """Finds the program for a package and an executable, where there is no workspace that has been built.
 
-Looked for, in this order: what is installed (`lib/<package>/` below the ROS prefixes, as colcon installs it), entry
-points of an installed Python package, folders called like the package, and last a script of that name which lies
-beside the launch file, in the current folder, or comes from a `%%ros_script` cell.
+Looked for, in this order: what is installed, entry points of an installed Python package, folders called like the
+package, and last a script of that name beside the launch file, in the current folder, or of a `%%ros_script` cell.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Where packages lie, for `get_package_share_directory`: ROS's own index, and packages whose source lies nearby.
 
-`ament_index_python` looks below the folders of AMENT_PREFIX_PATH. A package that has not been built is in none of
-them, so a folder is made that looks as if it were installed there, with links into its source. What a package
-installs as `share/<package>/config/robot.yaml` lies at `config/robot.yaml` there, as a rule; else its setup.py says.
+`ament_index_python` looks below AMENT_PREFIX_PATH. A package that has not been built is not there, so a folder is made
+that looks as if it were installed, with links into its source.
 """
 
 from __future__ import annotations

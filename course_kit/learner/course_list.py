@@ -133,11 +133,7 @@ def _lessons() -> list[LessonProgress]:
 
 
 def format_progress_page(last: str) -> str:
-    """The page that a learner sees first on their second day: what is done, and where to go on; "" before anything is.
-
-    Args:
-        last: the notebook they were at, from their folder.
-    """
+    """The page that a learner sees first on their second day; "" before anything is done."""
     lessons, (exercises, _), (drills, _) = _lessons(), list_rows(), list_rows(practice=True)
     if not any(one.tried for one in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
         return ""

@@ -171,11 +171,7 @@ def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None)
 
 
 def earned_solution(exercise_id: str) -> str:
-    """The text of the solution.
-
-    Raises:
-        GradingError: the learner has not passed yet, or this edition has no solutions.
-    """
+    """The text of the solution."""
     text, said = _solution(load_exercise(exercise_id))
     if said:
         raise GradingError(f"{said[:1].upper()}{said[1:]}")

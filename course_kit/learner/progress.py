@@ -1,9 +1,7 @@
 """What a learner has reached, kept in one file of the course's folder.
 
-Progress belongs to a checkout: a fresh clone has passed nothing. Where several users share a folder that they cannot
-write, each has a file for it in their own state directory. The commands record (`grade`, `%grade`, `watch`); the engine
-does not: grading a class marks nothing as the instructor's own. COURSE_KIT_PROGRESS names another file; `off` keeps
-nothing, as for the tests. The file is the learner's and proves nothing to anybody: marks come from reports.
+The commands record (`grade`, `%grade`, `watch`), the engine does not: grading a class marks nothing as the instructor's
+own. COURSE_KIT_PROGRESS names another file; `off` keeps nothing, as for the tests.
 """
 
 from __future__ import annotations

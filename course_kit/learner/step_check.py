@@ -65,12 +65,7 @@ class StepResult:
 
 
 def check_step(step: LessonStep) -> StepResult:
-    """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress.
-
-    Example:
-        >>> print(check_step(STEPS["belt"]).text)
-        Right: A parameter: `belt_speed` can be read and changed.
-    """
+    """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress."""
     ends = [_endpoint(one) for one in step.needs if not one.startswith("node ")]
     job = Job("", "attach", "", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
     context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it

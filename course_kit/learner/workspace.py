@@ -1,11 +1,7 @@
 """Where a learner's own files are: in a learner's folder, made from the course the first time they start it.
 
-In a clone it lies inside, where git ignores it: lessons that have been run never make the clone differ from its
-commit. Where the course is an installed package, or a folder that belongs to somebody else, it lies in the learner's
-home directory. `watch`, `reset` and the like find the files there, or where one stands.
-
-A manifest in it says what was handed out. A new version takes the place of what the learner has not changed, and is
-laid beside what they have. What they have deleted, and what the course no longer has, stays as it is.
+In a clone it lies inside, where git ignores it; else in the learner's home directory. A manifest in it says what was
+handed out: a new version takes the place of what the learner has not changed, and is laid beside what they have.
 """
 
 from __future__ import annotations
@@ -195,10 +191,7 @@ def _files(root: Path) -> Iterator[Path]:
 
 
 def exercise_folder(exercise: Exercise) -> Path | None:
-    """The folder with this user's files of an exercise: found from where they are, else in their learner's folder.
-
-    The course's own where there is no other yet; None where they cannot write that.
-    """
+    """The folder with this user's files of an exercise: found from where they are, else in their learner's folder."""
     course = exercise.folder
     here = Path.cwd()
     own = exercise_folders.course_folder()

@@ -1,9 +1,7 @@
 """The copy of a notebook that a class sees, made from the one file that also holds the speaker's notes.
 
-The marks are in the cells' metadata. Left out are speaker's notes (Jupyter's own `slideshow.slide_type` "notes"), cells
-tagged `instructor`, and those tagged `offstage`, which speak to a reader. A code cell tagged `answer` is left out, too;
-when its metadata says `course_kit.repairs` with the id of a failing cell, that cell carries its text along, and a
-button puts it in place.
+Left out are notes (`slideshow.slide_type` "notes") and cells tagged `instructor`, `offstage` or `answer`. Where the
+metadata of an answer says `course_kit.repairs` with the id of a failing cell, a button puts it in that cell's place.
 """
 
 from __future__ import annotations

@@ -40,10 +40,7 @@ class Ladder:
 
 
 class Child:
-    """A process in its own session, with nothing to read.
-
-    So a Ctrl-C at the terminal does not reach it: it is passed on by whoever has started it, once.
-    """
+    """A process in its own session, with nothing to read."""
 
     def __init__(  # noqa: PLR0913 - a process is described by that much
         self,

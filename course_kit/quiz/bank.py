@@ -1,16 +1,10 @@
 """The bank of scenarios, read from `data/`, and which of them a seed draws.
 
 Ten scenarios are for practice (`practice.toml`): everybody has their answers. The others count for a grade; their
-questions (`scenarios.toml`) are with everybody, their answers (`answers.toml`) with the instructor alone: a student
-edition has no such file. Nothing that a student has tells what is right there, the order of the reasons included.
-
-What decides between the patterns is told by the ROS 2 documentation, "Topics vs Services vs Actions": topics for
-continuous streams of data; services for remote calls that end quickly; actions for whatever runs for longer,
-gives feedback and can be cancelled.
+questions (`scenarios.toml`) are with everybody, their answers (`answers.toml`) with the instructor alone.
 
 A seed draws the same ones on every machine and in every Python: by SHA-256, as `random.sample` is not promised to stay
-the same. A scenario that is added later leaves the ranks of the others as they are. Nothing is drawn by what is right:
-a student edition, which does not know that, has to draw the same ones.
+the same. Nothing is drawn by what is right: a student edition, which does not know that, has to draw the same ones.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What the lessons ask: guesses before a cell is run, and the questions at a lesson's end. Read from `data/guesses/`.
 
-One file a notebook, called like it. Each wrong choice has its own explanation, which names the misconception.
-What a learner has guessed is kept beside their progress, one small file a question, so that two notebooks never write
-the same one: the first try counts, the last is shown.
+What a learner has guessed is kept beside their progress, one small file a question: the first try counts, the last is
+shown.
 """
 
 from __future__ import annotations

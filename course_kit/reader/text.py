@@ -29,10 +29,7 @@ _FEW, _LONGEST_NAME = 10, 40  # of other exercises that are named
 
 
 def kind_of_file(name: str) -> str:
-    """What a file is by its name, PROGRAM or NOTEBOOK, and nothing when it is neither.
-
-    `.PY`, `.py.txt` and `.ipynb.json` count, too: that is what Windows and browsers make of a name.
-    """
+    """What a file is by its name, PROGRAM or NOTEBOOK, and nothing when it is neither."""
     plain = name.lower()
     for added in _ADDED:
         plain = plain.removesuffix(added)
@@ -170,10 +167,7 @@ def code_cells(name: str, text: str) -> list[tuple[int, str]]:
 
 
 def _exported_cells(source: str) -> list[tuple[int, str]]:
-    """Number and text of each cell with a `%%submission` of a notebook that Jupyter has exported as a script.
-
-    Such a script has a cell magic as a call, `get_ipython().run_cell_magic("submission", ...)`.
-    """
+    """Number and text of each cell with a `%%submission` of a notebook that Jupyter has exported as a script."""
     if "run_cell_magic" not in source:
         return []
     numbers = [1]  # by line, of the comment `# In[3]:` above it

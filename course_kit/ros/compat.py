@@ -1,10 +1,7 @@
 """Whether the private and version-bound names that the kit touches are there, and what is off where one is not.
 
-The lab asks when it starts ROS, and the doctor asks for all. Whoever uses such a name asks `Compatibility.has` first
-and does without; so a missing name costs one feature and one sentence, and never the lab.
-
-Not here is what rclpy documents, and what Python itself prescribes. A name is `module:attribute.attribute`. The last
-attribute may also be one that the methods of a class give to its objects, or a local variable of a function.
+Whoever uses such a name asks `Compatibility.has` first and does without: a missing name costs one feature and one
+sentence. A name is `module:attribute.attribute`; the last may also be one that methods give to their objects.
 """
 
 from __future__ import annotations

@@ -1,11 +1,7 @@
 """The kit's own action client: rclpy's, whose feedback is not lost, and a goal on its way.
 
-rclpy's action client forgets a goal's feedback callback when the result arrives, so feedback that comes with the
-result or after it is dropped; and it takes one message a turn from a queue of ten. Here all that has arrived is
-taken at once, and handed on before the result that was taken with it.
-
-Nothing here waits. Everything runs on the thread that spins the node, the sending too: so a reply cannot arrive before
-its sending is complete (issue 1123 of rclpy).
+rclpy's forgets a goal's feedback callback when the result arrives. Here all that has arrived is taken at once, and
+handed on before the result. Everything runs on the thread that spins the node, the sending too (issue 1123 of rclpy).
 """
 
 from __future__ import annotations

@@ -1,8 +1,5 @@
 """Parameters of a node: their values, and what is asked of the services every node has for them.
 
-A parameter's value is a bool, an int, a float, a str, or a list of one of these or of bytes; the types are those of
-rcl_interfaces/msg/ParameterType.
-
 Each verb is a generator that yields a `Question` for a service and is sent the response. How one waits for that is
 the caller's: `driven` has a function that waits, `awaited` one that is awaited.
 """

@@ -1,8 +1,7 @@
 """A small process that has already discovered the graph, so that a listing need not wait for it.
 
-Discovery takes a new process a few hundred milliseconds (Fast DDS answers a first contact after 100 ms), whatever
-the command does. The real `ros2` keeps a daemon for the same reason ("ros2 daemon" in its documentation). This one
-is started by the first command that wants a graph and leaves with the last node of the domain.
+The real `ros2` keeps a daemon for the same reason. This one is started by the first command that wants a graph and
+leaves with the last node of the domain.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Runs the launch file of a `%%ros_launch` cell as a child of the kernel.
 
-`python -m course_kit.ros2cli.launching NAME PARENT_PID DESCRIPTOR FILE [name:=value ...]`, which is how the lab starts
-its scripts. The processes are those `ros2 launch` would start. They write into the notebook directly, so that their
-lines are there in the order they were written in, and report like scripts what crosses and when they spin.
+`python -m course_kit.ros2cli.launching NAME PARENT_PID DESCRIPTOR FILE [name:=value ...]`. The processes are those
+`ros2 launch` would start. They write into the notebook directly, and report like scripts what crosses.
 """
 
 from __future__ import annotations

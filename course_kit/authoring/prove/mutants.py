@@ -1,16 +1,6 @@
-"""Every small mistake in a solution, each once; and those that an author has declared to be right, with the reason.
+"""Every small mistake in a solution, each once; and those that an author has declared to be right (`equivalent.toml`).
 
-They stand in a file `equivalent.toml`: beside the solution of one of the course's own exercises, in the folder `proof`
-of another one's.
-
-    [[equivalent]]
-    lines = ['self.status = self.create_publisher(String, "status", 10)']
-    operators = ["another number"]
-    reason = "The depth of a queue is free."
-
-An entry is about all mutants of these operators on lines with these texts; lines may move. With `change` it is about
-those in whose change, `old -> new`, these words stand, and with `ordinal`, where several have the same, about the
-first, second ... of them.
+AUTHORING.md has its form. With `ordinal` an entry is about the first, second ... of several alike.
 """
 
 from __future__ import annotations

@@ -90,10 +90,7 @@ class ParsedProgram:
 
     @cached_property
     def out_of_sight(self) -> set[ast.AST]:
-        """Nodes in which nothing can go wrong that is worth grading.
-
-        Docstrings, annotations, the guard around `main()`, and what is only printed or logged.
-        """
+        """Nodes in which nothing can go wrong that is worth grading."""
         found: set[ast.AST | None] = set()
         for node in ast.walk(self.tree):
             if isinstance(node, ast.Expr):

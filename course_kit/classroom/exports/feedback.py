@@ -1,11 +1,9 @@
 """Feedback that learning platforms take back: for each exercise a zip with a report for each student.
 
-- Moodle, "Upload multiple feedback files in a zip" of an assignment: a folder for each participant, called as in its
-  download, `Jane Doe_4711_assignsubmission_file`. It finds the participant by the number in second place, so that no
-  underscore may stand in the name; what lies in the folder becomes that student's feedback file.
-- Canvas, "Re-Upload Submissions" of an assignment: files that are called exactly as in its download, as it finds
-  student and attachment by the numbers in the name. It shows the file to the student under the name of the file that
-  was handed in, so that a report for a .py file is Python (comments), and for a .ipynb file a notebook.
+- Moodle, "Upload multiple feedback files in a zip": a folder for each participant, called as in its download. It finds
+  the participant by the number in second place, so that no underscore may stand in the name.
+- Canvas, "Re-Upload Submissions": files that are called exactly as in its download, and are of the same kind: a report
+  for a .py file is Python (comments), and for a .ipynb file a notebook.
 """
 
 from __future__ import annotations

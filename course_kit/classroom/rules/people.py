@@ -129,11 +129,7 @@ def _and(names: Sequence[str]) -> str:
 
 
 class People:
-    """Everybody of a class: a student by any name of the reports, the class list or a platform, or a whole group.
-
-    What a student is called in the reports may change, from the address on the class list to a platform's number once
-    they hand something in. What the instructor has written about them stays theirs.
-    """
+    """Everybody of a class: a student by any name of the reports, the class list or a platform, or a whole group."""
 
     def __init__(self, entries: Iterable[Entry]) -> None:
         self.students: set[str] = set()

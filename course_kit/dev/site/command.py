@@ -1,8 +1,6 @@
 """`course-kit dev site`: makes the site to read before installing, or to publish.
 
-Whatever Sphinx warns of is an error. The pages need no network and fetch nothing from another host. The folder is
-replaced only by a site that is complete. README is the front page. What is read is put into one folder, as it lies in
-the course's, so that the links between pages hold.
+Sphinx's warnings are errors. Whatever is read is put into one folder, as it lies in the course's, for the links.
 """
 
 from __future__ import annotations

@@ -61,10 +61,7 @@ class Statuses(_GoalInbox[tuple[float, int]]):
     """Each change of a goal's status, with its time on the system's clock."""
 
     def keep(self, message: bytes, received_s: float) -> None:
-        """See `Inbox`; of a message only what is news: each has all recent goals, so it is read as it came.
-
-        After a header and the number of entries each is an identifier, a time at the next multiple of 4, and a status.
-        """
+        """See `Inbox`; of a message only what is news: each has all recent goals, so it is read as it came."""
         place = _ENTRIES
         while place + _STATUS_AT < len(message):
             goal = message[place : place + _IDENTIFIER]

@@ -129,11 +129,7 @@ class CheckContext:
         return self._clock is not None and self._clock.past(self.deadline_s)
 
     def require_time(self, evidence: Evidence) -> None:
-        """See that there is time left to ask something more, which is in the evidence.
-
-        Raises:
-            Failed: the check has used up its time; with service.blocks.
-        """
+        """See that there is time left to ask something more, which is in the evidence."""
         if self.time_is_up():
             message = f"Every answer came, but so slowly that the {self.deadline_s:g} s for this check ran out."
             raise Failed(replace(evidence, got="too late to ask"), message, "service.blocks")
@@ -204,11 +200,7 @@ class CheckContext:
         return True
 
     def wait_for_start(self, condition: Callable[[], bool]) -> bool:
-        """Wait until `condition` holds of a program just started; False when it does not within its time to start.
-
-        Raises:
-            SubmissionEndedError: the submission has ended meanwhile.
-        """
+        """Wait until `condition` holds of a program just started; False when it does not within its time to start."""
 
         def is_over() -> bool:
             return condition() or (self.has_computed_enough() and not self.grader_node.nodes())

@@ -59,11 +59,7 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     logged: Callable[[str, Job], exits.Cause | None] = exits.of_logged,
     breaks: str = "",
 ) -> None:
-    """Wait until something is answered.
-
-    Raises:
-        Failed: it is not; with the reason if it can be established.
-    """
+    """Wait until something is answered."""
     clock = context.clock()
     with explain_end(context, evidence, ended, "no answer: the program ended", breaks):
         if context.wait_until(answered, min(_NUDGE_S, seconds)):

@@ -9,7 +9,7 @@ import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import Approximation, describe_wanted, differences, only_field
+from course_kit.grading.checks.answers import Approximation, differences, only_field
 from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
@@ -210,6 +210,46 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     return make_check(talk, **declared)
 
 
+def service_refuses(  # noqa: PLR0913 - what an author may say of it
+    service: str,
+    requests: Sequence[dict[str, Any]],
+    *,
+    refused: dict[str, Any] | None = None,
+    reason: str = "message",
+    what: str = "a request that it has to refuse",
+    valid: dict[str, Any] | None = None,
+    **declared: Unpack[CheckFields],
+) -> Check:
+    """A check that a service refuses some requests, says why, and lives on.
+
+    Args:
+        service: its name.
+        requests: fields of each; a value may be a drawing.
+        refused: the fields by which a refusal is known; `success=False` when left out.
+        reason: the field that says why, "" where the exercise asks for no reason.
+        what: is wrong with these requests, for the learner.
+        valid: a request that is asked afterwards, and must not be refused.
+        declared: see `CheckFields`.
+
+    Example:
+        >>> service_refuses("/divide", [{"a": draw_between(1, 9), "b": 0}], valid={"a": 4, "b": 2},
+        ...                 what="a division by 0", check_id="by_zero", title="A division by 0 is refused",
+        ...                 points=1.0, proves=["by_zero"])
+    """
+
+    def talk(node: GradedNode) -> None:
+        wanted = refused or {"success": False}
+        for fields in draw_values(requests, node.context.random):
+            node.call(service, fields).refused(reason=reason, what=what, **wanted)
+        if valid is not None:
+            answer = node.call(service, valid)
+            if not list(differences(wanted, answer.response)):
+                why = "Your service refused a valid request."
+                answer.fail(why, expected="no refusal", diagnosis="validation.overzealous")
+
+    return make_check(talk, **declared)
+
+
 def topic_answers(
     subscription: str,
     publisher: str,
@@ -251,61 +291,39 @@ def topic_answers(
     return make_check(talk, **declared)
 
 
-def parameter_declared(
-    defaults: dict[str, Any],
-    *,
-    node: str,
-    **declared: Unpack[CheckFields],
-) -> Check:
-    """A check that a node has parameters, with these values at the start, and so with their types.
+def topic_silent(*topics: str, seconds: float = 1.0, **declared: Unpack[CheckFields]) -> Check:
+    """A check that nothing comes on some topics while nothing is sent.
 
     Args:
-        defaults: by the parameters' names.
-        node: its full name.
+        topics: their names.
+        seconds: for how long.
         declared: see `CheckFields`.
 
     Example:
-        >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
-        ...                    title="max_speed is 1.0 at the start", points=1.0, proves=["parameter"])
+        >>> topic_silent("/alarm", check_id="quiet", title="No alarm without a cause", points=1.0, proves=["quiet"])
     """
+    return make_check(lambda node: node.expect_nothing(*topics, seconds=seconds), **declared)
 
-    def talk(graded: GradedNode) -> Evidence:
-        graded.meet()
-        remote = graded.parameters(node)
-        names, found = remote.names(), remote.values(list(defaults))
-        evidence = Evidence(
-            "get_parameters", describe_wanted(defaults), describe_wanted({k: v.value for k, v in found.items()})
-        )
-        if missing := [name for name in defaults if name not in names]:
-            raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
-        if wrong := [name for name, value in defaults.items() if type(found[name].value) is not type(value)]:
-            point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
-            told = " and ".join(f"{name} is {found[name].type}" for name in wrong)
-            raise Failed(evidence, f"{told}.{point}", "parameter.type")
-        if others := {name: found[name].value for name, value in defaults.items() if found[name].value != value}:
-            raise Failed(
-                evidence, f"Started without settings, your node has {describe_wanted(others)}.", "parameter.default"
-            )
-        return evidence
 
-    return make_check(talk, **declared)
+def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack[CheckFields]) -> Check:
+    """A check that messages come at a rate.
+
+    Args:
+        topic: its name.
+        hz: messages in a second.
+        off_by: the share of the period by which it may be off; a machine is now and then busy.
+        declared: see `CheckFields`.
+
+    Example:
+        >>> topic_rate("/heartbeat", 10.0, check_id="rate", title="Ten a second", points=1.0, proves=["rate"])
+    """
+    period_s = 1.0 / hz
+    bounds = (1.0 - off_by) * period_s, (1.0 + off_by) * period_s
+    return make_check(lambda node: expect_rate(node, topic, period_s, bounds), **declared)
 
 
 def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float]) -> Evidence:
-    """Messages come on a topic, on average with a period between these bounds.
-
-    Args:
-        node: the program.
-        topic: its name.
-        period_s: the right period, in seconds.
-        bounds: the shortest and the longest that are right; a machine is now and then busy.
-
-    Raises:
-        Failed: they do not, with topic.silent where hardly any come.
-
-    Example:
-        >>> expect_rate(node, "/heartbeat", 0.1, (0.08, 0.12))
-    """
+    """Messages come on a topic, on average with a period between these bounds; topic.silent where hardly any come."""
     node.meet()
     inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
     found, count = 0.0, max(_FEWEST, inbox.count)

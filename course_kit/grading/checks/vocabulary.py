@@ -12,12 +12,15 @@ from course_kit.grading.checks.grader_node import OfferedService
 from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,
-    expect_rate,
     node_name,
-    parameter_declared,
     service_answers,
+    service_refuses,
     topic_answers,
+    topic_rate,
+    topic_silent,
 )
+from course_kit.grading.checks.ready_made_goals import goal_cancelled, goal_feedback, goal_refused, goal_succeeds
+from course_kit.grading.checks.ready_made_parameters import parameter_acts, parameter_declared, parameter_refuses
 from course_kit.grading.checks.steps import draw_between, draw_by, draw_one_of, step_rule
 
 __all__ = [
@@ -38,12 +41,20 @@ __all__ = [
     "draw_by",
     "draw_one_of",
     "endpoints_offered",
-    "expect_rate",
+    "goal_cancelled",
+    "goal_feedback",
+    "goal_refused",
+    "goal_succeeds",
     "node_name",
     "offer_service",
+    "parameter_acts",
     "parameter_declared",
+    "parameter_refuses",
     "service_answers",
+    "service_refuses",
     "step_rule",
     "topic_answers",
+    "topic_rate",
+    "topic_silent",
     "withdraw_service",
 ]

@@ -39,10 +39,7 @@ Cause = tuple["str | None", str]
 
 
 def source_line(job: Job, place: int | Frame) -> str:
-    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`.
-
-    Of several files with its name before that: `door.py, line 12: ...`.
-    """
+    """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
     line = place.line if isinstance(place, Frame) else place
     if isinstance(place, Frame) and (name := PurePath(place.file).name) in job.files:
         job = job.for_program(name)

@@ -27,10 +27,7 @@ _DOTS = "..."
 
 
 def bound_message(message: Message) -> Message:
-    """A ROS message in which no text and no sequence is too long; it is changed, not copied.
-
-    Of a sequence the last elements stay: what is added to a list of goals or of parameters is added at its end.
-    """
+    """A ROS message in which no text and no sequence is too long; it is changed, not copied."""
     for name in _growing(_kind(message)):
         value = getattr(message, name)
         if isinstance(value, str):

@@ -57,11 +57,7 @@ class DiagnosisWords(msgspec.Struct, frozen=True, forbid_unknown_fields=True, om
         return replace(usual, **msgspec.to_builtins(self))
 
     def require_sense(self, code: str) -> None:
-        """See that there is such a diagnosis, and that no text is empty.
-
-        Raises:
-            ValueError: it is not so.
-        """
+        """See that there is such a diagnosis, and that no text is empty."""
         if code not in catalogue():
             near = nearest_name(code, catalogue())
             raise ValueError(f"there is no diagnosis '{code}'{f'; did you mean {near}?' if near else ''}")

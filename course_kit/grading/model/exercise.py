@@ -216,11 +216,7 @@ def _unusable(folder: Path, problem: Exception) -> GradingError:
 
 
 def _require_sense(exercise: Exercise) -> None:
-    """What stands in an exercise.toml makes sense together.
-
-    Raises:
-        ValueError: it does not.
-    """
+    """What stands in an exercise.toml makes sense together."""
     folder = exercise.folder
     if exercise.id != folder.name:
         raise ValueError(f"its id '{exercise.id}' is not the name of its folder")

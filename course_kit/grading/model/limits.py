@@ -46,10 +46,7 @@ def apply_to_this_process(limits: Limits, others: int) -> None:
 
 
 def bound_reader(seconds: float) -> None:
-    """Bound this process of the grader, which reads what a submission sends.
-
-    What a check keeps has limits of its own; these are for what nobody has thought of. Who runs into them ends.
-    """
+    """Bound this process of the grader, which reads what a submission sends."""
     _lower(resource.RLIMIT_DATA, _READER_MB * _MB, _READER_MB * _MB)
     _lower(resource.RLIMIT_CPU, int(seconds) + 1, int(seconds) + 2)
     _lower(resource.RLIMIT_CORE, 0, 0)

@@ -26,10 +26,7 @@ _OF_A_CHECK = (
 
 @dataclass(frozen=True)
 class CheckResult:
-    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed.
-
-    One that was run says in `proves` which sentences of the exercise it is about.
-    """
+    """How a check went: `status` is passed, failed, skipped or error; `steps` what crossed the wire if it failed."""
 
     id: str
     title: str

@@ -87,10 +87,7 @@ def where(places: tuple[tuple[int, int], ...], line: int) -> str:
 
 
 def decode_name(name: str) -> str:
-    """A file's name or path as text, whatever bytes it is of and whatever the locale made of them.
-
-    A program with a name that is no text does not start: rclpy refuses it among the arguments.
-    """
+    """A file's name or path as text, whatever bytes it is of and whatever the locale made of them."""
     try:
         return os.fsencode(name).decode(errors="replace")
     except UnicodeEncodeError:  # typed by somebody whose locale has no such letters

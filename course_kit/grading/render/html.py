@@ -69,25 +69,12 @@ def get_ready() -> None:
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
-    """The report as HTML for a Jupyter output.
-
-    Args:
-        report: what to show.
-        base: the folder of the notebook that shows it, from which links to the lessons lead; the present one when None.
-    """
+    """The report as HTML for a Jupyter output."""
     return str(render_template(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
 
 
 def render_page(report: Report, student: str, program: Submission | None = None) -> str:
-    """The report for one student as an HTML document, to be opened from a folder or sent by mail.
-
-    It holds no link that leads out of it: wherever it is opened, the lessons lie somewhere else.
-
-    Args:
-        report: the report.
-        student: whose it is, for the heading.
-        program: what was graded, to be shown with the lines that failed checks speak of; not shown when None.
-    """
+    """The report for one student as an HTML document, to be opened from a folder or sent by mail."""
     values = {
         **_values(report, Path()),
         "link": lambda _: "",

@@ -55,11 +55,7 @@ _ROOT_MB = 1  # of the root itself, which holds nothing but folders and the file
 
 @dataclass(frozen=True)
 class FileView:
-    """What is seen.
-
-    All names are real ones, without a link among their folders: one under two names would be shown by one of them where
-    it is masked by the other.
-    """
+    """What is seen."""
 
     shown: tuple[str, ...] = ()  # files and folders, read-only
     masked: tuple[str, ...] = ()  # files and folders within these that look empty but for what of `shown` lies in them

@@ -148,10 +148,7 @@ class _Watch:
         return memory.measure_memory(everything, _PATIENCE_S) + sockets > allowed
 
     def _everything(self) -> list[int]:
-        """All the program has started; process 1 of a PID namespace sees nothing else.
-
-        Listing them anew takes longer than all else that is looked at here, and most programs are one process.
-        """
+        """All the program has started; process 1 of a PID namespace sees nothing else."""
         if self._root != 1:
             return tree.descendants_of(self._root)
         last = last_task()  # first: what is started while they are listed is listed again the next time

@@ -1,14 +1,10 @@
 """Where submissions are started: a process that has everything loaded and was never told anything.
 
-A submission is a fork of it, so what this process has ever held in memory the submission can read. So it receives
-orders of one word and descriptors, and names of interfaces to load; the program to run, and nothing else of the
-grading, is read by the fork. The grader, its checks, the seed and other submissions exist only in processes that are
-no ancestors of it.
+A submission is a fork of it and can read what it has ever held in memory. So it receives orders of one word,
+descriptors, and names of interfaces to load; the fork reads the program to run, and nothing else of the grading.
 
 Between it and the program are two processes: one enters the namespaces and waits; the *init process*, process 1 of
-the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `init_process`). When it
-ends, the kernel ends all the program has started. Where there are no namespaces, this process adopts every orphan and
-kills it.
+the new PID namespace, arranges the files, counts, and enforces what the kernel does not (see `init_process`).
 """
 
 from __future__ import annotations

@@ -20,10 +20,7 @@ _MEMORY = Path("/proc/meminfo")
 
 
 def processors_worked() -> float:
-    """Seconds that all processors this process may run on have worked since the machine was started; 0 if unknown.
-
-    What a hypervisor has given to other virtual machines is among it.
-    """
+    """Seconds that all processors this process may run on have worked since the machine was started; 0 if unknown."""
     own = {f"cpu{number}" for number in os.sched_getaffinity(0)}
     ticks = 0
     with suppress(OSError, ValueError, IndexError), open("/proc/stat", encoding="utf-8") as file:  # noqa: PTH123 - hot
@@ -42,10 +39,7 @@ def processor_share() -> float:
 
 
 def free_memory() -> int:
-    """Bytes that new programs may take, as the kernel estimates it, or a control group allows it; 0 if unknown.
-
-    A group counts what it has read of files as used, although that would be given up.
-    """
+    """Bytes that new programs may take, as the kernel estimates it, or a control group allows it; 0 if unknown."""
     rooms = []
     with suppress(OSError, ValueError, IndexError):
         rooms.append(int(_MEMORY.read_text(encoding="ascii").partition("MemAvailable:")[2].split()[0]) * 1024)

@@ -1,8 +1,7 @@
 """Memory that processes and sockets take from the machine, counted as exactly as /proc tells (proc(5)).
 
 What was sent and nobody has received lies in the kernel, and in no process (socket(7)). Where a submission has a
-network to itself, each socket counts with as much as it can hold, which is its usual buffers: `seccomp` grants no
-larger ones, and TCP has no others there (`bound_tcp_buffers`).
+network to itself, each socket counts with as much as it can hold.
 """
 
 from __future__ import annotations
@@ -25,10 +24,7 @@ _TCP = ("/proc/sys/net/ipv4/tcp_rmem", "/proc/sys/net/ipv4/tcp_wmem")
 
 
 def measure_memory(process_ids: Sequence[int], patience_s: float) -> int:
-    """Bytes of memory these processes take from the machine: pages that forks share are counted once.
-
-    Exact and slow, for a process that is just forking very slow: stops after `patience_s` seconds with what it has.
-    """
+    """Bytes of memory these processes take from the machine: pages that forks share are counted once."""
     deadline = time.monotonic() + patience_s
     total = 0
     for process_id in random.sample(process_ids, len(process_ids)):  # no process is always last

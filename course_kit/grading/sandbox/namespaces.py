@@ -1,8 +1,6 @@
 """Linux namespaces by system call, for processes without any privilege (namespaces(7), user_namespaces(7)).
 
-Each function works on the calling process, which must have one thread only, and raises OSError when the
-machine does not allow it: user namespaces may be switched off (`user.max_user_namespaces`), restricted by
-AppArmor (Ubuntu 23.10 and later) or by a container's seccomp filter.
+Each function works on the calling process, which must have one thread only; OSError where the machine refuses.
 """
 
 from __future__ import annotations
@@ -42,11 +40,7 @@ _MAP_WHEN_TOLD = 'read -r _ && printf %s "$2" >"/proc/$1/uid_map" && printf %s "
 
 
 def enter(kinds: int, guest: int = 0) -> None:
-    """Move into a new user namespace and, in it, the new namespaces `kinds` (CLONE_NEW... or-ed).
-
-    The user and group keep their numbers, everything else is nobody. A new PID namespace holds for the
-    children of the process from then on, not for itself.
-    """
+    """Move into a new user namespace and, in it, the new namespaces `kinds` (CLONE_NEW... or-ed)."""
     with _readable_proc():
         if guest:
             _unshare_with_guest(kinds, guest)
@@ -59,10 +53,7 @@ def enter(kinds: int, guest: int = 0) -> None:
 
 
 def _unshare_with_guest(kinds: int, guest: int) -> None:
-    """Only a process that stays outside may map more than one number; it has to be root there.
-
-    A shell does it, which waits until there is something to map: a fork would copy all that this process has in memory.
-    """
+    """Only a process that stays outside may map more than one number; it has to be root there."""
     own = Path("/proc/self").readlink().name
     maps = [f"{number} {number} 1\n{guest} {guest} 1" for number in (os.geteuid(), os.getegid())]
     told, tell = os.pipe()

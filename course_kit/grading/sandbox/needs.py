@@ -82,10 +82,7 @@ def lacking(promised: Limits, *, guest: bool) -> str:
 
 
 def side_by_side(promised: Limits) -> int:
-    """How many submissions that are promised so much this machine has processes for at the same time, at least one.
-
-    Each may use all it is promised: a thread that cannot be started then is the fault of none of them.
-    """
+    """How many submissions that are promised so much this machine has processes for at the same time, at least one."""
     rooms = _task_rooms(guest=False)  # each worker's submissions have their own user, where they have one
     return max(1, min(((room.allowed - room.used) // _tasks(promised) for room in rooms), default=_FEW))
 

@@ -1,9 +1,7 @@
 """Runs the learner's program, inside the sandbox, the way Python or `ros2 run` would.
 
-A program with `main()`, guarded or not, or one that spins at its top level, is run as the script it is. A
-module that only defines its Node class has that class started on a MultiThreadedExecutor. Of several programs a
-launch file may start some together: each is a fork of the process that runs the launch. Everything this
-process tells the grader beyond what stands on the ROS graph is a hint for the diagnosis, and never earns points.
+A program with `main()`, or one that spins at its top level, is run as the script it is. A module that only defines its
+Node class has that class started on a MultiThreadedExecutor. Whatever this process tells the grader never earns points.
 """
 
 from __future__ import annotations
@@ -88,10 +86,7 @@ def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence:
 
 
 def _lock_in(cell: Conditions, inside: Streams) -> int:
-    """Give up every right and every stream that is not the program's; returns the descriptor for evidence.
-
-    Of `inside` only the status is open then, on which a failure can still be told.
-    """
+    """Give up every right and every stream that is not the program's; returns the descriptor for evidence."""
     set_name("submission")
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it

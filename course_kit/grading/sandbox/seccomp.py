@@ -2,8 +2,7 @@
 
 They would lead out of the sandbox (other processes' memory and descriptors, namespaces, mounts, keyrings, the
 terminal's input), make others wait for a file or watch what they do with it (leases, notices), or take memory that
-nothing counts (shared memory that no file backs, pages that lie in a pipe, large buffers of sockets). The filter holds
-for all descendants and cannot be taken back. It needs no privilege and works where namespaces do not.
+nothing counts (shared memory that no file backs, pages that lie in a pipe, large buffers of sockets).
 """
 
 from __future__ import annotations

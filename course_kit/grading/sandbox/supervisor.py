@@ -60,10 +60,7 @@ class Network(NamedTuple):
 
 
 def enter_own_network(user: int) -> Network:
-    """Put this process into a network with nothing but loopback.
-
-    There Fast DDS need announce itself to fewer ports than on a graph that a whole machine shares.
-    """
+    """Put this process into a network with nothing but loopback."""
     enter_network(user)
     die_with_parent()  # entering a user namespace has cleared it
     name = environment.middleware.PROFILE_VARIABLE
@@ -97,11 +94,7 @@ class Supervisor:
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self, run_grader: RunGrader) -> GradingOutcome:
-        """Grade, with the checks run by `run_grader` in a process of its own; nothing that was started lives after it.
-
-        Raises:
-            GivenUpError: the parent has hung up.
-        """
+        """Grade, with the checks run by `run_grader` in another process; nothing that was started lives after it."""
         try:
             problem = self._serve(self._start_probe(run_grader))
         finally:

@@ -31,10 +31,7 @@ _TINY = 1e-6  # points
 
 
 class Grader(Protocol):
-    """What a grader is: it has `CHECKS`, or `checks_for(job)`, which makes them of the job's seed.
-
-    It may have `VARIABLES`, environment variables for the submission.
-    """
+    """What a grader is: it has `CHECKS`, or `checks_for(job)`, which makes them of the job's seed."""
 
     INTERFACES: Sequence[Any]
 

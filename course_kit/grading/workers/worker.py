@@ -1,8 +1,7 @@
-"""A warm process that grades one submission after another.
+"""A warm process that grades one submission after another: the handle in the trusted parent; see `worker_process`.
 
-Importing rclpy and loading a service type takes ten times as long as checking a submission. So one process gets warm,
-and as many workers as wanted are forked from it, which share that cost, and their pages in memory as well. This is the
-handle in the trusted parent; the process itself is `worker_process`.
+Importing rclpy takes ten times as long as checking a submission. So one process gets warm, and as many workers as
+wanted are forked from it, which share that cost, and their pages in memory as well.
 """
 
 from __future__ import annotations

@@ -123,10 +123,7 @@ def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> 
 
 
 def _prepare(job: Job) -> set[tuple[str, str]]:
-    """Load what checks a job, and name the interfaces that its program needs, by module and name.
-
-    Not those that an exercise brings: others may define the same names in another way.
-    """
+    """Load what checks a job, and name the interfaces that its program needs, by module and name."""
     if job.interfaces:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader

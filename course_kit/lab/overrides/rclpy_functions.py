@@ -1,8 +1,6 @@
-"""What rclpy's own functions do while the lab runs.
+"""What rclpy's own functions do while the lab runs: what a learner expects of them in a cell.
 
-A notebook is not a program: ROS is up already, and the lab's nodes are being spun. So rclpy's functions for
-programs get the meaning a learner expects of them in a cell, and inside a callback those that could only wait for
-the callback's own thread raise DeadlockError instead of hanging.
+Inside a callback those that could only wait for the callback's own thread raise DeadlockError instead of hanging.
 """
 
 from __future__ import annotations

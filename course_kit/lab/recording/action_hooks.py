@@ -1,8 +1,7 @@
 """Sees goals, feedback, cancel requests and results cross, and reports them; see `hooks`.
 
 An action client and an action server are waitables, whose services and topics rclpy does not show. So the methods
-they send by and take in are wrapped, on both sides. A goal is known again by its identifier, which is unique.
-What a server reports as sent is reported before it is sent: whoever has it can be sure that the event is there.
+they send by and take in are wrapped, on both sides. What is sent is reported before it is sent.
 """
 
 from __future__ import annotations

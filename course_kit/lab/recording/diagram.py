@@ -1,8 +1,7 @@
 """The drawing: an SVG in a page, numbered lines everywhere else.
 
-The page needs nothing but itself: it is the same in JupyterLab and Notebook 7, in an HTML or slides export, offline,
-and in the colours of the theme. The lines say the same in words, so that a screen reader, a terminal and a stored
-notebook have it too; neither holds times or identifiers.
+The page needs nothing but itself. The lines say the same in words, for a screen reader, a terminal and a stored
+notebook; neither holds times or identifiers.
 """
 
 from __future__ import annotations

@@ -1,12 +1,8 @@
 """Hooks at the boundary of rclpy: what a node sends and what its executor takes for it.
 
-Sending is seen by wrapping `Client.call_async` and `Publisher.publish`, two public methods. Receiving is seen in
-the three methods by which rclpy's Executor takes work from the middleware (`_take_service`, `_take_client` and
-`_take_subscription`): they are the only place that has both the message and the number of its request. The same
-hooks serve the lab's own executor and the programs of `%%ros_script`.
-
-When a thread is inside a callback is reported, too: from when to when, on which thread. A callback that awaits gives
-its thread back meanwhile, so what is reported are the pieces between its awaits.
+Sending is seen by wrapping `Client.call_async` and `Publisher.publish`. Receiving is seen in the three methods by which
+rclpy's Executor takes work from the middleware (`_take_service`, `_take_client`, `_take_subscription`): only they have
+both the message and the number of its request. When a thread is inside a callback is reported, too.
 """
 
 from __future__ import annotations

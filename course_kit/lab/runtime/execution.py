@@ -1,17 +1,10 @@
 """Execute callbacks of action servers: each on its own thread, as on a MultiThreadedExecutor.
 
-An execute callback takes as long as its task does. On the lab's one thread it would keep feedback, cancel requests
-and every other node waiting; here they are served meanwhile. All other callbacks stay one at a time. An execute
-callback that is a coroutine runs on the lab's thread, between its awaits others have their turn.
-
-An exception in an execute callback is caught by rclpy itself, which prints the whole traceback and aborts the goal
-with an empty result; here it is told like any other, and the goal ends the same way.
+On the lab's one thread they would keep feedback, cancel requests and every other node waiting. All other callbacks
+stay one at a time; an execute callback that is a coroutine runs on the lab's thread.
 
 A goal sent from a cell may be answered before rclpy's action client has noted that it waits for an answer (issue
 1123 of rclpy), because another thread takes the answer. Here taking waits for the sending to be complete.
-
-The thread of a goal whose node is stopped is ended by an exception, which reaches Python code; one that is inside a C
-function, such as `time.sleep`, ends when that returns.
 """
 
 from __future__ import annotations

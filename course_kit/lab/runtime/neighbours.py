@@ -1,8 +1,5 @@
 """Other notebooks on the graph: what they run, what answers in place of this one's nodes, and how to stop it.
 
-Two servers of one name both answer every request, and a server left in another notebook answers where this one's has
-been forgotten. Both look like success, so the learner is told.
-
 ROS does not tell whose a node is. So each lab's hidden node, and a node of each of its scripts, has a publisher on a
 hidden topic whose name tells the notebook. A node is that notebook's whose mark comes out of the same process.
 """

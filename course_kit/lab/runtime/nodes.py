@@ -1,13 +1,7 @@
 """Which nodes run in the lab, and how a new one takes the place of an old one.
 
-Two servers of one name both run every request, and two nodes of one name spoil each other's logging. So a node
-that would be a second one is preceded by the end of the first:
-
-- a node of the class of the same name, when that class has been defined again (the cell was edited or run again)
-  or when it was started with equal arguments (the cell with `lab.start` was run again);
-- any node with the same fully qualified ROS name.
-
-One class started with arguments that lead to different node names gives nodes side by side.
+Two servers of one name both run every request, so the first ends before the second begins: a node of the class of the
+same name, when that class was defined again or started with equal arguments; any node with the same full name.
 """
 
 from __future__ import annotations

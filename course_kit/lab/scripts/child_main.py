@@ -2,9 +2,7 @@
 
 `python -m course_kit.lab.scripts.child_main NAME PARENT_PID DESCRIPTOR FILE [arguments]`
 
-The program sees what it would see when started from a terminal. Around it: the process ends when the kernel dies,
-a traceback shows the program's own lines only, and what crosses between nodes is reported to the kernel as JSON
-lines over an inherited pipe, together with the moment a node begins to spin.
+The process ends when the kernel dies; what crosses between nodes is reported over a pipe, as JSON lines.
 """
 
 from __future__ import annotations

@@ -1,37 +1,45 @@
 """What has to work in the drill deaf_to_cancel."""
 
-from course_kit.grading.checks.vocabulary import check, endpoints_offered
-
-
-@check(points=1.0, after=["offered"], proves=["counts"], afresh=True)
-def counts(node):
-    """A goal counts down and succeeds."""
-    for order in (3, 5):
-        goal = node.goal("/count_down", order=order).accepted_by()
-        goal.ends(not_before_s=0.55, sequence=list(range(order, 0, -1)))
-
-
-@check(points=1.0, after=["counts"], proves=["in_steps"], afresh=True)
-def feedback(node):
-    """Each number is told while the goal runs."""
-    goal = node.goal("/count_down", order=4).accepted_by()
-    goal.ends()
-    goal.expect_feedback(4, first={"sequence": [4]}, last={"sequence": [4, 3, 2, 1]})
-
-
-@check(points=1.0, after=["counts"], proves=["cancel"], deadline_s=30.0, afresh=True)
-def cancel(node):
-    """A running goal can be cancelled."""
-    for order in (20, 15):
-        goal = node.goal("/count_down", order=order).accepted_by()
-        node.wait(0.3)
-        goal.cancelled().ends("CANCELED")
-    node.goal("/count_down", order=2).accepted_by().ends()
-
+from course_kit.grading.checks.vocabulary import (
+    endpoints_offered,
+    goal_cancelled,
+    goal_feedback,
+    goal_succeeds,
+)
 
 CHECKS = [
     endpoints_offered(title="The action /count_down is there", points=1.0, proves=["action"]),
-    counts,
-    feedback,
-    cancel,
+    goal_succeeds(
+        "/count_down",
+        [{"order": 3}, {"order": 5}],
+        lambda goal: {"sequence": list(range(goal.order, 0, -1))},
+        check_id="counts",
+        title="A goal counts down and succeeds",
+        points=1.0,
+        after=["offered"],
+        proves=["counts"],
+        not_before_s=0.55,
+    ),
+    goal_feedback(
+        "/count_down",
+        [{"order": 4}],
+        check_id="feedback",
+        title="Each number is told while the goal runs",
+        points=1.0,
+        after=["counts"],
+        proves=["in_steps"],
+        at_least=4,
+        first=lambda _: {"sequence": [4]},
+        last=lambda _: {"sequence": [4, 3, 2, 1]},
+    ),
+    goal_cancelled(
+        "/count_down",
+        [{"order": 20}, {"order": 15}],
+        check_id="cancel",
+        title="A running goal can be cancelled",
+        points=1.0,
+        after=["counts"],
+        proves=["cancel"],
+        then={"order": 2},
+    ),
 ]

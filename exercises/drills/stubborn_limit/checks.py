@@ -1,30 +1,12 @@
 """What has to work in the drill stubborn_limit."""
 
 from course_kit.grading.checks.vocabulary import (
-    check,
     draw_between,
     endpoints_offered,
+    parameter_acts,
     parameter_declared,
     topic_answers,
 )
-
-
-@check(points=1.0, after=["declared", "limit"], proves=["change"])
-def change(node):
-    """A change of max_speed acts on the next message."""
-    for limit, before in ((0.5, [1.0, 0.25]), (2.0, [0.5, 0.25])):
-        node.set(max_speed=limit).accepted()
-        node.wait(0.2)  # rclpy may tell the callbacks of a change after it has answered
-        got = [node.send("/speed_in", speed).expect("/speed").data for speed in (3.0, 0.25)]
-        code, why = "math.formula", ""
-        if got == before:
-            code, why = (
-                "parameter.read_once",
-                "Your node accepted the change, but what comes out is the same as before.",
-            )
-        for speed in (3.0, 0.25):
-            node.send("/speed_in", speed).expect("/speed", min(speed, limit), why=why, diagnosis=code)
-
 
 CHECKS = [
     endpoints_offered(title="Both topics are there", points=1.0, proves=["topics"]),
@@ -48,5 +30,16 @@ CHECKS = [
         after=["offered"],
         proves=["limit"],
     ),
-    change,
+    parameter_acts(
+        [{"max_speed": 0.5}, {"max_speed": 2.0}],
+        "/speed_in",
+        "/speed",
+        [3.0, 0.25],
+        lambda speed, setting: min(speed.data, setting["max_speed"]),
+        check_id="change",
+        title="A change of max_speed acts on the next message",
+        points=1.0,
+        after=["declared", "limit"],
+        proves=["change"],
+    ),
 ]

@@ -1,27 +1,28 @@
 """What has to work in the drill two_at_once."""
 
-from course_kit.grading.checks.vocabulary import check, endpoints_offered
-
-
-@check(points=1.0, after=["offered"], proves=["strokes", "next"], afresh=True)
-def strokes(node):
-    """One goal after the other is painted."""
-    for order, code in ((2, "action.rejects_all"), (3, "validation.overzealous")):
-        goal = node.goal("/paint", order=order).accepted_by(diagnosis=code)
-        goal.ends(not_before_s=0.9, sequence=list(range(order)))
-
-
-@check(points=1.0, after=["offered"], proves=["one_arm"], afresh=True)
-def one_arm(node):
-    """A second goal, sent at once, is rejected."""
-    first = node.goal("/paint", order=5).accepted_by()
-    second = node.goal("/paint", order=2)
-    second.rejected(what="a second goal while the first was running", diagnosis="action.concurrent_goals")
-    first.ends()
-
+from course_kit.grading.checks.vocabulary import endpoints_offered, goal_refused, goal_succeeds
 
 CHECKS = [
     endpoints_offered(title="The action /paint is there", points=1.0, proves=["action"]),
-    strokes,
-    one_arm,
+    goal_succeeds(
+        "/paint",
+        [{"order": 2}, {"order": 3}],
+        lambda goal: {"sequence": list(range(goal.order))},
+        check_id="strokes",
+        title="One goal after the other is painted",
+        points=1.0,
+        after=["offered"],
+        proves=["strokes", "next"],
+        not_before_s=0.9,
+    ),
+    goal_refused(
+        "/paint",
+        [{"order": 2}],
+        check_id="one_arm",
+        title="A second goal, sent at once, is rejected",
+        points=1.0,
+        after=["offered"],
+        proves=["one_arm"],
+        while_running={"order": 5},
+    ),
 ]
