@@ -8,9 +8,10 @@ from course_kit import environment
 from course_kit.grading.model.exercise import find_exercises_folder, list_exercise_ids
 
 KIT = environment.PACKAGE
-# What one exercise is made of: the quiz and its panel, the robot and the panels that show it.
+# What one exercise is made of: the quiz and its panel, the robot, the panels that show it, the steps that drive it.
 MADE_OF = (
     "graders",
+    "learner/steps.py",
     "quiz",
     "robot.py",
     "panels/__init__.py",

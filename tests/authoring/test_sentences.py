@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import msgspec
 import pytest
 
 from course_kit import environment
@@ -55,7 +56,7 @@ BREAKS = ProofSubmission(
 RIGHT = ProofSubmission(EXERCISE.id, "variant", "right", EXERCISE.folder / "right.py")
 NODE = Sentence("node", "the node is called so.", heading="Of course")
 FREE = Sentence("free", "Any message will do.", freedom="right")
-ALL = Corpus(replace(EXERCISE, sentences=(NODE, FREE)), (BREAKS, RIGHT))
+ALL = Corpus(msgspec.structs.replace(EXERCISE, sentences=(NODE, FREE)), (BREAKS, RIGHT))
 
 
 def report(score: float, **statuses: str) -> Report:

@@ -12,6 +12,7 @@ import pytest
 from course_kit.classroom import exports
 from course_kit.classroom.intake import roster
 from course_kit.classroom.records import Entry, GradeRecord, RecordFolder, safe_name
+from course_kit.classroom.rules.people import Mistakes
 from course_kit.classroom.rules.seeds import Seeds
 from course_kit.grading import GradingError
 from tests.classroom.stand_ins import CHOICE, SERVICE, StandInForGrading, results, run
@@ -124,7 +125,8 @@ def test_checks_draw_from_the_seed_of_the_run_the_exercise_or_the_student(handed
     (handed_in / "ada/pattern_choice.py").write_text("answers = {}")
     (handed_in / "bob/pattern_choice.py").write_text("answers = {}")
     listed = {"ada": 98, "bob": 99, "cem": 1, "dee": 2, "eve": 3}
-    seeds = Seeds(tmp_path / "seeds.csv", {student: (seed, 1) for student, seed in listed.items()})
+    said = {(student, ""): (seed, 1) for student, seed in listed.items()}
+    seeds = Seeds(Mistakes(tmp_path / "seeds.csv"), said)
     own = StandInForGrading()
     run(handed_in, tmp_path / "own", own, exercises=(SERVICE, CHOICE), seed=7, seeds=seeds)
     executor = StandInForGrading()

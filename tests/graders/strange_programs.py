@@ -235,7 +235,7 @@ PROGRAMS = {
     ),
     "feedback without end": Strange(
         "move_robot",
-        ("already_there", None),
+        ("progress", "action.feedback_not_monotonic"),
         (
             (
                 "position=self.point(), distance_remaining=remaining, progress=progress",

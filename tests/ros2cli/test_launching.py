@@ -33,7 +33,8 @@ def generate_launch_description():
 def folder_of_the_lessons(own_lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The lab's folder of scripts has the lessons' node."""
     assert own_lab
-    monkeypatch.setattr("course_kit.environment.run_dir", lambda: tmp_path)
+    (tmp_path / "scripts").mkdir()
+    monkeypatch.setattr("course_kit.environment.run_dir", tmp_path.joinpath)
     monkeypatch.setenv("COURSE_KIT_PACKAGE_PATH", str(PROGRAMS))
 
 
