@@ -8,6 +8,7 @@ import pytest
 
 from course_kit import environment
 from tests.lab.kernel import Kernel
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,37 +58,43 @@ def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Kernel]:
             yield running
 
 
-def nodes_after_stop(kernel: Kernel, cell: str) -> tuple[str, str]:
-    """What a cell with an endless program has shown when it was stopped, and the nodes that are there then."""
+def shown_by_stopped(kernel: Kernel, cell: str) -> str:
+    """What a cell with an endless program has shown when it was stopped."""
     message = kernel.send(cell)
     kernel.finish(message, until="up")
     kernel.manager.interrupt_kernel()
-    shown = kernel.finish(message)
-    return shown.stdout, kernel.run("%ros2 node list").stdout
+    return kernel.finish(message).stdout
+
+
+def require_nodes(kernel: Kernel, listed: str) -> None:
+    """These nodes are there; `ros2` hears of a node's end a moment after it, as the real one does."""
+    wait_until(lambda: kernel.run("%ros2 node list").stdout == listed)
 
 
 @pytest.mark.parametrize("spin", [SPIN, SLEEPS])
 def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(fresh: Kernel, spin: str) -> None:
     assert fresh.run(OTHER + LIGHT.replace("{spin}", spin)).ok
     for _ in range(2):
-        said, listed = nodes_after_stop(fresh, "main()")
+        said = shown_by_stopped(fresh, "main()")
         assert "light, which the lab did not run, is gone, as when a program ends.\n" in said
-        assert listed == "/other\n"
+        require_nodes(fresh, "/other\n")
 
 
 def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel) -> None:
     (fresh.cwd / "light.py").write_text(LIGHT.replace("{spin}", CAUGHT) + "\nmain()\n")
-    assert nodes_after_stop(fresh, "%run light.py")[1] == ""
+    shown_by_stopped(fresh, "%run light.py")
+    require_nodes(fresh, "")
     assert fresh.run(OTHER).ok
-    assert nodes_after_stop(fresh, "%run light.py")[1] == "/other\n"
+    shown_by_stopped(fresh, "%run light.py")
+    require_nodes(fresh, "/other\n")
 
 
 def test_a_program_that_fails_in_a_cell_takes_its_node_along(fresh: Kernel) -> None:
     assert fresh.run(OTHER + LIGHT.replace("{spin}", "1 / 0")).ok
     assert not fresh.run("main()").ok
-    assert fresh.run("%ros2 node list").stdout == "/other\n"
+    require_nodes(fresh, "/other\n")
     assert not fresh.run("import rclpy\nmine = rclpy.create_node('mine')\n1 / 0").ok  # a name leads to it
-    assert fresh.run("%ros2 node list").stdout == "/mine\n/other\n"
+    require_nodes(fresh, "/mine\n/other\n")
 
 
 ASKER = """
