@@ -76,11 +76,7 @@ class CheckContext:
         variables: Mapping[str, str] | None = None,
         program: str = "",
     ) -> None:
-        """Start the submission on its own empty graph, with the exercise's variables and these; one that runs is ended.
-
-        With `--attach` the graph is the one that is there. The name of one of `files` among the arguments becomes its
-        path. Of a submission of several programs the one that was started last is started when none is named.
-        """
+        """Start the submission on its own empty graph, with the exercise's variables and these; end one that runs."""
         if arguments and self.job.mode == "attach":
             raise NotRun("it starts your program again, but with --attach your program is already running.")
         self.close()

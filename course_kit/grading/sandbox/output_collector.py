@@ -100,11 +100,8 @@ class OutputCollector:
             self._keep(name, data)
 
     def take_the_rest(self) -> None:
-        """Read what is left when all processes of the sandbox are dead.
-
-        The streams need not end: without its own network a program may have sent them to a process that lives on,
-        and that may write for ever. So no more is read than can have been there.
-        """
+        """Read what is left when all processes of the sandbox are dead."""
+        # They need not end: a program may have sent them to a process that lives on. So no more than can be there.
         for name in self.open_streams().values():
             for _ in range(0, _LAST_WORDS, _CHUNK):
                 if getattr(self._streams, name) >= 0:
