@@ -50,9 +50,9 @@ class Reader(LaunchService):
         for path in description.temporary:
             path.unlink(missing_ok=True)
 
-    def later(self, seconds: float, function: Callable[[], object]) -> None:
+    def call_later(self, seconds: float, function: Callable[[], object]) -> None:
         """Do it now."""
-        super().later(0 * seconds, function)
+        super().call_later(0 * seconds, function)
 
     def fail(self, error: ProgramError) -> None:
         """Note a program that is not there."""

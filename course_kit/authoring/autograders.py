@@ -43,14 +43,14 @@ def write_gradescope(exercise_id: str, target: Path, seed: int | None = None) ->
     files = [*_scripts(exercise_id, seed, "gradescope", "setup.sh", "run_autograder"), *_kit(exercise_id)]
     if target.exists():
         raise GradingError(f"{target} already exists. Choose a new name.")
-    environment.write_atomically(target, _zipped(files))
+    environment.write_atomically(target, _zip_executables(files))
     return target
 
 
 def write_classroom50(exercise_id: str, target: Path, seed: int | None = None) -> Path:
     """Write the folder `autograders/ASSIGNMENT` of Classroom 50: `autograder.py` and the kit beside it."""
     scripts = list(_scripts(exercise_id, seed, "classroom50", "autograder.py"))
-    kit = _zipped(list(_kit(exercise_id)))
+    kit = _zip_executables(list(_kit(exercise_id)))
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} already exists. Choose a new folder.")
     for name, content, _ in scripts:
@@ -88,7 +88,7 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
                 yield f"{prefix}{inside.as_posix()}", path.read_bytes(), mode
 
 
-def _zipped(files: list[tuple[str, bytes, int]]) -> bytes:
+def _zip_executables(files: list[tuple[str, bytes, int]]) -> bytes:
     """A zip that keeps what is executable, and is the same for the same files."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:

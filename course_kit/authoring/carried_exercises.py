@@ -29,13 +29,13 @@ def carried_files(exercise: Exercise) -> dict[str, Path]:
     found = {folder / TOML, folder / exercise.starter, folder / exercise.notebook, *_checks(folder)}
     found |= {path for path in (folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
     found |= {path for path in folder.glob("*") if path.suffix.lower() in _PICTURES}
-    place = exercise_folders.place(folder)
+    place = exercise_folders.path_below(folder)
     return {f"{FOLDER}/{place}/{path.relative_to(folder).as_posix()}": path for path in sorted(found)}
 
 
 def added_exercises() -> list[str]:
     """The ids of the exercises that lie in other folders, those too that the course has itself."""
-    found = exercise_folders.find().folders
+    found = exercise_folders.find_exercises().folders
     return sorted(name for name, places in found.items() if any(map(exercise_folders.is_added, places)))
 
 
@@ -47,7 +47,7 @@ def _checks(folder: Path) -> set[Path]:
         path = waiting.pop()
         if path not in found and path.is_file():
             found.add(path)
-            waiting += [path.parent / name for name in _imported(path)]
+            waiting += [path.parent / name for name in _list_imported_files(path)]
     return found
 
 
@@ -57,7 +57,7 @@ def _grader_of(folder: Path) -> Iterator[str]:
         yield grader
 
 
-def _imported(path: Path) -> Iterator[str]:
+def _list_imported_files(path: Path) -> Iterator[str]:
     """The files that `from .module import ...` and `from . import module` of a file may name."""
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.level == 1:

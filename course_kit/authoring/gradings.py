@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.grading import pool
-from course_kit.grading.engine import GradingRequest, unreadable
+from course_kit.grading.engine import GradingRequest, report_unreadable
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import Reader
@@ -65,5 +65,5 @@ class Gradings(Closable):
             with Copy(program, several=bool(exercise.files)) as copy:
                 text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
-            return unreadable(exercise, program.name, str(problem))
+            return report_unreadable(exercise, program.name, str(problem))
         return GradingRequest(exercise, text, program.name, seed, first_failure=first_failure)

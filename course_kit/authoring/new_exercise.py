@@ -57,7 +57,7 @@ def create_exercise(name: str, kind: str, folder: Path) -> Exercise:
     target = folder.absolute() / name
     if os.path.lexists(target):
         raise GradingError(f"{target} exists already. Choose another name, or another folder with --in.")
-    if places := exercise_folders.find().folders.get(name):
+    if places := exercise_folders.find_exercises().folders.get(name):
         raise GradingError(f"There is an exercise '{name}' already, in {places[0]}. Choose another name.")
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".new-", dir=folder) as workshop:
@@ -81,7 +81,7 @@ def refresh_exercise(exercise: Exercise) -> list[Path]:
     cells = before[notebook]
     if exercise_folders.is_added(exercise.folder) and not exercise.files:
         (program,) = programs
-        after[program] = _titled(after[program], exercise)
+        after[program] = _put_title_into_docstring(after[program], exercise)
         cells = _renewed_notebook(cells, exercise, after[program])
     after[notebook] = task_text.fill_notebook(cells, exercise)
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
@@ -90,7 +90,7 @@ def refresh_exercise(exercise: Exercise) -> list[Path]:
     return changed
 
 
-def _titled(starter: str, exercise: Exercise) -> str:
+def _put_title_into_docstring(starter: str, exercise: Exercise) -> str:
     """A starter whose docstring begins with the exercise's title."""
     return re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{exercise.title}.', starter)
 

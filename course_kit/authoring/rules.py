@@ -137,12 +137,12 @@ def find_faults(sets: Corpus, reports: Reports) -> list[Fault]:
     for name, rule in RULES.items():
         for said in rule(sets, reports):
             one, text = said if isinstance(said, tuple) else (None, said)
-            where = _where(one, sets.exercise) if one is not None else ""
+            where = _describe_submission(one, sets.exercise) if one is not None else ""
             found.append(Fault(sets.exercise.id, name, where, text))
     return found
 
 
-def _where(one: ProofSubmission, exercise: Exercise) -> str:
+def _describe_submission(one: ProofSubmission, exercise: Exercise) -> str:
     """A submission in words: of files that share their name with another the folder, of a slip the file that has it."""
     if not exercise_folders.is_added(exercise.folder):
         return f"{one.kind} {one.name}"

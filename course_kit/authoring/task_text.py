@@ -27,7 +27,7 @@ def format_sentences(sentences: Sequence[Sentence], *, width: int = 0) -> str:
     """Sentences as a list in Markdown, with tables where there are rows."""
     parts = [
         _table(group) if rows else "\n".join(_items(group, width))
-        for rows, group in _grouped(sentences)  # a list is a group, and so is each table
+        for rows, group in _group_rows(sentences)  # a list is a group, and so is each table
     ]
     return "\n\n".join(parts)
 
@@ -90,7 +90,7 @@ def replace_block(text: str, block: str, where: str) -> str:
     return "\n".join([*lines[: marked[0]], block, *lines[last + 1 :]]) + end
 
 
-def _grouped(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
+def _group_rows(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
     table = 0
 
     def kind(one: Sentence) -> tuple[bool, int]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake.choosing import Chooser
-from course_kit.classroom.intake.layouts import Unit
+from course_kit.classroom.intake.layouts import HandIn
 from course_kit.classroom.intake.listing import FOLDER, Item
 from course_kit.classroom.intake.sources import CopiedFolder, OpenedSources
 from course_kit.classroom.records import Entry, GradeRecord
@@ -37,7 +37,9 @@ def grade_path(
         found = _find(path.resolve(), exercise, Path(made, "copied"))
         if found is None:
             why = "There is no program for this exercise in what was handed in. "
-            report = engine.unreadable(exercise, path.name, f"{why}Hand in {exercise.starter} or {exercise.notebook}.")
+            report = engine.report_unreadable(
+                exercise, path.name, f"{why}Hand in {exercise.starter} or {exercise.notebook}."
+            )
             return _record(exercise, path.name, report, seed)
         report = engine.grade(exercise.id, found, seed=seed, require_isolation=require_isolation)
         return _record(exercise, found.name, report, seed)
@@ -53,7 +55,7 @@ def _record(exercise: Exercise, source: str, report: Report, seed: int) -> Grade
 
 def _find(folder: Path, exercise: Exercise, workspace: Path) -> Path | None:
     """The file to grade, as a copy, or None."""
-    unit = Unit(Item(folder.name, FOLDER), _STUDENT)
+    unit = HandIn(Item(folder.name, FOLDER), _STUDENT)
     copied = CopiedFolder(folder.parent, workspace)
     with Reader() as reader:
         chooser = Chooser(OpenedSources(workspace, copied, units=(unit,), is_copy=True), [exercise], reader)

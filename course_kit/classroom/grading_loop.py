@@ -56,7 +56,7 @@ class RunProgress:
         known = f", {len(ready)} of them already have a result from an earlier run" if ready else ""
         self._print(f"{total} submission{'s' * (total != 1)}{known}.")
 
-    def done(self, record: GradeRecord) -> None:
+    def count_result(self, record: GradeRecord) -> None:
         """One more has its result."""
         self._now += 1
         self._counts[outcome_of(record)] += 1
@@ -71,7 +71,7 @@ class RunProgress:
             self._shown = now
             self._print(self.line())
 
-    def stopping(self, under_way: int) -> None:
+    def announce_stop(self, under_way: int) -> None:
         """Ctrl-C: nothing new is begun, so many are finished."""
         self._print(f"Stopping once {under_way} running gradings have finished. Press Ctrl-C again to abandon them.")
 
@@ -84,9 +84,9 @@ class RunProgress:
         count = self._before + self._now
         width = len(str(self._total))
         counts = ", ".join(f"{self._counts[name]} {name}" for name in _ORDER if self._counts[name])
-        return f"[{count:>{width}}/{self._total}]{' ' if counts else ''}{counts}{self._left(count)}"
+        return f"[{count:>{width}}/{self._total}]{' ' if counts else ''}{counts}{self._estimate_time_left(count)}"
 
-    def _left(self, count: int) -> str:
+    def _estimate_time_left(self, count: int) -> str:
         if self._now < _TOO_EARLY or count >= self._total:
             return ""
         seconds = round((self._total - count) * (self._clock() - self._began) / self._now)
@@ -127,12 +127,12 @@ class ClassGrading:
         self._progress.tick()
 
     def _request(self, first: ClassSubmission) -> GradingRequest | Report:
-        return first.request(self._hidden, require_isolation=self._require_isolation) or first.unreadable()
+        return first.request(self._hidden, require_isolation=self._require_isolation) or first.report_unreadable()
 
     def _listen(self, under_way: int) -> None:
         if self._stops() and not self._is_stopping:
             self._is_stopping = True
-            self._progress.stopping(under_way)
+            self._progress.announce_stop(under_way)
         self._progress.tick()
 
     def _keep(self, group: list[ClassSubmission], report: Report) -> None:
@@ -146,18 +146,18 @@ class ClassGrading:
             record = replace(one.record(own), versions=self._versions[exercise.id], same_as=same_as)
             self._records.keep(record, render_page(own, one.entry.name or one.entry.student, one.text))
             self.done.append(record)
-            self._progress.done(record)
+            self._progress.count_result(record)
 
 
 def versions_of(exercise: Exercise) -> dict[str, str]:
     """Fingerprints of the kit and an exercise: results with the same two were graded by the same rules."""
     apart = {exercise.folder / exercise.starter, exercise.folder / exercise_folders.PROOF}
     found = (path for path in exercise.folder.rglob("*") if path.suffix in _SOURCES and path.is_file())
-    return {"kit": _kit(), "exercise": _fingerprint(path for path in found if not apart & {path, *path.parents})}
+    return {"kit": _version(), "exercise": _fingerprint(path for path in found if not apart & {path, *path.parents})}
 
 
 @lru_cache(maxsize=1)
-def _kit() -> str:
+def _version() -> str:
     try:
         version = metadata.version(_DISTRIBUTION)
     except metadata.PackageNotFoundError:  # run from its folder

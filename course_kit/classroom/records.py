@@ -55,7 +55,7 @@ class Entry:
     worry: str = ""  # why somebody should look at the choice; empty when there is no doubt
 
     @property
-    def called(self) -> str:
+    def label(self) -> str:
         """The student in a sentence: `4711 Jane Doe`, or the identifier alone where it is the name."""
         return f"{self.student} {self.name}" if self.name and self.name != self.student else self.student
 
@@ -173,7 +173,7 @@ class RecordFolder:
         """The record of a submission if there is one that can be read."""
         return _read(self.path(entry))
 
-    def without(self, entries: Iterable[Entry], exercises: Collection[str]) -> list[Path]:
+    def list_stray_records(self, entries: Iterable[Entry], exercises: Collection[str]) -> list[Path]:
         """Where results stand that belong to none of these submissions."""
         here = {self.path(entry) for entry in entries}
         found = sorted(self.folder.glob("*/*.json"))
@@ -273,7 +273,7 @@ class Gradebook:
         """Everybody who handed in anything, sorted."""
         return sorted({record.entry.student for record in self.records} | {student for student, _ in self.missing})
 
-    def graded(self, exercise_id: str | None = None) -> list[GradeRecord]:
+    def graded_records(self, exercise_id: str | None = None) -> list[GradeRecord]:
         """The records that hold a grade, of one exercise or of all; see `GradeRecord.has_grade`."""
         records = self.records if exercise_id is None else self.records_of(exercise_id)
         return [record for record in records if record.has_grade]

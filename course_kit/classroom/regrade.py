@@ -130,20 +130,20 @@ class Regrade:
         for record in sorted(self._new, key=_key):
             old = before[_key(record)]
             if record.status != "error":
-                pairs.append(GradeChange(old, self._run.adjusted(record)))
+                pairs.append(GradeChange(old, self._run.adjust_record(record)))
         return [change for change in pairs if change.is_one]
 
     def _take_stock(self, stops: Callable[[], int]) -> list[list[ClassSubmission]]:
         """Read what is graded again; identical ones together."""
         now = {one.id: versions_of(one) for one in self._exercises.values()}
-        found = ((record, self._staged(record, now)) for record in self._chosen)
+        found = ((record, self._find_staged(record, now)) for record in self._chosen)
         with Reader(lambda: stops() > 0, memory=self._run.reader.memory) as reader:
             ready, groups = submissions.sort_out((self._read(one, reader, staged), staged) for one, staged in found)
         self._new += [staged for _, staged in ready]
         self._progress.begin(len(self._chosen), self._new)
         return groups
 
-    def _staged(self, record: GradeRecord, now: dict[str, dict[str, str]]) -> GradeRecord | None:
+    def _find_staged(self, record: GradeRecord, now: dict[str, dict[str, str]]) -> GradeRecord | None:
         """What an earlier regrade has found, by the rules of now."""
         staged = self._staging.find(record.entry)
         return staged if staged is not None and staged.versions == now[record.entry.exercise] else None

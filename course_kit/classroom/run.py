@@ -138,9 +138,9 @@ class ClassRun:
         found = (self._records.find(entry) for entry in self.intake.entries)
         return self._gradebook([record for record in found if record is not None])
 
-    def adjusted(self, record: GradeRecord) -> GradeRecord:
+    def adjust_record(self, record: GradeRecord) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
-        return self.instructions.adjusted(record, self.exercises)
+        return self.instructions.adjust_record(record, self.exercises)
 
     @property
     def seed(self) -> int:
@@ -150,9 +150,9 @@ class ClassRun:
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
         self._records.remove_pages_alone()
-        for path in self._records.without(self.intake.entries, [one.id for one in self.plan.exercises]):
+        for path in self._records.list_stray_records(self.intake.entries, [one.id for one in self.plan.exercises]):
             record = self._records.supersede(path)
-            whose = record.entry.called if record else path.parent.name
+            whose = record.entry.label if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
 
     def _take_stock(self) -> tuple[list[GradeRecord], list[list[ClassSubmission]]]:

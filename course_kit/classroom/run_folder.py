@@ -57,7 +57,7 @@ def seed_of(out: Path) -> int | None:
 def exercise_of(out: Path, exercise_id: str) -> Exercise:
     """An exercise of the run that has written into a folder: as it is known now, else where the run has found it."""
     noted = _noted_folders(out).get(exercise_id)
-    if noted is None or exercise_id in exercise_folders.find().folders:
+    if noted is None or exercise_id in exercise_folders.find_exercises().folders:
         return load_exercise(exercise_id)
     if not Path(noted).is_dir():
         raise GradingError(

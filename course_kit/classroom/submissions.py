@@ -57,9 +57,9 @@ class ClassSubmission:
         shown = self.entry.source
         return GradingRequest(self.exercise, self.text, shown, self.seed, hidden, require_isolation=require_isolation)
 
-    def unreadable(self) -> Report:
+    def report_unreadable(self) -> Report:
         """The report of one that has no text."""
-        return engine.unreadable(self.exercise, self.entry.source, self.problem, self.status)
+        return engine.report_unreadable(self.exercise, self.entry.source, self.problem, self.status)
 
     def record(self, report: Report) -> GradeRecord:
         """Its result."""
@@ -81,18 +81,18 @@ class ClassSubmission:
         names = {twin.text.name: self.text.name, twin.text.program: self.text.program}
         found = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, names))})(?!\w)")
 
-        def own(text: str) -> str:
+        def undo(text: str) -> str:
             return found.sub(lambda name: names[name[0]], text)
 
         return replace(
             report,
             submission=self.entry.source,
             checks=tuple(
-                replace(one, message=own(one.message), told=own(one.told), got=own(one.got)) for one in report.checks
+                replace(one, message=undo(one.message), told=undo(one.told), got=undo(one.got)) for one in report.checks
             ),
-            stdout=own(report.stdout),
-            stderr=own(report.stderr),
-            problem=own(report.problem),
+            stdout=undo(report.stdout),
+            stderr=undo(report.stderr),
+            problem=undo(report.problem),
         )
 
     def has_result(self, record: GradeRecord) -> bool:

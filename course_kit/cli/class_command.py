@@ -183,7 +183,7 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> in
                 f"there: {first_of(grading.gone, '; ')}."
             )
         for one in plan.exercises:
-            if practised := _practised(book, one, plan.seeds):
+            if practised := _students_with_practice_seed(book, one, plan.seeds):
                 note(
                     f"{one.id}: {count_of(practised, 'submission')} graded with the practice questions "
                     f"(seed {one.seed}), whose answers every student has. "
@@ -192,7 +192,7 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> in
         return _finish(book, options)
 
 
-def _practised(book: Gradebook, exercise: Exercise, seeds: Seeds | None) -> list[str]:
+def _students_with_practice_seed(book: Gradebook, exercise: Exercise, seeds: Seeds | None) -> list[str]:
     """Whose submissions of an exercise were graded with what everybody practises with."""
     graded = [record.entry for record in book.records if record.entry.exercise == exercise.id]
     if exercise.seed is None:
@@ -230,7 +230,7 @@ def _finish(book: Gradebook, options: argparse.Namespace) -> int:
     print(page)
     for notice in _notices(book):
         print_safely(notice)
-    worries = list(_worries(book))
+    worries = list(_describe_missing_grades(book))
     for worry in worries:
         note(worry)
     if not book.complete:
@@ -253,12 +253,12 @@ def _notices(book: Gradebook) -> Iterator[str]:
         )
 
 
-def _worries(book: Gradebook) -> Iterator[str]:
+def _describe_missing_grades(book: Gradebook) -> Iterator[str]:
     """What is missing from the grades, a sentence each."""
     if book.dropped:
         yield _left_out(book.dropped, book.entries)
     if failed := book.not_graded:
-        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in failed]
+        whose = [f"{record.entry.label}, {record.entry.exercise}" for record in failed]
         yield (
             f"{count_of(whose, 'submission')} could not be graded, for a reason outside the student's control: "
             f"{first_of(whose, '; ')}. Run the same command with --resume."
@@ -267,7 +267,7 @@ def _worries(book: Gradebook) -> Iterator[str]:
 
 def _each_named(reasons: Sequence[tuple[str, str]], entries: Iterable[Entry]) -> list[str]:
     """Students with their names, each with a reason."""
-    called = {entry.student: entry.called for entry in entries}
+    called = {entry.student: entry.label for entry in entries}
     return [f"{called.get(student, student)} ({reason})" for student, reason in reasons]
 
 
@@ -333,8 +333,8 @@ def say_of_intake(found: Intake, exercises: Iterable[Exercise]) -> None:
 
 
 def _sentences(found: Intake, exercises: Iterable[Exercise]) -> Iterator[str]:
-    called = {entry.student: entry.called for entry in (*found.entries, *found.others)}
-    doubtful = [f"{entry.called}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
+    called = {entry.student: entry.label for entry in (*found.entries, *found.others)}
+    doubtful = [f"{entry.label}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
     if doubtful:
         yield f"Look at the choice of file in intake.csv: {first_of(doubtful)}."
     if found.roster is not None:
@@ -384,7 +384,7 @@ def grade_again(
         return None
     book = regrade.write() if _is_wanted(changes, options) else None
     if regrade.failed:
-        whose = [f"{record.entry.called}, {record.entry.exercise}" for record in regrade.failed]
+        whose = [f"{record.entry.label}, {record.entry.exercise}" for record in regrade.failed]
         note(
             f"the grader failed for {count_of(whose, 'submission')}: "
             f"{first_of(whose, '; ')}. Their results stay as they are. Run the same command again."

@@ -310,7 +310,7 @@ def _ask(domain_id: int) -> float | None:
             if sent is None and client.is_ready():
                 sent = client.send(Trigger.Request())
             executor.spin_once(timeout_sec=0.02)  # returns as soon as there is anything to do
-            if sent is not None and sent.answered():
+            if sent is not None and sent.is_answered():
                 return time.monotonic() - started
         return None
     finally:

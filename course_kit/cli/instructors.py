@@ -120,7 +120,7 @@ def _add_new(verbs: Verbs) -> None:
     new.add_argument(
         "--in", dest="folder", type=Path, metavar="DIR", help="the folder to make it in; the current one if left out"
     )
-    new.set_defaults(run=_new)
+    new.set_defaults(run=_create_new_exercise)
 
 
 def _add_bundle(verbs: Verbs) -> None:
@@ -182,7 +182,7 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
-def _new(options: argparse.Namespace) -> int:
+def _create_new_exercise(options: argparse.Namespace) -> int:
     from course_kit.authoring import new_exercise
     from course_kit.learner.workspace import shorten_path
 

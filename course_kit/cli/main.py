@@ -211,7 +211,7 @@ def _add_exercises(folders: Sequence[str]) -> None:
     if folders:
         from course_kit.grading.model import exercise_folders
 
-        exercise_folders.add(folders)
+        exercise_folders.add_exercise_folder(folders)
 
 
 def _lab(options: argparse.Namespace) -> int:

@@ -86,7 +86,7 @@ def resolve_lock(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[s
     compiled = partial(_compile, root, uv)
     everything = compiled(EXTRAS, [*build, _UV, _PIP], prefer=before)
     course = compiled((), [], within=everything)
-    extras = {extra: _without(course, compiled((extra,), [], within=everything)) for extra in EXTRAS}
+    extras = {extra: _subtract_packages(course, compiled((extra,), [], within=everything)) for extra in EXTRAS}
     return {
         "uv": compiled(None, [_UV], within=everything),
         "pip": compiled(None, [_PIP], within=everything),
@@ -94,7 +94,7 @@ def resolve_lock(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[s
         "numpy": [one for one in course if one.name == "numpy"],
         "numpy-1": compiled(None, _NUMPY_1),
         **extras,
-        "test-ros": _without(extras["ros"], extras["test-ros"]),
+        "test-ros": _subtract_packages(extras["ros"], extras["test-ros"]),
         "build": compiled(None, build, within=everything),
     }
 
@@ -136,7 +136,7 @@ def _compile(  # noqa: PLR0913 - what uv is asked
         return [package for package in wheel_bundle.parse_lock(target.read_text(encoding="utf-8")) if _places(package)]
 
 
-def _without(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -> list[LockedPackage]:
+def _subtract_packages(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -> list[LockedPackage]:
     """Those that `base` does not install; its markers may say the same in other words."""
     known = {(one.name, one.version, place) for one in base for place in _places(one)}
     return [one for one in packages if {(one.name, one.version, place) for place in _places(one)} - known]

@@ -140,7 +140,7 @@ class Leases:
                     return lease
         raise NoDomainError
 
-    def exclusive(self) -> Lease:
+    def lease_exclusive(self) -> Lease:
         """Lease a domain nobody else uses."""
         occupied = self._occupied()
         for domain_id in range(LAST, FIRST - 1, -1):
@@ -178,8 +178,8 @@ class Leases:
 
 @contextmanager
 def exclusive_domain() -> Iterator[int]:
-    """`Leases.exclusive` as a context manager that yields the domain's number."""
-    lease = Leases().exclusive()
+    """`Leases.lease_exclusive` as a context manager that yields the domain's number."""
+    lease = Leases().lease_exclusive()
     try:
         yield lease.domain_id
     finally:

@@ -24,7 +24,7 @@ def write_atomically(
             path.parent.mkdir(parents=True)
     temporary = path.with_name(f".{path.name[:_LONGEST]}-{secrets.token_hex(8)}.tmp")
     try:
-        with _made(temporary, mode) as descriptor:
+        with _create_file(temporary, mode) as descriptor:
             with suppress(FileNotFoundError):
                 os.fchmod(descriptor, path.stat().st_mode & 0o777)
             _fill(descriptor, data, durable=durable)
@@ -35,12 +35,12 @@ def write_atomically(
 
 def write_new(path: Path, content: bytes) -> None:
     """Write a file that is not there yet, down to the disk."""
-    with _made(path, 0o666) as descriptor:
+    with _create_file(path, 0o666) as descriptor:
         _fill(descriptor, content, durable=True)
 
 
 @contextmanager
-def _made(path: Path, mode: int) -> Iterator[int]:
+def _create_file(path: Path, mode: int) -> Iterator[int]:
     """A new, empty file, open for writing; removed if anything goes wrong with it."""
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
     try:

@@ -40,7 +40,7 @@ def visit_graph(wanted: bool = True) -> Iterator[bool]:
 
 def _profile() -> Path | None:
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
-    wanted = "".join(_ONE.format(port) for port in _addressed(domains.discovery_ports(domain_id)[:_PARTICIPANTS]))
+    wanted = "".join(_ONE.format(port) for port in _choose_ports(domains.discovery_ports(domain_id)[:_PARTICIPANTS]))
     try:
         text = LOOPBACK_PROFILE.read_text(encoding="utf-8").replace(_ALL, wanted)
         path = run_dir() / f"visitor_{domain_id}.xml"
@@ -51,7 +51,7 @@ def _profile() -> Path | None:
     return path
 
 
-def _addressed(every: Sequence[int]) -> list[int]:
+def _choose_ports(every: Sequence[int]) -> list[int]:
     """The ports to announce to, those of participants that are there at the end."""
     taken = {number for number, _ in domains.bound_ports()}
     there = [port for port in every if port in taken]

@@ -17,7 +17,7 @@ from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed
 from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.graded_goal import Ended
+    from course_kit.grading.checks.graded_goal import GoalOutcome
     from course_kit.grading.checks.grader_node import OfferedService
 
 STATE, DISTANCE, DOCKED, OPEN, DELIVER = "/battery", "/odometry_distance", "/docked", "/door/open", "/deliver"
@@ -56,7 +56,7 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     for name in wanted:
         node.parameters(name).expect_served()
     discovery.expect_endpoints(node.context, node.endpoints)
-    node.meet()
+    node.ensure_running()
     for name, values in wanted.items():
         found = node.parameters(name).values(list(values))
         read = {key: one.value for key, one in found.items()}
@@ -69,7 +69,7 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
             require(read[key] == value, evidence, f"{key} of {name} is {read[key]!r}.", "parameter.default")
 
 
-def calm(node: GradedNode) -> None:
+def wait_in_vain(node: GradedNode) -> None:
     """Wait for what must not happen."""
     node.context.wait_until(lambda: False, CALM_S)
 
@@ -82,17 +82,17 @@ def expect_state(node: GradedNode, why: str, **wanted: Any) -> float:
     inbox, context = node.inbox(STATE), node.context
     place = inbox.count
 
-    def fitting() -> list[Any]:
-        return [one for one in inbox.since(place) if not list(differences(wanted, one))]
+    def find_fitting_messages() -> list[Any]:
+        return [one for one in inbox.newer_than(place) if not list(differences(wanted, one))]
 
-    context.wait_until(lambda: bool(fitting()), SHOWN_S)
-    seen = inbox.since(place)
+    context.wait_until(lambda: bool(find_fitting_messages()), SHOWN_S)
+    seen = inbox.newer_than(place)
     sent, expected = context.record.last_exchange()[0], f"{STATE}: {describe_wanted(wanted)}"
     silent = f"The node battery published nothing on {STATE} for a second."
     require(seen, Evidence(sent, expected, f"nothing on {STATE}"), silent, "topic.silent")
     in_range = all(-CLOSE < one.percentage < 1.0 + CLOSE for one in seen)
-    require(fitting() and in_range, Evidence(sent, expected, f"{STATE}: {in_one_line(seen[-1])}"), why)
-    return float(fitting()[0].percentage)
+    require(find_fitting_messages() and in_range, Evidence(sent, expected, f"{STATE}: {in_one_line(seen[-1])}"), why)
+    return float(find_fitting_messages()[0].percentage)
 
 
 def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> None:
@@ -111,9 +111,9 @@ def enter(node: GradedNode, door_timeout_s: float = PATIENCE_S) -> OfferedServic
     fresh = have_running(node, "carrier.py", **BUILDING, door_timeout_s=door_timeout_s)
     door = offer_service(node, OPEN, SetBool, success=True, message="open")
     if fresh:
-        node.meet()
+        node.ensure_running()
         node.context.wait_until(lambda: node.context.grader_node.node.count_clients(OPEN) > 0, CALM_S)
-        hangs.greet(node.context)  # then it knows our door, too
+        hangs.greet_node(node.context)  # then it knows our door, too
         tell_battery(node, GOOD)
     return door
 
@@ -145,14 +145,14 @@ def require_arrival(node: GradedNode, goal: GradedGoal, room: str, speed_mps: fl
     memory = node.context.memory
     metres = abs(PLACES[room] - memory["at"])
     ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / speed_mps + SHOWN_S, delivered=True)
-    took_s = min(goal.clock.wall(), memory.get("opened", goal.clock).wall())
+    took_s = min(goal.clock.wall_s(), memory.get("opened", goal.clock).wall_s())
     evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / speed_mps:.2f} s or more", f"{took_s:.2f} s")
     require(took_s >= 0.9 * metres / speed_mps, evidence, f"That is faster than speed_mps={speed_mps:g}.")
     require_distance(node, goal, ended, metres)
     memory["at"] = PLACES[room]
 
 
-def require_distance(node: GradedNode, goal: GradedGoal, ended: Ended, metres: float) -> None:
+def require_distance(node: GradedNode, goal: GradedGoal, ended: GoalOutcome, metres: float) -> None:
     """The result says that so many metres were driven for this goal."""
     node.context.memory["driven"] += (said := ended.result.distance)
     evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={said:.3f}")
@@ -170,7 +170,7 @@ def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: 
     """A goal ends ABORTED in time, with a message in which these words stand; the robot has not moved."""
     expected = f"ABORTED, delivered=False, with a message{f' that contains {words!r}' if words else ''}"
     ended = goal.wait_for_end(within_s, expected)
-    said, took_s = ended.result, goal.clock.wall()
+    said, took_s = ended.result, goal.clock.wall_s()
     evidence = Evidence(goal.shown, expected, f"{ended.name} after {took_s:.2f} s, {in_one_line(said)}")
     goal.require_status(ended, ABORTED, evidence)
     require(took_s >= after_s, evidence, f"The carrier gave up before {after_s:g} s had passed.")
@@ -183,8 +183,8 @@ def require_said(node: GradedNode, goal: GradedGoal, topic: str, wanted: float) 
     """What comes on a topic becomes right within half a second, or a moment later."""
     inbox = node.inbox(topic)
     place = inbox.count
-    node.context.wait_until(lambda: any(abs(one.data - wanted) < NEAR_M for one in inbox.since(place)), SHOWN_S)
-    got = [one.data for one in inbox.since(place)[-1:]]
+    node.context.wait_until(lambda: any(abs(one.data - wanted) < NEAR_M for one in inbox.newer_than(place)), SHOWN_S)
+    got = [one.data for one in inbox.newer_than(place)[-1:]]
     evidence = Evidence(goal.shown, f"{topic}: {wanted:.2f}", f"{topic}: {got or 'nothing'}")
     require(got and abs(got[0] - wanted) < NEAR_M, evidence, f"{topic} says something else than the results of goals.")
 
@@ -204,7 +204,7 @@ def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
     """A delivery succeeds within so many seconds, if not the first then another one."""
     clock, memory = node.context.clock(), node.context.memory
     while True:
-        late, goal = clock.past(seconds), node.goal(DELIVER, room=room)
+        late, goal = clock.has_passed(seconds), node.goal(DELIVER, room=room)
         goal.wait_for_answer("the goal accepted")
         if goal.accepted:
             ended = goal.wait_for_end(seconds + PATIENCE_S, "SUCCEEDED")
@@ -214,17 +214,17 @@ def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
                 return
         if late:
             goal.accepted_by().ends(within_s=PATIENCE_S)
-        calm(node)
+        wait_in_vain(node)
 
 
 def deliver_at_door(node: GradedNode) -> GradedGoal:
     """A delivery that waits for a door which opens slowly."""
     node.set({"opening_s": 5.0}, of="/door").accepted()
     clock = node.context.clock()
-    while (goal := node.goal(DELIVER, room="kitchen")) and not clock.past(SHOWN_S):
+    while (goal := node.goal(DELIVER, room="kitchen")) and not clock.has_passed(SHOWN_S):
         goal.wait_for_answer("the goal accepted")
         if goal.accepted:  # else the carrier has not heard yet that the battery is not low any more
             break
     node.context.wait_until(lambda: bool(goal.accepted_by().feedback), SHOWN_S)
-    calm(node)
+    wait_in_vain(node)
     return goal

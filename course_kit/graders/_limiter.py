@@ -80,7 +80,7 @@ class Reaction:
     wheel: float
 
     @classmethod
-    def of(cls, twist: Twist, wheel: Float64) -> Reaction:
+    def from_messages(cls, twist: Twist, wheel: Float64) -> Reaction:
         """From the messages."""
         return cls(tuple(float(getattr(getattr(twist, part), axis)) for part, axis in FIELDS), float(wheel.data))
 
@@ -100,12 +100,12 @@ def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reacti
     if not settings.enabled:
         return Reaction((0.0,) * len(FIELDS), 0.0)
     limited = min(max(fields[0], -settings.max_velocity), settings.max_velocity)
-    return Reaction((limited, *fields[1:]), _over(limited, settings.wheel_diameter / 2.0))
+    return Reaction((limited, *fields[1:]), _ratio(limited, settings.wheel_diameter / 2.0))
 
 
 def same_reaction(one: Reaction, two: Reaction) -> bool:
     """Whether two reactions are the same, but for digits that do not count."""
-    return all(_same(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
+    return all(_is_close(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
 
 
 def cause_of(
@@ -113,7 +113,7 @@ def cause_of(
 ) -> tuple[bool, str | None, str]:
     """What is wrong with a reaction to a command: whether /wheel_speed alone is, the diagnosis, and a sentence."""
     right = right_reaction(settings, fields)
-    names = [name for name, one, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _same(one, two)]
+    names = [name for name, one, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _is_close(one, two)]
     if not settings.enabled:
         if names:
             return (
@@ -128,21 +128,21 @@ def cause_of(
         return False, None, told
     if names:
         told = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
-        if _same(got.fields[0], fields[0]):
+        if _is_close(got.fields[0], fields[0]):
             told = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
-        elif _same(got.fields[0], -right.fields[0]):
+        elif _is_close(got.fields[0], -right.fields[0]):
             told = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
         return False, "math.formula", told
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     slips = (
-        (_over(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
+        (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
-        (_over(speed, math.pi * diameter), "These are turns per second; the topic wants rad/s."),
-        (_over(asked, diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
-        (_over(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
+        (_ratio(speed, math.pi * diameter), "These are turns per second; the topic wants rad/s."),
+        (_ratio(asked, diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
+        (_ratio(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
-    usual = [told for value, told in slips if _same(got.wheel, value)]
+    usual = [told for value, told in slips if _is_close(got.wheel, value)]
     if not usual and abs(got.wheel - right.wheel) <= 1.0 and (got.wheel == round(got.wheel) or floors):
         told = "Digits were lost in the calculation: look for //, int() and round()."
         return True, "math.integer_division", told
@@ -178,12 +178,12 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
     return ""
 
 
-def _over(one: float, other: float) -> float:
+def _ratio(one: float, other: float) -> float:
     """A quotient; NaN where there is none: the settings are a stranger's."""
     return one / other if other else math.nan
 
 
-def _same(one: float, other: float) -> bool:
+def _is_close(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(one) and math.isnan(other))
 
 
@@ -302,13 +302,13 @@ class LimiterSteps(Model):
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
         try:
-            got = Reaction.of(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+            got = Reaction.from_messages(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         except Failed as silence:
             if "reacts" in self.lost:
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         right = right_reaction(self.settings, fields)
-        if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_same, right.fields, got.fields))):
+        if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_is_close, right.fields, got.fields))):
             self.seen = self.settings
             self.past.append((fields, False))
             return
@@ -360,7 +360,7 @@ class LimiterSteps(Model):
             return False
         with node.context.record.looking_away():
             node.context.spoil()
-            node.meet()
+            node.ensure_running()
             model = type(self)()
             model.lost = self.lost
             try:
@@ -396,13 +396,13 @@ class LimiterSteps(Model):
 
         def fits() -> bool:
             wanted = (self.settings.robot_name, self.settings.max_velocity)
-            return any(read_status(str(one.data)) == wanted for one in inbox.since(asked))
+            return any(read_status(str(one.data)) == wanted for one in inbox.newer_than(asked))
 
         if context.wait_until(fits, _LINE_S + _ACTS_S):
-            context.record.came(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
+            context.record.add_unasked(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
             return
         evidence = Evidence(sent, f"on {STATUS}: {self.settings.robot_name}: {self.settings.max_velocity!r} m/s")
-        if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall()):
+        if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall_s()):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."
             failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")

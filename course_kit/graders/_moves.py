@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.checks.graded_goal import Ended, GradedGoal
+    from course_kit.grading.checks.graded_goal import GoalOutcome, GradedGoal
     from course_kit.grading.checks.vocabulary import GradedNode
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
@@ -88,7 +88,7 @@ class Move:
     begin: ArenaPoint
     target: ArenaPoint
     goal: GradedGoal
-    ended: Ended
+    ended: GoalOutcome
 
     @property
     def length(self) -> float:
@@ -124,7 +124,7 @@ def is_slow(context: CheckContext) -> bool:
 def is_too_hasty(clock: FairClock, context: CheckContext, again: int) -> bool:
     """Whether the fast robot or a busy machine may be to blame for a failure; then the robot gets its own speed."""
     slow, speed = is_slow(context), speed_of(context)
-    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall()):  # else who knows when what was sent
+    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else who knows when what was sent
         return False
     speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
     return True
@@ -153,7 +153,7 @@ def distance_beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> fl
     return math.dist(place, (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y)))
 
 
-def describe_end(ended: Ended) -> str:
+def describe_end(ended: GoalOutcome) -> str:
     """The end of a goal as the learner is shown it."""
     result = ended.result
     return (
@@ -169,7 +169,7 @@ def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) ->
 
 
 @contextmanager
-def costing(breaks: str) -> Iterator[None]:
+def charge_to(breaks: str) -> Iterator[None]:
     """What fails in here costs this check, or the one that proves this sentence."""
     try:
         yield
@@ -190,7 +190,7 @@ def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoa
 
 def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> None:
     """A valid goal is accepted; else find out what the server minds: this goal, all goals, or what was before."""
-    with costing("accepted"):
+    with charge_to("accepted"):
         goal.wait_for_answer("the goal accepted")
     if goal.accepted:
         return

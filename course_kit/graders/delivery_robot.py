@@ -72,7 +72,7 @@ def battery_falls(node: GradedNode) -> None:
     """battery.py alone: it is full at the start, and falls by what the robot drives."""
     robot.have_running(node, "battery.py")
     node.send(DOCKED, data=True)
-    robot.calm(node)
+    robot.wait_in_vain(node)
     robot.expect_state(node, "A battery that was just started is full.", percentage=Approximation(1.0, absolute=CLOSE))
     node.send(DOCKED, data=False)
     robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
@@ -107,7 +107,7 @@ def battery_charges(node: GradedNode) -> None:
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
         node.send(DOCKED, data=False)
         left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
-        robot.calm(node)
+        robot.wait_in_vain(node)
         robot.expect_state(node, "It rises only at the dock.", percentage=Approximation(left, absolute=CLOSE))
         evidence = Evidence(f"{DOCKED}: true", "percentage rises by 0.05 to 0.2 a second", f"by {rate:.3f}")
         if right := 0.05 <= rate <= 0.2:  # noqa: PLR2004 - as the text says
@@ -174,14 +174,14 @@ def door_free(node: GradedNode) -> None:
     for opening_s, head_start_s in ((0.4, 0.1), (3.0, 1.0)):  # the second where a busy machine has spoiled the first
         node.set({"opening_s": opening_s, "locked": False}, of="/door").accepted()
         opened = client.send(SetBool.Request(data=True))
-        context.wait_until(opened.answered, head_start_s)
+        context.wait_until(opened.is_answered, head_start_s)
         node.call(OPEN, data=False).expect(success=True)
         node.set({"locked": True}, of="/door").accepted()
         node.call(OPEN, data=True).refused()
-        in_time = not opened.answered()
-        context.wait_until(opened.answered, opening_s + PATIENCE_S)
+        in_time = not opened.is_answered()
+        context.wait_until(opened.is_answered, opening_s + PATIENCE_S)
         node.set({"locked": False}, of="/door").accepted()
-        if right := in_time and opened.answered() and opened.response().success:
+        if right := in_time and opened.is_answered() and opened.response().success:
             break
     sent = "a request to open; meanwhile requests to close and to open, and a change of locked"
     evidence = Evidence(sent, "all others answered while the door opens", "the door was open before they were answered")
@@ -208,7 +208,7 @@ def carrier_delivers(node: GradedNode) -> None:
     door = robot.enter(node)
     for room in ("attic", "cellar"):
         goal = robot.ask_for_delivery(node, room, door)
-        robot.calm(node)
+        robot.wait_in_vain(node)
         robot.require_said(node, goal, DISTANCE, node.context.memory["driven"])
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
@@ -220,7 +220,7 @@ def carrier_delivers(node: GradedNode) -> None:
 def carrier_feedback(node: GradedNode) -> None:
     """carrier.py alone: feedback tells the phase, the way that is left, and the battery."""
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
-    robot.calm(node)
+    robot.wait_in_vain(node)
     early, metres = [one.feedback for one in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
     robot.open_door(node)
     robot.require_arrival(node, goal, "hall")
@@ -249,7 +249,7 @@ def carrier_rejects(node: GradedNode) -> None:
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
     robot.tell_battery(node, robot.LOW)
     clock = node.context.clock()
-    while (goal := node.goal(DELIVER, room="attic")) and not clock.past(SHOWN_S):
+    while (goal := node.goal(DELIVER, room="attic")) and not clock.has_passed(SHOWN_S):
         goal.wait_for_answer("the goal rejected")
         if not goal.accepted:
             break
@@ -354,7 +354,7 @@ def delivery_follows(node: GradedNode) -> None:
     node.set({"locked": False}, of="/door").accepted()
     node.set({"low_fraction": 1.0}, of="/battery").accepted()
     robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
-    robot.calm(node)
+    robot.wait_in_vain(node)
     node.goal(DELIVER, room="lab").rejected(what="a delivery, although the battery is low")
     node.set({"low_fraction": 0.2}, of="/battery").accepted()
 

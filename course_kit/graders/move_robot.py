@@ -96,7 +96,7 @@ class RobotModel(Model):
         self.targets[-1] = place_inside(self.at, 0.3, angle)  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
-        with _moves.costing("already_there"):
+        with _moves.charge_to("already_there"):
             _moves.require_limits(goal)
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
@@ -140,12 +140,12 @@ class RobotModel(Model):
         others = {"outside": ArenaPoint(-0.5, 5.0), "nowhere": ArenaPoint(math.nan, 5.0)}
         self.reject_second(node, first, others.get(kind, place_inside(begin, 1.0, angle)))
         clock, allowed_s = node.context.clock(), _moves.allowed_s(way.length)
-        while not clock.past(allowed_s):  # a robot that halts for a rejected goal halts for each
+        while not clock.has_passed(allowed_s):  # a robot that halts for a rejected goal halts for each
             if first.over_at is not None or _moves.metres_left(first, target) < _moves.CANCEL_UNTIL_M:
                 break
             self.reject_second(node, first, place_inside(begin, 0.6, angle + 1.0))
             node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
-        self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair(), 1.0)))
+        self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair_s(), 1.0)))
 
     @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
@@ -296,7 +296,7 @@ class RobotModel(Model):
         lost = {*self.lost, "progress"} if "feedback" in self.lost else self.lost
         for aspect, require in _moves.ASPECTS.items():
             if aspect not in lost and (aspect in aspects or not aspects):
-                with _moves.costing(aspect):
+                with _moves.charge_to(aspect):
                     require(move)
         self._judged = (move, len(move.goal.feedback))
 
@@ -320,7 +320,7 @@ class RobotModel(Model):
             if driven > A_SECOND and not failed.diagnosis:
                 failed.diagnosis = "action.cancel_blocked"
             # However busy the machine is: who has driven so far meanwhile has had this much time.
-            waited_s = max(clock.fair(), driven / A_SECOND)
+            waited_s = max(clock.fair_s(), driven / A_SECOND)
             explained = _moves.explain_refusal(failed, goal, target, waited_s, slow=slow)
             if isinstance(explained, OverError):
                 self.start_afresh(node)
@@ -328,7 +328,7 @@ class RobotModel(Model):
         self.special, clock = "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, short of the target")
-        took_s = clock.fair()
+        took_s = clock.fair_s()
         move = self.note_arrival(Move(begin, target, goal, ended))
         _moves.require_stop(move, breaks, short=not late and (not slow or left >= A_SECOND))
         if ended.status == CANCELED and took_s > A_SECOND:
@@ -400,7 +400,7 @@ class RobotModel(Model):
         """Start the program again, at one of the robot's two speeds, and with it the model; a stranger's goes on."""
         if node.context.job.mode != "attach":
             node.context.launch(variables=OWN_SPEED if _moves.speed_of(node.context).own else None)
-            node.meet()
+            node.ensure_running()
             self.at, self.special, self.cancelled, self.targets = ORIGIN, "", False, []
             self._recent, self._judged = {}, None
 

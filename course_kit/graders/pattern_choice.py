@@ -16,13 +16,13 @@ from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
-from course_kit.quiz import Unusable
+from course_kit.quiz import NoAnswer
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
-    from course_kit.quiz import Half, MarkedAnswers, Scenario
+    from course_kit.quiz import HalfMarks, MarkedAnswers, Scenario
 
 INTERFACES = ()
 _READ = "answers"  # the id of the check all others need
@@ -35,7 +35,7 @@ _MOST_NAMED = 20  # entries that belong to no scenario
 
 def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
-    scenarios = quiz.draw(job.seed)
+    scenarios = quiz.draw_scenarios(job.seed)
     sheet, after = _Sheet(scenarios), (_READ,)
     # Worth nothing by themselves: all points go to the halves.
     checks = [
@@ -68,7 +68,7 @@ class _Sheet:
 
     def known_ids(self, context: CheckContext) -> Evidence:
         del context
-        strangers = self._marked().strangers
+        strangers = self._require_marked().strangers
         expected = "ids of scenarios only"
         if not strangers:
             return Evidence("", expected, expected)
@@ -81,19 +81,19 @@ class _Sheet:
 
     def pattern(self, place: int, context: CheckContext) -> Evidence:
         del context
-        marks = self._marked().marks[place]
+        marks = self._require_marked().marks[place]
         sent = f"{marks.scenario.id}: {marks.scenario.text}"
         return _verdict(marks.pattern, sent, _PATTERN_WANTED)
 
     def reason(self, place: int, context: CheckContext) -> Evidence:
-        marks = self._marked().marks[place]
+        marks = self._require_marked().marks[place]
         listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, context.job.seed)]
         given = marks.scenario.reasons.get(marks.reason.got)
         half = marks.reason
         got = f"{half.got}: {given}" if given else half.got
         return _verdict(half, "", f"the reason that decides, out of {', '.join(listed)}", got)
 
-    def _marked(self) -> MarkedAnswers:
+    def _require_marked(self) -> MarkedAnswers:
         if self._result is None:
             raise RuntimeError("the answers were not read")
         return self._result
@@ -115,7 +115,7 @@ def _not_here(result: MarkedAnswers) -> str:
     )
 
 
-def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Evidence:
+def _verdict(half: HalfMarks, sent: str, expected: str, got: str | None = None) -> Evidence:
     evidence = Evidence(sent, expected, (half.got if got is None else got) or "nothing")
     if not half.right:
         raise Failed(evidence, half.explanation, half.code)
@@ -123,7 +123,7 @@ def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Ev
 
 
 def _with_nearest(name: str, drawn: list[str]) -> str:
-    meant = quiz.nearest(name, drawn)
+    meant = quiz.nearest_id(name, drawn)
     return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
 
 
@@ -150,13 +150,13 @@ def _run(context: CheckContext) -> FoundAnswers:
         found = find_answers(process.notes, job.variable)
         if found.is_set or not process.notes.get("ended_itself"):
             return found
-    code, message = exits.of_start(process, job)
+    code, message = exits.explain_start(process, job)
     raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 
 def _not_set(found: FoundAnswers, variable: str) -> Failed:
     names = ", ".join(found.set_names) or "nothing"
-    meant = quiz.nearest(variable, found.set_names)
+    meant = quiz.nearest_id(variable, found.set_names)
     message = f"Your program does not set a variable called {variable}; it sets {names}."
     if meant:
         message += f" Did you mean {meant}?"
@@ -195,9 +195,9 @@ def find_answers(told: Record, variable: str) -> FoundAnswers:
 
 def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:
     try:
-        value = Unusable(text, problem) if problem else _literal(text)
+        value = NoAnswer(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
-        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
+        value = NoAnswer(text, "An answer has to be plain texts, but this is something else.")
     try:
         entries[_literal(key)] = value
     except _NO_LITERAL:

@@ -278,7 +278,7 @@ def status_rate(node: GradedNode) -> Evidence:
     gaps = [after - before for before, after in itertools.pairwise(heard)]
     if len(gaps) >= _LINES and max(gaps) <= _LONGEST_GAP_S and _RATE[0] <= sum(gaps) / len(gaps) <= _RATE[1]:
         return Evidence("", f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average", f"{len(heard)} lines")
-    node.meet()  # afresh: nothing else is asked of it than a change, after which the timer may be another one
+    node.ensure_running()  # afresh: nothing else is asked of it than a change, after which the timer may be another one
     with suppress(Failed):
         node.set({"robot_name": _NAMES[1], "max_velocity": 0.7}, of=NODE)
     return expect_rate(node, STATUS, 0.5, _RATE)
@@ -290,7 +290,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     try:
         node.start(**start, meets=False)
         node.parameters(NODE).expect_served()
-        node.meet()
+        node.ensure_running()
     except Failed as failed:
         evidence = replace(failed.evidence, sent=sent)
         process = context.program.status()
@@ -301,7 +301,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         raise Failed(evidence, failed.message, failed.diagnosis) from None
     model = Limiter(replace(LimiterSettings(**node.get(*TYPES, of=NODE)), **given))
     held = context.conversations.get(Limiter)
-    model.lost = held.lost if held is not None else frozenset()
+    model.lost = held.failed_checks if held is not None else frozenset()
     read = node.get(*given, of=NODE)
     if read != given:
         why = "The program was started with these values, but its parameters have others."
@@ -364,11 +364,11 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
         node.start(parameters=values, meets=False)
         try:
             node.parameters(NODE).expect_served()
-            node.meet()
+            node.ensure_running()
         except Failed as failed:
             if context.program.status(fresh=True).running:
                 raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
-            return _require_said(node, (name,), replace(evidence, got="the program ended"))
+            return _require_words(node, (name,), replace(evidence, got="the program ended"))
         try:
             model = Limiter()
             model.lost = frozenset({"one_each"} if name == "wheel_diameter" else {"one_each", "wheel_speed"})
@@ -377,20 +377,20 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
         except Failed as failed:
             why = f"Your node started with {describe_values(values)}, which it should have refused."
             raise Failed(replace(evidence, got=failed.evidence.got), why, "validation.missing") from None
-        return _require_said(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
+        return _require_words(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
     finally:
         context.spoil()
 
 
-def _require_said(node: GradedNode, words: tuple[str, ...], evidence: Evidence) -> Evidence:
+def _require_words(node: GradedNode, words: tuple[str, ...], evidence: Evidence) -> Evidence:
     """Somebody reads the terminal: it has to say what happened. By itself this earns nothing."""
 
-    def said() -> bool:
+    def has_words() -> bool:
         process = node.context.program.status(fresh=True)
         own = _SAID_BY_RCLPY.sub("", process.stdout + process.stderr)
         return any(word in own for word in words)
 
-    if not node.context.wait_until(said, _TOLD_S, of_the_living=False):
+    if not node.context.wait_until(has_words, _TOLD_S, of_the_living=False):
         evidence = replace(evidence, got=f"{evidence.got}, and its output does not name {words[0]}")
         why = f"The program's output does not name {words[0]}, so its user cannot tell what was wrong."
         raise Failed(evidence, why, "validation.no_reason")

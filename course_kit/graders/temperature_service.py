@@ -198,7 +198,7 @@ class Temperatures(Model):
             of_another = any(has_right_formula(one, answer.response.value) for one in values)
             told = "This is the answer to another client's request" if of_another else "Asked alone, it is another"
             why = f"{told}: your callback mixes up values of two calls."
-            answer.fail(why, expected=_wanted(sample), breaks="own_value")
+            answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
 
     def expect_conversion(
         self,
@@ -210,7 +210,7 @@ class Temperatures(Model):
         """The answer to a valid request comes in time and is `right`; refusing it breaks the sentence `refused`."""
         answer = node.call(SERVICE, vars(sample), breaks="answers")
         answer.within(_WITHIN_S, breaks="one_call")
-        response, wanted, converts = answer.response, _wanted(sample), sample.from_unit != sample.to_unit
+        response, wanted, converts = answer.response, _describe_wanted(sample), sample.from_unit != sample.to_unit
         if not response.success and not response.message.strip():  # no refusal: it has forgotten one line
             value = "The value is right" if has_right_formula(sample, response.value) else "The response has a value"
             why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
@@ -275,7 +275,7 @@ CHECKS = [
 ]  # fmt: skip
 
 
-def _wanted(sample: Sample) -> str:
+def _describe_wanted(sample: Sample) -> str:
     return f"success=True, value={right_value(sample)!r}"
 
 
@@ -313,13 +313,13 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
     if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
         return "field.type", "A value so close to zero is an integer that was put into a float field."
     for mistake, told in _MISTAKES.get((first.from_unit, first.to_unit), ()):
-        if all(_same(got, mistake(sample.value)) for sample, got in answers):
+        if all(_is_close(got, mistake(sample.value)) for sample, got in answers):
             return integer if "//" in told else formula, told
     if first.from_unit == first.to_unit:
         if off < _CALCULATED:
             lost = f"It is off by {off:.2g}" if off else "The sign of zero was lost"
             return formula, f"{lost}: a value that needs no conversion was calculated or rounded."
-    elif all(_same(got, sample.value) for sample, got in answers):
+    elif all(_is_close(got, sample.value) for sample, got in answers):
         return formula, "They are the values we sent: nothing was converted."
     told = "They match none of the usual mistakes; check the factor, the offset and the order by hand."
     digits_lost = off < (2.0 if floors else 1.0)  # // before a factor of 9/5 loses almost two degrees
@@ -332,5 +332,5 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
     return (integer if digits_lost else formula), told
 
 
-def _same(one: float, other: float) -> bool:
+def _is_close(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)

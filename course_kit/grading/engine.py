@@ -94,7 +94,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         try:
             return _grade_file(exercise, Path(path), seed, worker, only=only, require_isolation=require_isolation)
         except submission.UnreadableError as problem:
-            return unreadable(exercise, shown, submission.decode_name(str(problem)))
+            return report_unreadable(exercise, shown, submission.decode_name(str(problem)))
     if attach and require_isolation:
         raise GradingError(
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
@@ -128,7 +128,7 @@ def grade_submission(request: GradingRequest, worker: Worker | None = None) -> R
         return _grade(request.exercise, job, shown, used, request.require_isolation)
 
 
-def unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
+def report_unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
     """The report of a submission that could not be graded at all."""
     return Report(
         exercise=exercise.id,
@@ -149,7 +149,7 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
     found = worker.ready()
     if require_isolation:
         found.require()
-    isolation = _told(found, job.mode)
+    isolation = _describe_isolation(found, job.mode)
     outcome = worker.grade(job)
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
@@ -164,7 +164,7 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def _told(found: Isolation, mode: str) -> str:
+def _describe_isolation(found: Isolation, mode: str) -> str:
     """What isolated the submission, in one line."""
     if mode == "attach":
         return "none: the node was running already, and the grader only talked to it"

@@ -86,7 +86,7 @@ class Pool(Closable):
             else:
                 self._give_back(worker, usable=True)
                 return report
-        return engine.unreadable(request.exercise, request.shown, problem, status="error")
+        return engine.report_unreadable(request.exercise, request.shown, problem, status="error")
 
     def close(self) -> None:
         """End all workers and what they have under way."""
@@ -167,4 +167,4 @@ def _result(request: GradingRequest, future: Future[Report]) -> Report:
         return future.result()
     except Exception as problem:  # noqa: BLE001 - of a cluster, of a worker; whatever it is, it is not the student's
         why = f"The grading failed: {problem or type(problem).__name__}"
-        return engine.unreadable(request.exercise, request.shown, why, status="error")
+        return engine.report_unreadable(request.exercise, request.shown, why, status="error")

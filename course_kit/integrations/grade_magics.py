@@ -253,11 +253,11 @@ class GradeMagics(Magics):
         metadata = self._metadata()
         cell_id = metadata.get("cellId")
         deleted = [one for one in metadata.get("deletedCells") or () if isinstance(one, str)]
-        self._submissions.before(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
+        self._submissions.forget_cells(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
 
     def _after_cell(self, result: ExecutionResult) -> None:
         if not self._within_cell:
-            self._submissions.after(result.info.raw_cell, result.execution_count or 0)
+            self._submissions.note_unmarked(result.info.raw_cell, result.execution_count or 0)
 
     def _metadata(self) -> dict[str, Any]:
         """What JupyterLab has sent with the cell."""

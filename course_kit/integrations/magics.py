@@ -80,10 +80,10 @@ def ros_script(line: str, cell: str | None = None) -> None:
         mode = _MODES[words.pop(0)]
     if not words:
         raise MagicError(_SCRIPT_USAGE)
-    lab.script(words[0], _saved(words[0]) if cell is None else cell, *words[1:], mode=mode)
+    lab.script(words[0], _find_saved(words[0]) if cell is None else cell, *words[1:], mode=mode)
 
 
-def _saved(name: str) -> str:
+def _find_saved(name: str) -> str:
     """The program that the first line of a cell has saved under a name."""
     path = environment.run_dir(environment.paths.CELL_PROGRAMS) / f"{name.removesuffix('.py')}.py"
     if not path.is_file():
@@ -106,7 +106,7 @@ def ros_launch(line: str, cell: str | None = None) -> None:
         raise MagicError(_LAUNCH_USAGE)
     name = f"{words[0].removesuffix('.py').removesuffix('.launch')}.launch"
     lab.current().scripts.run(
-        name, _saved(name) if cell is None else cell, tuple(words[1:]), "background", launching.MODULE
+        name, _find_saved(name) if cell is None else cell, tuple(words[1:]), "background", launching.MODULE
     )
 
 

@@ -56,7 +56,7 @@ class SubmissionCells:
             cells = {one: cell for one, cell in cells.items() if cell.file != made.file}
         self._cells[exercise] = {**cells, cell_id or made.file: made}
 
-    def before(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
+    def forget_cells(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
         """Any cell is about to run."""
         marked = _MARK.match(source)
         for exercise, cells in self._cells.items():
@@ -66,14 +66,14 @@ class SubmissionCells:
             self._cells[exercise] = {one: cell for one, cell in cells.items() if one not in gone}
             self._gone.update(dict.fromkeys(gone, datetime.now().astimezone()))
 
-    def after(self, source: str, number: int) -> None:
+    def note_unmarked(self, source: str, number: int) -> None:
         """Any cell was run."""
         if not _MARK.match(source):
             self._unmarked.update(dict.fromkeys(_CLASS.findall(source), number))
 
     def cells_of(self, exercise: str) -> list[SubmissionCell]:
         """The cells that make up the submission: those that were run and, as for a class, those that were saved."""
-        saved = _Saved.now()
+        saved = _SavedNotebook.read_saved()
         order = {cell_id: place for place, cell_id in enumerate(saved.sources)}
         cells = {
             cell_id: cell
@@ -84,7 +84,7 @@ class SubmissionCells:
             cells = {**self._not_run(exercise, saved), **cells}
         return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
 
-    def _not_run(self, exercise: str, saved: _Saved) -> dict[str, SubmissionCell]:
+    def _not_run(self, exercise: str, saved: _SavedNotebook) -> dict[str, SubmissionCell]:
         return {
             cell_id: SubmissionCell(source)
             for cell_id, source in saved.sources.items()
@@ -95,7 +95,7 @@ class SubmissionCells:
     def warnings(self, exercise: str) -> list[str]:
         """What the notebook shows and is not graded, a sentence each."""
         graded = self.cells_of(exercise)
-        saved = _Saved.now()
+        saved = _SavedNotebook.read_saved()
         said = []
         if any(not cell.number for cell in graded):
             said.append(
@@ -120,14 +120,14 @@ class SubmissionCells:
 
 
 @dataclass
-class _Saved:
+class _SavedNotebook:
     """The notebook this kernel belongs to, as last saved."""
 
     sources: dict[str, str]
     when: datetime
 
     @classmethod
-    def now(cls) -> _Saved:
+    def read_saved(cls) -> _SavedNotebook:
         path = Path(os.environ.get("JPY_SESSION_NAME", ""))
         try:
             when = datetime.fromtimestamp(path.stat().st_mtime).astimezone()

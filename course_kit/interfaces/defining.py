@@ -36,7 +36,7 @@ def define(type_name: str, text: str) -> type[Any]:
     text = textwrap.dedent(text).rstrip() + "\n"
     owner = _other_owner(name.package)
     if owner is not None:
-        return _unchanged(type_name, text, owner)
+        return _require_unchanged(type_name, text, owner)
     cls = cast("type[Any]", finder.get_finder().library.define(name, text).find(name.name))
     _refuse_hidden_package(type_name, name.package)
     _save(Path(name.package, name.kind, f"{name.name}.{name.kind}"), text)
@@ -50,7 +50,7 @@ def _other_owner(package: str) -> str | None:
     return "is installed" if package in known_types.installed_packages() else None
 
 
-def _unchanged(type_name: str, text: str, owner: str) -> type[Any]:
+def _require_unchanged(type_name: str, text: str, owner: str) -> type[Any]:
     """The existing type of somebody else's package, if the text says the same."""
     try:
         same = parse_definition(type_name, text) == parse_definition(type_name, text_of(type_name))

@@ -68,7 +68,7 @@ class LiveFinder:
     def find(self, module: str, name: str) -> type | None:
         """The class `name` of a module such as "my_interfaces.srv" or "my_interfaces.srv._person_info"."""
         package, kind, *_ = module.split(".")
-        built = self._built(package, kind, name)
+        built = self._build_definition(package, kind, name)
         return None if built is None else built.find(name)
 
     def names(self, module: str) -> set[str]:
@@ -76,7 +76,7 @@ class LiveFinder:
         package, kind, *rest = module.split(".")
         return set() if rest else self._names(package, kind)
 
-    def _built(self, package: str, kind: str, name: str) -> BuiltDefinition | None:
+    def _build_definition(self, package: str, kind: str, name: str) -> BuiltDefinition | None:
         library = self.library  # first: it explains what is missing without ROS 2
         from course_kit.interfaces.definition import TypeName
 
@@ -86,7 +86,7 @@ class LiveFinder:
     def _has(self, parts: list[str], depth: int) -> bool:
         package = parts[0]
         if depth == _PACKAGE:
-            return sources.has_package(package) or any(name.package == package for name in self._made())
+            return sources.has_package(package) or any(name.package == package for name in self._types())
         kind = parts[1]
         if kind not in sources.KINDS:
             return False
@@ -98,9 +98,9 @@ class LiveFinder:
 
     def _names(self, package: str, kind: str) -> set[str]:
         """On disk or, where that could not be written, in this process only."""
-        return sources.live_names(package, kind) | {made.name for made in self._made() if made[:2] == (package, kind)}
+        return sources.live_names(package, kind) | {made.name for made in self._types() if made[:2] == (package, kind)}
 
-    def _made(self) -> list[TypeName]:
+    def _types(self) -> list[TypeName]:
         return [] if self._library is None else self._library.names()
 
 

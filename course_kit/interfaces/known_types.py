@@ -120,14 +120,14 @@ def full_name(type_name: str) -> str:
     parts = type_name.strip().split("/")
     if len(parts) not in (_PARTS_SHORT, _PARTS_FULL) or not all(parts):
         reason = f"{type_name!r} is not an interface name: expected package/srv/Name, such as std_srvs/srv/SetBool."
-        raise InterfaceNotFoundError(type_name, _nearest(parts), reason)
+        raise InterfaceNotFoundError(type_name, _nearest_type(parts), reason)
     kinds = [kind for kind in sources.KINDS if len(parts) == _PARTS_SHORT or kind == parts[1]]
     fitting = [name for name in _types_of(parts[0], kinds) if _fits(name.split("/"), parts)]
     if len(fitting) > 1:
         choice = " or ".join(repr(name) for name in sorted(fitting))
         raise InterfaceNotFoundError(type_name, None, f"{type_name!r} could be {choice}: use the full name.")
     if not fitting:
-        raise InterfaceNotFoundError(type_name, _nearest(parts))
+        raise InterfaceNotFoundError(type_name, _nearest_type(parts))
     if not _can_name(fitting[0].split("/")[2]):
         from course_kit.interfaces.parser import parse_type_name
 
@@ -143,7 +143,7 @@ def _fits(name: list[str], wanted: list[str]) -> bool:
     return name == wanted or (len(wanted) == _PARTS_SHORT and [name[0], name[2]] == wanted)
 
 
-def _nearest(parts: list[str]) -> str | None:
+def _nearest_type(parts: list[str]) -> str | None:
     """The most similar full name: same name in another folder or package first."""
     known = types()
     same = [name for name in known if name.split("/")[2].lower() == parts[-1].lower()]

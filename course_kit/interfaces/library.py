@@ -79,12 +79,12 @@ class Library:
         self._being_built.append(name)
         try:
             fields = (field for part in _parts(definition) for field in part.fields if field.type.is_nested)
-            nested = {field.type.base: self._nested(name, field) for field in fields}
+            nested = {field.type.base: self._nested_class(name, field) for field in fields}
         finally:
             self._being_built.pop()
         return _build_classes(BuiltDefinition(text, definition, nested), definition)
 
-    def _nested(self, owner: TypeName, field: Field) -> type:
+    def _nested_class(self, owner: TypeName, field: Field) -> type:
         """The class of a field's messages, live or compiled."""
         if self._contains(field.type.base, owner):
             expected = "Expected another type: a message cannot contain itself, directly or not."

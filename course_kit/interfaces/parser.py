@@ -41,7 +41,7 @@ class LiteralError(ValueError):
 def parse_value(kind: FieldType, text: str) -> Any:
     """Read a value of a basic type, or a list of them for an array."""
     if not kind.container:
-        return _single(kind, text)
+        return _read_single_value(kind, text)
     if not (text.startswith("[") and text.endswith("]")):
         raise LiteralError(f"Expected the values of an array in brackets, such as [1, 2, 3], not {text!r}.")
     inside = text[1:-1]
@@ -57,14 +57,14 @@ def parse_value(kind: FieldType, text: str) -> Any:
 
 def _element(kind: FieldType, text: str) -> bool | int | float | str:
     if kind.is_string:
-        return _python_decoded(_bounded(kind, text))
-    return _single(kind.element, text)
+        return _python_decoded(_require_bound(kind, text))
+    return _read_single_value(kind.element, text)
 
 
-def _single(kind: FieldType, text: str) -> bool | int | float | str:
+def _read_single_value(kind: FieldType, text: str) -> bool | int | float | str:
     primitive = kind.primitive
     if primitive is None:
-        return _decoded(_bounded(kind, _unquoted(text)))
+        return _decode_escapes(_require_bound(kind, _strip_quotes(text)))
     if primitive.python is bool:
         if text.lower() not in _BOOLEANS:
             raise LiteralError(f"Expected true or false, not {text!r}.")
@@ -94,7 +94,7 @@ def _integer(text: str, smallest: int, largest: int) -> int:
     return value
 
 
-def _unquoted(text: str) -> str:
+def _strip_quotes(text: str) -> str:
     for quote in "\"'":
         if len(text) > 1 and text.startswith(quote) and text.endswith(quote):
             inside = text[1:-1]
@@ -106,13 +106,13 @@ def _unquoted(text: str) -> str:
     return text
 
 
-def _bounded(kind: FieldType, text: str) -> str:
+def _require_bound(kind: FieldType, text: str) -> str:
     if kind.string_bound and len(text) > kind.string_bound:
         raise LiteralError(f"Expected at most {kind.string_bound} characters, not the {len(text)} of {text!r}.")
     return text
 
 
-def _decoded(text: str) -> str:
+def _decode_escapes(text: str) -> str:
     r"""The text that `\t`, `\x41` and the like stand for, as it comes out of the two steps of rosidl."""
     idl = _python_decoded(text)
     return re.sub(r'\\(["\\])', r"\1", _IDL_ESCAPE.sub(lambda part: _python_decoded(part[0]), idl))
@@ -301,7 +301,7 @@ class _Section:
         if match["text_bound"] is not None:
             if base not in ("string", "wstring"):
                 self._fail(line, f"Only string and wstring take a bound like {match['text_bound']!r}.")
-            bound = self._positive(line, match["text_bound"][2:], "the most characters, such as string<=20")
+            bound = self._read_size(line, match["text_bound"][2:], "the most characters, such as string<=20")
         if match["brackets"] is None:
             return FieldType(base, string_bound=bound)
         size = match["size"].strip()
@@ -309,7 +309,7 @@ class _Section:
             # rosidl_parser takes the bound of wide strings, and only theirs, for that of the sequence as well.
             return FieldType(base, "sequence", bound if base == "wstring" else 0, bound)
         container = "sequence" if size.startswith("<=") else "array"
-        count = self._positive(line, size.removeprefix("<="), "a number of elements, such as [3] or [<=10], or []")
+        count = self._read_size(line, size.removeprefix("<="), "a number of elements, such as [3] or [<=10], or []")
         return FieldType(base, container, count, bound)
 
     def _base(self, line: Line, text: str, name: str) -> str:
@@ -326,7 +326,7 @@ class _Section:
             self._fail(line, f"{text!r} is not a type: {hints.TYPE_EXAMPLES}")
         return f"{package}/msg/{type_name}"
 
-    def _positive(self, line: Line, text: str, expected: str) -> int:
+    def _read_size(self, line: Line, text: str, expected: str) -> int:
         if not text.strip().isascii() or not text.strip().isdigit() or not 0 < int(text) < 2**32:
             self._fail(line, f"{text!r} is not a size: expected {expected}.")
         return int(text)

@@ -52,7 +52,7 @@ def describe_type(cls: type) -> DescribedType:
     parts = _parts(cls)
     if parts is None:
         return _describe_message(cls)
-    fields = tuple(_described(name, FieldType(full_name(part))) for name, part in parts.items())
+    fields = tuple(_describe_field(name, FieldType(full_name(part))) for name, part in parts.items())
     return DescribedType(full_name(cls), fields, tuple(parts.values()))
 
 
@@ -72,8 +72,8 @@ def type_hash(cls: type) -> bytes:
     """The 32 bytes of a type's hash; written "RIHS01_" and their hexadecimal digits."""
     text = json.dumps(
         {
-            "type_description": _hashed(describe_type(cls)),
-            "referenced_type_descriptions": [_hashed(describe_type(other)) for other in referenced_classes(cls)],
+            "type_description": _hashed_parts(describe_type(cls)),
+            "referenced_type_descriptions": [_hashed_parts(describe_type(other)) for other in referenced_classes(cls)],
         },
         separators=(", ", ": "),
     )
@@ -108,12 +108,12 @@ def _parts(cls: type) -> dict[str, type] | None:
 
 def _describe_message(cls: type) -> DescribedType:
     fields = message_fields(cls)
-    described = tuple(_described(field.name, field.type, field.default) for field in fields)
+    described = tuple(_describe_field(field.name, field.type, field.default) for field in fields)
     nested = tuple(field.nested for field in fields if field.nested is not None)
-    return DescribedType(full_name(cls), described or (_described(EMPTY_MEMBER, FieldType("uint8")),), nested)
+    return DescribedType(full_name(cls), described or (_describe_field(EMPTY_MEMBER, FieldType("uint8")),), nested)
 
 
-def _described(name: str, kind: FieldType, default: str = "") -> DescribedField:
+def _describe_field(name: str, kind: FieldType, default: str = "") -> DescribedField:
     container = 0
     if kind.container == "array":
         container = _ARRAY
@@ -133,7 +133,7 @@ def _value_id(kind: FieldType) -> int:
     return _NESTED
 
 
-def _hashed(described: DescribedType) -> dict[str, object]:
+def _hashed_parts(described: DescribedType) -> dict[str, object]:
     """What of a description enters the hash: all but default values."""
     return {
         "type_name": described.type_name,

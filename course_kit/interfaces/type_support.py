@@ -171,7 +171,7 @@ class _Program:
     def message(self, cls: type[Message]) -> None:
         fields = message_fields(cls)
         if not fields:
-            self._fixed(1, 1)
+            self._add_fixed_bytes(1, 1)
         for field in fields:
             self._field(field)
 
@@ -180,7 +180,7 @@ class _Program:
         if not kind.container:
             self._value(field)
         elif kind.primitive and kind.container == "array":
-            self._fixed(kind.primitive.size, kind.size)
+            self._add_fixed_bytes(kind.primitive.size, kind.size)
         elif kind.primitive:
             self._step(_VALUES, kind.primitive.size, kind.size)
         else:
@@ -189,13 +189,13 @@ class _Program:
     def _value(self, field: MessageField) -> None:
         kind = field.type
         if kind.primitive:
-            self._fixed(kind.primitive.size, 1)
+            self._add_fixed_bytes(kind.primitive.size, 1)
         elif field.nested is not None:
             self.message(field.nested)
         else:
             self._step(_WSTRING if kind.base == "wstring" else _STRING)
 
-    def _fixed(self, size: int, count: int) -> None:
+    def _add_fixed_bytes(self, size: int, count: int) -> None:
         step = [_RUN, size, size]
         if self._last_step >= 0 and self.words[self._last_step : -1] == step:
             self.words[-1] += count
@@ -244,13 +244,13 @@ def description_of(cls: type) -> int:
     """Address of the helper's `struct description` of a message, service or action class."""
     classes = [cls, *referenced_classes(cls)]
     type_hash_address = keep_data(bytes([_HASH_VERSION]) + type_hash(cls))
-    description = keep_data(_individual(cls) + _sequence([_individual(other) for other in classes[1:]]))
+    description = keep_data(_description(cls) + _sequence([_description(other) for other in classes[1:]]))
     sources = keep_data(_sequence([_source(other) for other in classes]))
     return keep_data(struct.pack("3Q", type_hash_address, description, sources))
 
 
 @lru_cache(maxsize=512)
-def _individual(cls: type) -> bytes:
+def _description(cls: type) -> bytes:
     described = describe_type(cls)
     return _string(described.type_name) + _sequence([_field(field) for field in described.fields])
 

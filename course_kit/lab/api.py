@@ -301,7 +301,7 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
 
     engine = current().engine
     engine.not_in_callback("lab.send_goal()")
-    sending = goals.Sending(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sending = goals.PendingGoal(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
     sent: Goal = await calls.call_async(sending.call_back(on_feedback, on_result))
     return sent
 
@@ -322,6 +322,6 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
 
     engine = current().engine
     engine.not_in_callback("lab.send_goal_blocking()")
-    sending = goals.Sending(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sending = goals.PendingGoal(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
     sent: Goal = calls.call_blocking(sending.call_back(on_feedback, on_result))
     return sent

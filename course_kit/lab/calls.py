@@ -134,7 +134,7 @@ class ServiceCall(PendingCall):
         super().close()
 
     def _has_come(self) -> bool:
-        return self._sent is not None and self._sent.answered()
+        return self._sent is not None and self._sent.is_answered()
 
     def _too_late(self) -> str:
         why = self._lab.why_no_answer(self._wanted.name)
@@ -164,7 +164,7 @@ async def call_async(call: PendingCall) -> Any:
             if not answered.done():
                 answered.set_result(None)
 
-        def completed() -> None:
+        def wake_loop() -> None:
             with suppress(RuntimeError):  # the loop is closed: nobody waits
                 loop.call_soon_threadsafe(wake)
 
@@ -180,7 +180,7 @@ async def call_async(call: PendingCall) -> Any:
             else:
                 timer = loop.call_later(call.next_check(), look)
 
-        call.send(completed)
+        call.send(wake_loop)
         timer = loop.call_later(call.next_check(), look)
         try:
             await answered

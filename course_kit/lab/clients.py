@@ -97,7 +97,7 @@ class Clients:
             return client
 
         try:
-            found: ServiceClient = self._use("service", service, service_type, make)
+            found: ServiceClient = self._find_or_make("service", service, service_type, make)
         except OtherTypeError:
             wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
             own = frozenset({self.node.get_fully_qualified_name()})
@@ -106,7 +106,7 @@ class Clients:
 
     def publisher(self, message_type: type[Message], topic: str) -> Publisher:
         """The publisher for a topic; one of the same name and another type is replaced."""
-        found: Publisher = self._use(
+        found: Publisher = self._find_or_make(
             "topic", topic, message_type, lambda: self.node.create_publisher(message_type, topic, 10)
         )
         return found
@@ -124,7 +124,7 @@ class Clients:
             return self._executor_thread.ask(lambda: GoalClient(node, action_type, action), _FREE)
 
         try:
-            found: GoalClient = self._use("action", action, action_type, make)
+            found: GoalClient = self._find_or_make("action", action, action_type, make)
         except OtherTypeError:
             wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
             raise not_found(self.node, wanted, 0.0) from None
@@ -137,7 +137,7 @@ class Clients:
         types = types_of(self.node, "/" + str(topic).lstrip("/"))
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
             raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
-        made: Subscription = _named(
+        made: Subscription = _check_name(
             lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic)
         )
         return made
@@ -161,12 +161,12 @@ class Clients:
             self._node.destroy_node()
             self._node = None
 
-    def _use(self, kind: str, name: str, interface: Any, make: Callable[[], Any]) -> Any:
+    def _find_or_make(self, kind: str, name: str, interface: Any, make: Callable[[], Any]) -> Any:
         key = (kind, name, interface)
         if key not in self._made:
             for other in [other for other in self._made if other[:2] == key[:2]]:  # the type was defined again
                 self._drop(other)
-            self._made[key] = _named(make, (interface, name))
+            self._made[key] = _check_name(make, (interface, name))
         return self._made[key]
 
     def _drop(self, key: tuple[str, str, Any]) -> None:
@@ -181,12 +181,12 @@ def _full_name(entity: ServiceClient | GoalClient | Publisher) -> str:
     return entity.name if isinstance(entity, ServiceClient) else entity.topic_name
 
 
-def incompatible(error: BaseException) -> bool:
+def is_type_conflict(error: BaseException) -> bool:
     """Whether rclpy refused an endpoint because this process uses its name with another type already."""
     return "incompatible type" in error_text(error)
 
 
-def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
+def _check_name(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     interface, name = key
     if not isinstance(name, str):
         raise LabError(f"The name comes first and is a string: {name!r} is not. The type comes second.")
@@ -196,7 +196,7 @@ def _named(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
         raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
     except refusals as error:
-        if not incompatible(error):
+        if not is_type_conflict(error):
             raise
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface

@@ -220,7 +220,7 @@ def make_goal(action_type: ActionType, ready: Message, fields: Fields) -> Messag
     return message_of(action_type.Goal, ready, fields, f"a goal of {type_name(action_type)}")
 
 
-class Sending(Wait):
+class PendingGoal(Wait):
     """The wait until a server has accepted or rejected a goal."""
 
     def __init__(self, lab: Engine, action: str, action_type: ActionType, request: Message, timeout: float) -> None:
@@ -240,7 +240,7 @@ class Sending(Wait):
 
     def call_back(
         self, on_feedback: Callable[[Message], object] | None, on_result: Callable[[Goal], object] | None
-    ) -> Sending:
+    ) -> PendingGoal:
         """Have functions called with each feedback message, and with the goal when it has ended."""
         self._tracker.on_feedback = on_feedback
         if on_result is not None:

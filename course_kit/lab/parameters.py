@@ -50,13 +50,13 @@ async def get_parameters(node: str | Node, /, *names: str, timeout: float = _TIM
         NoAnswerError: nothing came back in time.
     """
     name = full_name(node)
-    return await _ask(name, _getting(name, names), timeout)
+    return await _ask(name, _ask_for_values(name, names), timeout)
 
 
 def get_parameters_blocking(node: str | Node, /, *names: str, timeout: float = _TIMEOUT) -> Values:
     """See `get_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
-    return _ask_blocking(name, _getting(name, names), timeout)
+    return _ask_blocking(name, _ask_for_values(name, names), timeout)
 
 
 @to_be_awaited("lab.set_parameters")
@@ -85,7 +85,7 @@ async def set_parameters(
     """
     name = full_name(node)
     with _wait_for_events() as waiting:
-        outcome = await _ask(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+        outcome = await _ask(name, _ask_to_set(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if waiting.expects(outcome.events):
             await asyncio.to_thread(waiting.wait)
     return outcome
@@ -97,7 +97,7 @@ def set_parameters_blocking(
     """See `set_parameters`; this is the same for programs and for threads without an event loop."""
     name = full_name(node)
     with _wait_for_events() as waiting:
-        outcome = _ask_blocking(name, _setting(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
+        outcome = _ask_blocking(name, _ask_to_set(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
         if waiting.expects(outcome.events):
             waiting.wait()
     return outcome
@@ -114,12 +114,12 @@ async def describe_parameters(node: str | Node, /, *, timeout: float = _TIMEOUT)
         NodeNotFoundError: no such node has parameters.
         NoAnswerError: nothing came back in time.
     """
-    return await _ask(full_name(node), _describing(), timeout)
+    return await _ask(full_name(node), _ask_for_descriptors(), timeout)
 
 
 def describe_parameters_blocking(node: str | Node, /, *, timeout: float = _TIMEOUT) -> Descriptors:
     """See `describe_parameters`; this is the same for programs and for threads without an event loop."""
-    return _ask_blocking(full_name(node), _describing(), timeout)
+    return _ask_blocking(full_name(node), _ask_for_descriptors(), timeout)
 
 
 def full_name(node: str | Node) -> str:
@@ -135,18 +135,18 @@ def full_name(node: str | Node) -> str:
     return "/" + node.strip("/")
 
 
-def _getting(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
+def _ask_for_values(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
     asked = list(wanted) or parameters.own_first((yield from parameters.ask_names()))
     found = yield from parameters.ask_values(asked)
     if any(value.type == 0 for value in found):
         known = yield from parameters.ask_names()
         for name in asked:
             if name not in known:
-                raise ParameterNotFoundError(f"There is no parameter {name!r}: {_declared(node, name, known)}")
+                raise ParameterNotFoundError(f"There is no parameter {name!r}: {_list_declared(node, name, known)}")
     return Values(zip(asked, map(parameters.from_message, found), strict=True))
 
 
-def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps[Outcome]:
+def _ask_to_set(node: str, values: dict[str, object], *, atomically: bool) -> Steps[Outcome]:
     if not values:
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
@@ -159,26 +159,26 @@ def _setting(node: str, values: dict[str, object], *, atomically: bool) -> Steps
         results = yield from parameters.set_each(messages)
     reasons = {name: each.reason for name, each in zip(values, results, strict=True) if not each.successful}
     if any("declared" in reason for reason in reasons.values()):
-        unknown = yield from _undeclared(node, list(reasons))
+        unknown = yield from _find_undeclared(node, list(reasons))
         if atomically:  # one reason for all
             reasons = dict.fromkeys(reasons, *list(unknown.values())[:1]) if unknown else reasons
         reasons |= unknown
     return Outcome(node, values, reasons, atomically=atomically)
 
 
-def _undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:
+def _find_undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:
     """Those of the names that the node has not declared, and what it has instead; rclpy's own text names neither."""
     known = yield from parameters.ask_names()
     unknown = [name for name in wanted if name not in known]
-    return {name: f"there is no parameter {name!r}: {_declared(node, name, known)}" for name in unknown}
+    return {name: f"there is no parameter {name!r}: {_list_declared(node, name, known)}" for name in unknown}
 
 
-def _describing() -> Steps[Descriptors]:
+def _ask_for_descriptors() -> Steps[Descriptors]:
     known = parameters.own_first((yield from parameters.ask_names()))
     return Descriptors(map(parameters.read_descriptor, (yield from parameters.ask_descriptors(known))))
 
 
-def _declared(node: str, name: str, known: list[str]) -> str:
+def _list_declared(node: str, name: str, known: list[str]) -> str:
     near = names.nearest_name(name, known)
     meant = f" Did you mean {near!r}?" if near else ""
     own = [one for one in known if not parameters.is_of_every_node(one)]

@@ -74,7 +74,7 @@ class IncludeLaunchDescription(Action):
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
         path = context.file.parent / as_text(self.path, context)
-        execute_all(load_description(path), context.inside(path))
+        execute_all(load_description(path), context.for_included_file(path))
 
 
 class TimerAction(Action):
@@ -90,7 +90,7 @@ class TimerAction(Action):
             seconds = float(text)
         except ValueError:
             raise LaunchError(f"TimerAction(period={text!r}): a period is a number of seconds.") from None
-        context.service.later(seconds, lambda: execute_all(self.actions, context))
+        context.service.call_later(seconds, lambda: execute_all(self.actions, context))
 
 
 class LogInfo(Action):
@@ -130,7 +130,7 @@ class GroupAction(Action):
         self.actions = list(actions)
 
     def execute(self, context: LaunchContext) -> None:
-        execute_all(self.actions, context.scoped())
+        execute_all(self.actions, context.copy_scope())
 
     def sub_entities(self) -> Iterable[object]:
         return self.actions
@@ -175,9 +175,9 @@ def show_arguments(file: Path) -> str:
     package_index.make_known([file.parent])
     declared: dict[str, DeclareLaunchArgument] = {}
     context = LaunchContext({}, file)
-    for argument in _declared(load_description(file).entities, context):
+    for argument in _list_declared(load_description(file).entities, context):
         declared.setdefault(argument.name, argument)
-    shown = "\n\n".join(_shown(one, context) for one in declared.values()) or "  No arguments."
+    shown = "\n\n".join(_describe_argument(one, context) for one in declared.values()) or "  No arguments."
     return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{shown}"
 
 
@@ -194,7 +194,7 @@ def not_an_argument(word: str) -> str:
     return f"{word!r} is not a launch argument: write {name}:={value if separator else 'value'}."
 
 
-def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
+def _describe_argument(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
     choices = f" Valid choices are: {argument.choices}" if argument.choices else ""
     lines = [f"    '{argument.name}':", f"        {as_text(argument.description, context)}{choices}"]
     if argument.default_value is not None:
@@ -202,21 +202,21 @@ def _shown(argument: DeclareLaunchArgument, context: LaunchContext) -> str:
     return "\n".join(lines)
 
 
-def _declared(entities: Iterable[object], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+def _list_declared(entities: Iterable[object], context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
     for entity in entities:
         if isinstance(entity, DeclareLaunchArgument):
             yield entity
             if entity.default_value is not None:  # a path of an included file may be made of it
                 context.launch_configurations.setdefault(entity.name, str(entity.default_value))
         elif isinstance(entity, LaunchDescription):
-            yield from _declared(entity.entities, context)
+            yield from _list_declared(entity.entities, context)
         elif isinstance(entity, IncludeLaunchDescription):
-            yield from _included(entity, context)
+            yield from _list_included(entity, context)
         elif isinstance(entity, Action):
-            yield from _declared(entity.sub_entities(), context)
+            yield from _list_declared(entity.sub_entities(), context)
 
 
-def _included(entity: IncludeLaunchDescription, context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
+def _list_included(entity: IncludeLaunchDescription, context: LaunchContext) -> Iterator[DeclareLaunchArgument]:
     """The arguments of an included file; none where it depends on what only a running launch knows."""
     try:
         path = context.file.parent / as_text(entity.path, context)
@@ -224,4 +224,4 @@ def _included(entity: IncludeLaunchDescription, context: LaunchContext) -> Itera
     except LaunchError:
         return
     if path != context.file:
-        yield from _declared(inner, context.inside(path))
+        yield from _list_declared(inner, context.for_included_file(path))

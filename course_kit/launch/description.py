@@ -148,7 +148,7 @@ def _done(action: Action, context: LaunchContext) -> object:
         holds = action.condition is None or action.condition.evaluate(context)
         return action.execute(context) if holds else None
     except LaunchError as error:
-        raise error.at(action.place) from None
+        raise error.add_place(action.place) from None
     except Exception as error:
         raise in_a_sentence(error, context.file) from error
 
@@ -172,7 +172,7 @@ def load_description(path: Path) -> LaunchDescription:
         generate = getattr(module, _GENERATE, None)
         description = generate() if callable(generate) else None
     except LaunchError as error:
-        raise error.at(place_in(path, error)) from None
+        raise error.add_place(place_in(path, error)) from None
     except SystemExit as leaving:
         raise LaunchError(f"The launch file ends itself, with sys.exit({leaving.code!r}).", path.name) from None
     except Exception as error:

@@ -54,11 +54,11 @@ class LaunchContext:
     declared: set[str] = field(default_factory=set)
     service: Any = None  # the LaunchService that runs the file
 
-    def inside(self, file: Path) -> LaunchContext:
+    def for_included_file(self, file: Path) -> LaunchContext:
         """The context for an included file; its values are the same ones."""
         return replace(self, file=file)
 
-    def scoped(self) -> LaunchContext:
+    def copy_scope(self) -> LaunchContext:
         return replace(
             self,
             launch_configurations=dict(self.launch_configurations),

@@ -23,7 +23,7 @@ class LaunchError(Exception):
     def __str__(self) -> str:
         return f"{self.place}: {self.args[0]}" if self.place else str(self.args[0])
 
-    def at(self, place: str) -> Self:
+    def add_place(self, place: str) -> Self:
         """The same error with its place, unless a more exact one is known."""
         self.place = self.place or place
         return self

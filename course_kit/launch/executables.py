@@ -37,19 +37,19 @@ def find_command(package: str | None, executable: str, near: Sequence[Path] = ()
         return _program(executable, near)
     folders = list(_folders(near))
     for place in _package_places(package, folders):
-        if found := _of_source(place, executable) or _in(place, executable):
+        if found := _of_source(place, executable) or _find_in_folder(place, executable):
             return found
     if found := _entry_point(package, executable):
         return found
     for folder in folders:
-        if found := _in(folder, executable):
+        if found := _find_in_folder(folder, executable):
             return found
     raise _not_found(package, executable, folders)
 
 
 def find_packages(near: Sequence[Path] = ()) -> list[str]:
     """The packages that have programs, by their folders."""
-    found = {entry.name for lib in _installed() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
+    found = {entry.name for lib in _lib_folders() if lib.is_dir() for entry in lib.iterdir() if _programs(entry)}
     for folder in _folders(near):
         if is_one(folder):
             found.add(folder.name)
@@ -68,7 +68,7 @@ def list_executables(package: str, near: Sequence[Path] = ()) -> list[str]:
 
 def package_prefix(package: str) -> Path | None:
     """Where a package is installed, or lies as source; None when nothing is known of it."""
-    for lib in _installed():
+    for lib in _lib_folders():
         if (lib / package).is_dir() or (lib.parent / "share" / package).is_dir():
             return lib.parent
     if _entry_points(package):
@@ -95,14 +95,14 @@ def _courses() -> list[Path]:
     return [folder for folder in (environment.learner_folder(), environment.course_files()) if folder is not None]
 
 
-def _installed() -> Iterator[Path]:
+def _lib_folders() -> Iterator[Path]:
     for prefix in (*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix):
         if prefix:
             yield Path(prefix) / "lib"
 
 
 def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:
-    for lib in _installed():
+    for lib in _lib_folders():
         yield lib / package
     for folder in folders:
         if folder.name == package:
@@ -117,7 +117,7 @@ def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:
         yield from sorted(entry for entry in source.iterdir() if entry.is_dir() and entry.name not in _NO_SOURCES)
 
 
-def _in(folder: Path, executable: str) -> list[str] | None:
+def _find_in_folder(folder: Path, executable: str) -> list[str] | None:
     for ending in _ENDINGS:
         path = folder / f"{executable}{ending}"
         if path.is_file() and (path.suffix == ".py" or os.access(path, os.X_OK)):
@@ -209,5 +209,5 @@ def explain_missing(package: str) -> str:
 
 def package_folders(package: str) -> list[Path]:
     """The folders that may hold a package's launch files."""
-    shared = [lib.parent / "share" / package for lib in _installed()]
+    shared = [lib.parent / "share" / package for lib in _lib_folders()]
     return [*shared, *_package_places(package, list(_folders(())))]

@@ -55,8 +55,8 @@ class ParameterValue(LaunchEntity):
         inner = typing.get_args(kind)
         try:
             if inner:
-                return [_converted(part, inner[0]) for part in typing.cast("Iterable[object]", read)]
-            return _converted(read, kind)
+                return [_convert_value(part, inner[0]) for part in typing.cast("Iterable[object]", read)]
+            return _convert_value(read, kind)
         except (TypeError, ValueError):
             raise LaunchError(f"ParameterValue({text or read!r}) is no {getattr(kind, '__name__', kind)}.") from None
 
@@ -125,7 +125,7 @@ def _of_one_type(name: str, values: list[object]) -> list[object]:
     return values
 
 
-def _converted(value: object, kind: type) -> object:
+def _convert_value(value: object, kind: type) -> object:
     if kind is bool or isinstance(value, bool):
         if kind is bool and isinstance(value, bool):
             return value
@@ -180,10 +180,10 @@ class ExecuteProcess(Action):
         temporary: list[Path] = []
         try:
             command = self.command(context, temporary)
-            description = self._described(context, command, temporary)
+            description = self._describe(context, command, temporary)
             context.service.start(description)
         except ProgramError as error:
-            context.service.fail(error.at(self.place))
+            context.service.fail(error.add_place(self.place))
 
     def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
         del temporary
@@ -191,7 +191,7 @@ class ExecuteProcess(Action):
             return [*_SHELL, " ".join(as_text(word, context) for word in self._cmd)]
         words: list[str] = []
         for word in self._cmd:  # a program in Python is several words: the interpreter, and what it runs
-            words += word.words(context) if isinstance(word, ExecutableInPackage) else [as_text(word, context)]
+            words += word.find_words(context) if isinstance(word, ExecutableInPackage) else [as_text(word, context)]
         if words and words[0] in _PYTHONS:
             words[0] = sys.executable  # the one with rclpy
         return words
@@ -207,7 +207,7 @@ class ExecuteProcess(Action):
     def sub_entities(self) -> list[object]:
         return [] if callable(self._on_exit) else as_entities(self._on_exit)
 
-    def _described(self, context: LaunchContext, command: list[str], temporary: list[Path]) -> ProcessDescription:
+    def _describe(self, context: LaunchContext, command: list[str], temporary: list[Path]) -> ProcessDescription:
         if not command:
             raise LaunchError(f"{type(self).__name__}: the command is empty.")
         output = as_text(self._output, context)
@@ -268,16 +268,16 @@ class Node(ExecuteProcess):
         arguments = [] if name is None else ["-r", f"__node:={name}"]
         arguments += ["-r", f"__ns:={namespace}"] if namespace else []
         for given, value in context.parameters.items():
-            arguments += ["-p", f"{given}:={_typed(value)}"]
+            arguments += ["-p", f"{given}:={_write_as_yaml(value)}"]
         whose = f"{namespace.rstrip('/')}/{name}" if name is not None and namespace else "/**"
         for parameters in self._parameters:
-            arguments += self._given(parameters, whose, context, temporary)
+            arguments += self._words_of(parameters, whose, context, temporary)
         pairs = [(as_text(old, context), as_text(new, context)) for old, new in self._remappings]
         for old, new in pairs:  # of two for one name the first counts
             arguments += ["-r", f"{old}:={new}"]
         return arguments
 
-    def _given(self, parameters: object, whose: str, context: LaunchContext, temporary: list[Path]) -> list[str]:
+    def _words_of(self, parameters: object, whose: str, context: LaunchContext, temporary: list[Path]) -> list[str]:
         if isinstance(parameters, Mapping):
             values = values_of(parameters, context)
             text = yaml.safe_dump({whose: {"ros__parameters": values}}, default_flow_style=False)
@@ -308,6 +308,6 @@ def join_namespace(outer: str, inner: str) -> str:
     return f"/{joined}" if joined else ""
 
 
-def _typed(value: object) -> str:
+def _write_as_yaml(value: object) -> str:
     """A value as `-p name:=value` wants it."""
     return yaml.safe_dump(value, default_flow_style=True).removesuffix("...\n").strip()

@@ -42,7 +42,7 @@ def make_known(near: Iterable[Path]) -> None:
     known = [folder for folder in os.environ.get(VARIABLE, "").split(os.pathsep) if folder]
     if sys.prefix not in known:
         known.append(sys.prefix)
-    made = _linked(sources)
+    made = _make_linked_packages(sources)
     if made is not None and str(made) not in known:
         known.insert(0, str(made))
     os.environ[VARIABLE] = os.pathsep.join(known)
@@ -109,7 +109,7 @@ def _name_in(description: Path) -> str:
     return description.parent.name
 
 
-def _linked(packages: dict[str, Path]) -> Path | None:
+def _make_linked_packages(packages: dict[str, Path]) -> Path | None:
     """A folder in which packages look installed; None without any, or where none can be made."""
     if not packages:
         return None
@@ -196,20 +196,20 @@ class SetupReader:
         if isinstance(node, ast.List):
             return [text for text in map(self.value, node.elts) if isinstance(text, str)]
         if isinstance(node, ast.JoinedStr):
-            return self._joined([part.value if isinstance(part, ast.FormattedValue) else part for part in node.values])
+            return self._join([part.value if isinstance(part, ast.FormattedValue) else part for part in node.values])
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
             left, right = self.value(node.left), self.value(node.right)
             return left + right if type(left) is type(right) is not type(None) else None  # type: ignore[operator]
-        return self._called(node) if isinstance(node, ast.Call) else None
+        return self._evaluate_call(node) if isinstance(node, ast.Call) else None
 
-    def _joined(self, parts: list[ast.expr], between: str = "") -> str | None:
+    def _join(self, parts: list[ast.expr], between: str = "") -> str | None:
         texts = [text for text in map(self.value, parts) if isinstance(text, str)]
         return between.join(texts) if len(texts) == len(parts) else None
 
-    def _called(self, call: ast.Call) -> str | list[str] | None:
+    def _evaluate_call(self, call: ast.Call) -> str | list[str] | None:
         name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
         if name == "join":
-            return self._joined(call.args, "/")
+            return self._join(call.args, "/")
         pattern = self.value(call.args[0]) if name == "glob" and call.args else None
         if not isinstance(pattern, str) or Path(pattern).is_absolute():
             return None

@@ -121,7 +121,7 @@ class LaunchService:
                 self._selector.register(stream, selectors.EVENT_READ, (child, stream))
             self.say(f"[INFO] [{label}]: process started with pid [{child.process.pid}]")
 
-    def later(self, seconds: float, function: Callable[[], object]) -> None:
+    def call_later(self, seconds: float, function: Callable[[], object]) -> None:
         """Call a function after a while, unless the launch ends before."""
         self._timers.append((time.monotonic() + seconds, function))
 
@@ -168,7 +168,7 @@ class LaunchService:
             plan = child.description
             self.emit(ProcessExited(plan.action, child.label, plan.command, child.process.pid, code or 0))
             if plan.respawn_s is not None and not self.stopping:
-                self.later(plan.respawn_s, partial(self.start, plan))
+                self.call_later(plan.respawn_s, partial(self.start, plan))
 
     def _drain(self, child: LaunchedProcess) -> None:
         """Pass on what the process has left behind; a grandchild may hold its streams open for longer."""
@@ -224,7 +224,7 @@ class LaunchService:
 
     def _climb(self, child: LaunchedProcess) -> None:
         before = child.ladder.climbed[-1:]
-        number, _ = child.ladder.climb()
+        number, _ = child.ladder.take_signal()
         for ignored, seconds in before:
             self.say(
                 f"[ERROR] [{child.label}]: process[{child.label}] failed to terminate '{seconds:g}' seconds after "

@@ -176,13 +176,13 @@ class ExecutableInPackage(Substitution):
     def name(self, context: LaunchContext) -> str:
         return as_text(self._executable, context)
 
-    def words(self, context: LaunchContext) -> list[str]:
+    def find_words(self, context: LaunchContext) -> list[str]:
         near = [context.file.parent]
         return find_command(as_text(self._package, context), as_text(self._executable, context), near)
 
     def perform(self, context: LaunchContext) -> str:
         """The path, or the command where a program has none of its own."""
-        return shlex.join(self.words(context))
+        return shlex.join(self.find_words(context))
 
 
 def as_text(value: object, context: LaunchContext) -> str:
@@ -191,7 +191,7 @@ def as_text(value: object, context: LaunchContext) -> str:
         try:
             return value.perform(context)
         except LaunchError as error:
-            raise error.at(value.place) from None
+            raise error.add_place(value.place) from None
     if isinstance(value, (list, tuple)):
         return "".join(as_text(part, context) for part in value)
     if isinstance(value, bool):

@@ -96,10 +96,10 @@ def format_list(found: list[Row]) -> str:
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
         )
         lines.append(f"Next: {following.id}, {where}")
-    return "\n".join([*lines, *_stepped()])
+    return "\n".join([*lines, *_describe_steps()])
 
 
-def _stepped() -> list[str]:
+def _describe_steps() -> list[str]:
     """A line for each lesson of which any step was tried: how many are right."""
     tried = [one for one in _lessons() if one.tried]
     return (

@@ -64,10 +64,10 @@ def record_report(report: Report) -> str:
     """Add a grading to the file."""
     if report.status not in _COUNTED:
         return ""
-    return update_progress(report.exercise, lambda old: _after(old, report))
+    return update_progress(report.exercise, lambda old: _record_after(old, report))
 
 
-def _after(old: ProgressRecord, report: Report) -> ProgressRecord:
+def _record_after(old: ProgressRecord, report: Report) -> ProgressRecord:
     failed = (Failure(one.id, one.title, one.diagnosis) for one in report.checks if one.status == "failed")
     tried = count_try(old, passed=report.passed and not report.part)
     return replace(tried, best=max(old.best, report.score), failed=next(failed, None))
@@ -92,7 +92,7 @@ def update_progress(exercise: str, change: Callable[[ProgressRecord], ProgressRe
     """Replace one record by what `change` makes of it, None to forget it; nobody else writes meanwhile."""
     try:
         if (path := environment.paths.progress_file()) is not None:
-            with _locked(path):
+            with _lock_file(path):
                 _update(path, exercise, change)
     except (ProgressError, OSError) as problem:
         return f"{_reason(problem)} Nothing was recorded."
@@ -116,7 +116,7 @@ def _reason(problem: Exception) -> str:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _lock_file(path: Path) -> Iterator[None]:
     """Hold the lock beside the file (which is replaced whole, so it cannot carry the lock); ends with its process."""
     deadline = time.monotonic() + _PATIENCE_S
     pause = threading.Event()  # never set: a lock cannot be waited for with a deadline, only asked for again

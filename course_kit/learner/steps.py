@@ -47,7 +47,7 @@ def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool],
     messages = node.inbox(topic).messages
     came = node.context.wait_until(lambda: bool(messages) and wanted(messages[-1]), seconds)
     last = in_one_line(messages[-1]) if messages else "nothing"
-    node.context.record.came(f"{topic}: {last}")
+    node.context.record.add_unasked(f"{topic}: {last}")
     if not came:
         raise Failed(Evidence("", words, last), f"{topic} has to say {words}, and its last message says {last}.")
 

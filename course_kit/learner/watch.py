@@ -92,7 +92,7 @@ def verdict_card(report: Report, before: Report | None) -> str:
     for number, check in enumerate(failed):
         lines += wrap_text(f"FAIL  {check.title}", "  ", " " * 8)
         if number == 0:
-            lines += _first(check)
+            lines += _describe_first_failure(check)
     if report.problem:
         lines += wrap_text(report.problem, "  ", "  ")
     skipped, passed = (sum(one.status == status for one in report.checks) for status in ("skipped", "passed"))
@@ -110,7 +110,7 @@ def _difference(report: Report, before: Report | None) -> str:
     return f", {difference:+g} since the last save" if difference else ""
 
 
-def _first(check: CheckReport) -> list[str]:
+def _describe_first_failure(check: CheckReport) -> list[str]:
     names = ("sent", "expected", "got", "why", "hint")
     parts = zip(names, (check.sent, check.expected, check.got, check.message, check.hint), strict=True)
     return [line for name, text in parts if text for line in wrap_text(f"{name:<9} {text}", " " * 8, " " * 18)]

@@ -203,7 +203,7 @@ def exercise_folder(exercise: Exercise) -> Path | None:
         found = next((folder for folder in _places(here, exercise) if _has_one(folder, exercise)), None)
     if found is not None:
         return found
-    copied = mine / "exercises" / exercise_folders.place(course)
+    copied = mine / "exercises" / exercise_folders.path_below(course)
     if not exercise_folders.is_added(course) and _has_one(copied, exercise):
         return copied
     its_own = environment.checkout_folder() is not None or exercise_folders.is_added(
@@ -283,7 +283,7 @@ def shorten_path(path: Path) -> Path:
 
 def _places(here: Path, exercise: Exercise) -> Iterator[Path]:
     yield from (here, here / exercise.id)
-    yield from (folder / "exercises" / exercise_folders.place(exercise.folder) for folder in (here, *here.parents))
+    yield from (folder / "exercises" / exercise_folders.path_below(exercise.folder) for folder in (here, *here.parents))
 
 
 def _has_one(folder: Path, exercise: Exercise) -> bool:

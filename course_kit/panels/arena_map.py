@@ -10,12 +10,12 @@ import anywidget
 import traitlets
 
 from course_kit.panels import goal_panel
-from course_kit.panels.base import drawn, of_files, still
+from course_kit.panels.base import draw, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
 from course_kit.robot import SimulatedRobot
 
 if TYPE_CHECKING:
-    from course_kit.panels.goal_panel import Standing
+    from course_kit.panels.goal_panel import GoalState
     from course_kit.ros.messages import Message
 
 LONGEST = 1000  # places; the oldest go first
@@ -64,7 +64,7 @@ class RobotMap(GoalFollower):
         view = self.widget.view
         known = {"track": view["track"], "target": view["target"]}
         summary = " ".join(["Map of the arena.", view["said"]]).strip()
-        picture = drawn("still_map.svg", size=round(SimulatedRobot.ARENA_SIZE), summary=summary, **known)
+        picture = draw("still_map.svg", size=round(SimulatedRobot.ARENA_SIZE), summary=summary, **known)
         return still(self.describe(), picture, "still_drawings.css")
 
     def go(self, x: float, y: float) -> None:
@@ -89,52 +89,52 @@ class RobotMap(GoalFollower):
             if not self._track or place != self._track[-1]:
                 self._track.append(place)
 
-    def _show(self, standing: Standing) -> None:
+    def _show(self, standing: GoalState) -> None:
         if standing.result is not None:
             self._drive_to(standing.result.final_position)
         self.widget.view = {
             "track": [list(place) for place in list(self._track)],
             "target": [] if standing.asked is None else [standing.asked.target.x, standing.asked.target.y],
             "line": _ENDED if self._ended else _line(self._action, standing),
-            "said": _said(standing),
-            "running": standing.running and not self._ended,
+            "said": _describe_goal(standing),
+            "running": standing.is_running and not self._ended,
             "tone": standing.tone,
             "ended": self._ended,
         }
 
 
-def _line(action: str, standing: Standing) -> str:
+def _line(action: str, standing: GoalState) -> str:
     """Position, distance left and status, for those who see the map and those who do not."""
     if standing.asked is None and not standing.note:
         return (
             f"Click on the map, or type x and y and press Go: that sends a goal to {action}. "
             "A new robot starts at (0.0, 0.0). The map shows where this one is as soon as it sends feedback."
         )
-    parts = [_said(standing)]
+    parts = [_describe_goal(standing)]
     if standing.result is not None:
         parts.append(f"The robot stands at {_place(standing.result.final_position)}.")
         if standing.result.message:
             parts.append(f"Its message: {standing.result.message}.")
-    elif standing.running and standing.feedback is not None:
+    elif standing.is_running and standing.feedback is not None:
         feedback = standing.feedback
         parts.append(f"Position {_place(feedback.position)}, {feedback.distance_remaining:.2f} m to go.")
     return " ".join(parts)
 
 
-def _said(standing: Standing) -> str:
+def _describe_goal(standing: GoalState) -> str:
     """The status in words; it changes when something happens, not with each metre."""
     goal = f"The goal {_place(standing.asked.target)}" if standing.asked is not None else ""
     return goal_panel.status_line(standing, goal, _refusal(standing) if standing.refused is not None else "")
 
 
-def _refusal(standing: Standing) -> str:
+def _refusal(standing: GoalState) -> str:
     """Why a goal may have been rejected; the server's answer is a mere no."""
     target = standing.refused.target
     size = SimulatedRobot.ARENA_SIZE
-    begin = goal_panel.status("REJECTED", f"The goal {_place(target)}") if standing.running else ""
+    begin = goal_panel.status("REJECTED", f"The goal {_place(target)}") if standing.is_running else ""
     if not (0.0 <= target.x <= size and 0.0 <= target.y <= size):
         why = f"It lies outside the arena, which goes from 0 to {size:g} m."
-    elif standing.running:
+    elif standing.is_running:
         why = "The robot is busy: one goal at a time."
     else:
         why = "A rejection comes without a reason; perhaps somebody else has sent the robot somewhere."

@@ -24,7 +24,7 @@ def still(words: str, picture: str = "", *style_sheets: str | Path) -> str:
     return str(render_template(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
 
 
-def drawn(template: str, **values: object) -> str:
+def draw(template: str, **values: object) -> str:
     """A picture out of a template of this folder."""
     return render_template(_HERE / template, **values)
 
@@ -32,7 +32,7 @@ def drawn(template: str, **values: object) -> str:
 def form(widget: Any, part: str, *buttons: str, said: Sequence[str] = ()) -> str:
     """A form that sends a message, as a picture, and what came back; its style sheet is `still_panels.css`."""
     stands = {"entries": widget.entries, "values": widget.values, "buttons": buttons, "said": said}
-    return drawn("still_form.html", **widget.title, part=part, **stands)
+    return draw("still_form.html", **widget.title, part=part, **stands)
 
 
 def _as_it_is(sheet: str) -> str:
@@ -113,7 +113,7 @@ def stills() -> JSON:
     return JSON({name: panel.still() for name, panel in list(_LIVE.items())})
 
 
-class Latest(Generic[T]):
+class LatestValue(Generic[T]):
     """Hands the latest value to `show` on its own thread, at most `RATE` times a second."""
 
     def __init__(self, show: Callable[[T], None]) -> None:

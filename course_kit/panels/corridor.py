@@ -11,13 +11,13 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.topics import Subscription
-from course_kit.panels.base import drawn, of_files, still
+from course_kit.panels.base import draw, of_files, still
 from course_kit.panels.goal_panel import GoalFollower, status_line
 from course_kit.ros import graph
 from course_kit.ros.parameters import from_message
 
 if TYPE_CHECKING:
-    from course_kit.panels.goal_panel import Standing
+    from course_kit.panels.goal_panel import GoalState
     from course_kit.ros.messages import Message
 
 _DOCK = "dock"
@@ -174,7 +174,7 @@ class CorridorPicture(GoalFollower):
     def _take_wish(self, wish: dict[str, Any]) -> None:
         self.go(str(wish.get("room", "")))
 
-    def _show(self, standing: Standing) -> None:
+    def _show(self, standing: GoalState) -> None:
         if not self._ended:
             self._ask_who_is_new()
         said = status_line(standing, f'The delivery to "{standing.asked.room}"' if standing.asked is not None else "")
@@ -183,19 +183,19 @@ class CorridorPicture(GoalFollower):
         with self._lock:
             picture, words, target = self._draw(), self._journey.describe(), self._journey.target
             self.widget.rooms = list(self._journey.rooms)
-        own = said if standing.running or not target else ""  # somebody else has sent it off since
+        own = said if standing.is_running or not target else ""  # somebody else has sent it off since
         self.widget.view = {
             "picture": picture,
             "line": _ENDED if self._ended else f"{own} {words}".strip(),
             "said": said,
-            "running": standing.running and not self._ended,
+            "running": standing.is_running and not self._ended,
             "tone": standing.tone,
             "ended": self._ended,
         }
 
     def _draw(self) -> str:
         journey, places = self._journey, {room: self._x(metres) for room, metres in self._journey.rooms.items()}
-        return drawn(
+        return draw(
             "corridor.svg",
             rooms=[(room, journey.rooms[room], x) for room, x in places.items() if room != _DOCK],
             dock=_LEFT,

@@ -65,7 +65,7 @@ class DemoRobot(Node):
     def _execute(self, goal_handle: ServerGoalHandle) -> Message:
         target = Place(goal_handle.request.target.x, goal_handle.request.target.y)
         try:
-            for number, way in enumerate(self._ways(target)):
+            for number, way in enumerate(self._drive_in_steps(target)):
                 if goal_handle.is_cancel_requested:
                     goal_handle.canceled()
                     return self._result("stopped on the way")
@@ -77,7 +77,7 @@ class DemoRobot(Node):
         finally:
             self._free.release()
 
-    def _ways(self, target: Place) -> Iterator[float]:
+    def _drive_in_steps(self, target: Place) -> Iterator[float]:
         """Drive, and yield the whole way, in metres, before each step."""
         begin = self._robot.position
         way = abs(target.x - begin.x) + abs(target.y - begin.y)

@@ -52,7 +52,7 @@ class ServiceForm(Panel):
             values=self._form.defaults(),
             outcome={"state": "new"},
         )
-        self.widget.on_msg(self._asked)
+        self.widget.on_msg(self._handle_message)
         self.at_close(self._end)
 
     def describe(self) -> str:
@@ -82,7 +82,7 @@ class ServiceForm(Panel):
         except FormError as error:
             self._show("invalid", str(error), errors=error.fields)
             return None
-        with _printed() as printed:
+        with _catch_prints() as printed:
             outcome, response = self._call(request)
         self.widget.outcome = {**outcome, "printed": printed.getvalue().rstrip()}
         return response
@@ -100,7 +100,7 @@ class ServiceForm(Panel):
         text = "" if rows else "The response has no fields; it only says that the server is done."
         return {"state": "answered", "text": text, "rows": rows, "comments": comments_of(type(response))}, response
 
-    def _asked(self, _: object, content: dict[str, Any], buffers: object) -> None:
+    def _handle_message(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """The page wants something done."""
         del buffers
         if self.widget.ended:
@@ -117,7 +117,7 @@ class ServiceForm(Panel):
 
 
 @contextmanager
-def _printed() -> Iterator[io.StringIO]:
+def _catch_prints() -> Iterator[io.StringIO]:
     """What nodes print and log meanwhile: outside of a cell there is no place where a notebook would show it."""
     kept = io.StringIO()
     with redirect_stdout(kept), redirect_stderr(kept):

@@ -14,7 +14,7 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.errors import FieldError
-from course_kit.panels.base import Latest, Panel, form, of_files, still
+from course_kit.panels.base import LatestValue, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import is_action_type, type_name
 from course_kit.ros.showing import copy_message, describe_message
@@ -82,7 +82,7 @@ _GOODBYE = 1.0  # seconds a cancel request is given when the panel ends
 
 
 @dataclass(frozen=True)
-class Standing:
+class GoalState:
     """How things stand with the latest goal."""
 
     asked: Message = None
@@ -94,14 +94,14 @@ class Standing:
     result: Message = None
 
     @property
-    def running(self) -> bool:
+    def is_running(self) -> bool:
         """Whether it can be cancelled."""
         return self.status in RUNNING
 
     @property
     def tone(self) -> str:
         """How it goes in a word, for a colour and a mark: "", "running", "good", "bad" or "stopped"."""
-        return "running" if self.running else _TONES.get(self.status, "bad" if self.note else "")
+        return "running" if self.is_running else _TONES.get(self.status, "bad" if self.note else "")
 
     @property
     def progress(self) -> Progress:
@@ -130,7 +130,7 @@ class GoalFollower(Panel):
         self._lock = threading.RLock()
         self._attempts = 0
         self._followed: _Attempt | None = None
-        self._standing = Standing()
+        self._standing = GoalState()
 
     def cancel(self) -> threading.Thread:
         """Ask the server to cancel the goal that is shown; returns at once."""
@@ -150,8 +150,8 @@ class GoalFollower(Panel):
     def send_goal(self, asked: Message) -> threading.Thread:
         """Send a goal message; returns at once with the thread that does it."""
         with self._lock:
-            if not self._standing.running:
-                self._put(Standing(asked, "SENDING"))
+            if not self._standing.is_running:
+                self._put(GoalState(asked, "SENDING"))
             else:
                 self._put(replace(self._standing, note="Another goal is on its way ...", refused=None))
             self._attempts += 1
@@ -166,15 +166,15 @@ class GoalFollower(Panel):
     def _follow_goals(self, action_type: ActionType) -> None:
         """Begin; the widget is there."""
         self._action_type = action_type
-        self._updates: Latest[Standing] = Latest(self._show)
-        self.widget.on_msg(self._told)
+        self._updates: LatestValue[GoalState] = LatestValue(self._show)
+        self.widget.on_msg(self._handle_message)
         self.at_close(lambda: self._show(self._standing))
         self.at_close(self._updates.close)
         self.at_close(self._leave)
         self._show(self._standing)
 
     @abstractmethod
-    def _show(self, standing: Standing) -> None:
+    def _show(self, standing: GoalState) -> None:
         """Have the page show how things stand."""
 
     @abstractmethod
@@ -184,7 +184,7 @@ class GoalFollower(Panel):
     def _take_feedback(self, feedback: Message) -> None:
         """Feedback of the goal that is followed has come; for a panel that does more than show the latest."""
 
-    def _told(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
+    def _handle_message(self, widget: object, wish: dict[str, Any], buffers: object) -> None:
         del widget, buffers
         if not self._ended and wish.get("do") == "cancel":
             self.cancel()
@@ -195,7 +195,7 @@ class GoalFollower(Panel):
         """Follow nothing any more; a goal that still runs is cancelled, as nobody could do so later."""
         with self._lock:
             self._ended = True
-            followed, running = self._followed, self._standing.running
+            followed, running = self._followed, self._standing.is_running
         if followed is not None and followed.goal is not None and running:
             with contextlib.suppress(lab.LabError):
                 followed.goal.cancel_blocking(timeout=_GOODBYE)
@@ -222,14 +222,14 @@ class GoalFollower(Panel):
 
     def _cancel(self) -> None:
         followed = self._followed
-        if followed is None or followed.goal is None or not self._standing.running:
+        if followed is None or followed.goal is None or not self._standing.is_running:
             return
         try:
             accepted = followed.goal.cancel_blocking(timeout=_ANSWER)
         except lab.LabError as error:
             self.say(str(error))
             return
-        if not accepted and self._standing.running:
+        if not accepted and self._standing.is_running:
             self.say("The server refuses to cancel it.")
 
     def _follow(self, attempt: _Attempt) -> bool:
@@ -237,16 +237,16 @@ class GoalFollower(Panel):
         followed = self._followed
         if followed is not attempt and (followed is None or followed.number < attempt.number):
             self._followed = attempt
-            self._put(Standing(attempt.asked, "EXECUTING"))
+            self._put(GoalState(attempt.asked, "EXECUTING"))
         return self._followed is attempt
 
     def _go_without(self, attempt: _Attempt, status: str, *, note: str = "", refused: Message = None) -> None:
         """Nothing has come of a goal; one that runs meanwhile is still followed."""
         with self._lock:
-            if self._standing.running:
+            if self._standing.is_running:
                 self._put(replace(self._standing, note=note, refused=refused))
             else:
-                self._put(Standing(attempt.asked, status, note, refused))
+                self._put(GoalState(attempt.asked, status, note, refused))
 
     def _hear_feedback(self, attempt: _Attempt, feedback: Message) -> None:
         with self._lock:
@@ -267,7 +267,7 @@ class GoalFollower(Panel):
             if self._follow(attempt):
                 self._put(replace(self._standing, status=goal.status, note=note, refused=None, result=result))
 
-    def _put(self, standing: Standing) -> None:
+    def _put(self, standing: GoalState) -> None:
         self._standing = standing
         if not self._ended:
             self._updates.put(standing)
@@ -348,9 +348,9 @@ class ActionPanel(GoalFollower):
         if wish.get("do") == "send":
             self.send()
 
-    def _show(self, standing: Standing) -> None:
+    def _show(self, standing: GoalState) -> None:
         progress, errors = standing.progress, self._errors
-        refusal = status("REJECTED", "Another goal") if standing.refused is not None and standing.running else ""
+        refusal = status("REJECTED", "Another goal") if standing.refused is not None and standing.is_running else ""
         said = status_line(standing, refusal=refusal) or "No goal yet."
         self.widget.view = {
             "share": progress.share if standing.status else 0.0,
@@ -358,19 +358,19 @@ class ActionPanel(GoalFollower):
             "status": _ENDED if self._ended else _NOT_SENT if errors else said,
             "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
-            "running": standing.running,
+            "running": standing.is_running,
             "errors": errors,
             "ended": self._ended,
         }
 
 
-def status_line(standing: Standing, goal: str = "The goal", refusal: str = "") -> str:
+def status_line(standing: GoalState, goal: str = "The goal", refusal: str = "") -> str:
     """How things stand, in sentences; empty before the first goal."""
     said = status(standing.status, goal) if standing.status else ""
     return " ".join(filter(None, (said, refusal, standing.note)))
 
 
-def _rows(standing: Standing) -> list[list[str]]:
+def _rows(standing: GoalState) -> list[list[str]]:
     rows = []
     if standing.feedback is not None:
         rows.append([f"Feedback {standing.count}", message(standing.feedback)])

@@ -10,9 +10,9 @@ import anywidget
 import traitlets
 
 from course_kit import lab
-from course_kit.panels.base import RATE, Latest, Panel, of_files, still
+from course_kit.panels.base import RATE, LatestValue, Panel, of_files, still
 from course_kit.ros import graph
-from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, Overview, Role, Use
+from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, ChannelUse, Overview, Role
 from course_kit.ros.graph_drawing import STYLE_SHEET, graph_svg, in_lines
 from course_kit.ros.names import short_name
 
@@ -86,7 +86,7 @@ class GraphView(Panel):
         self._thread.start()
         self._counting = threading.Lock()
         self._crossed: dict[tuple[str, str, Hop], int] = {}  # what has crossed since the page was last told
-        self._updates: Latest[None] = Latest(lambda _: self._show_crossed())
+        self._updates: LatestValue[None] = LatestValue(lambda _: self._show_crossed())
         self._events = lab.current().events
         self._events.listen(self._observe)
         self.at_close(self._end)
@@ -124,7 +124,7 @@ class GraphView(Panel):
         own = [(role, channel) for role, channel in list(self._of_lab) if (role.kind, channel) in channels]
         if not own:
             return seen
-        uses = (Use(_LAB, role, channel, channels[role.kind, channel][0].types) for role, channel in own)
+        uses = (ChannelUse(_LAB, role, channel, channels[role.kind, channel][0].types) for role, channel in own)
         return Overview((*seen.nodes, _LAB), (*seen.uses, *sorted(uses, key=lambda use: (use.channel, use.role.verb))))
 
     def _observe(self, event: Event) -> None:

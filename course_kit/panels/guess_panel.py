@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import anywidget
 import traitlets
 
-from course_kit.panels.base import WordedWidget, drawn, of_files
+from course_kit.panels.base import WordedWidget, draw, of_files
 from course_kit.quiz import guesses
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ class GuessPanel(WordedWidget):
         self._cells_to_end = 2 if self._shell else 0  # its own, and the one it asks about
         if self._shell:
             self._shell.events.register("post_run_cell", self._count_cell)
-        self.widget = GuessForm(questions=[_asked(one) for one in questions])
-        self.widget.on_msg(self._told)
+        self.widget = GuessForm(questions=[_show_question(one) for one in questions])
+        self.widget.on_msg(self._handle_message)
         self._show()
 
     def describe(self) -> str:
@@ -58,7 +58,7 @@ class GuessPanel(WordedWidget):
 
     def still(self) -> str:
         """The questions with their choices, and the answers folded away."""
-        return str(drawn("guess.html", questions=list(self._questions.values()), letters=_LETTERS))
+        return str(draw("guess.html", questions=list(self._questions.values()), letters=_LETTERS))
 
     def answer(self, name: str, place: int) -> None:
         """Choose, as a click in the form does."""
@@ -66,7 +66,7 @@ class GuessPanel(WordedWidget):
             self._record.choose(self._questions[name], place)
             self._show()
 
-    def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
+    def _handle_message(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
         """The button of a form."""
         name, place = content.get("name"), content.get("place")
         if name in self._questions and isinstance(place, int) and 0 <= place < len(self._questions[str(name)].choices):
@@ -89,17 +89,18 @@ class GuessPanel(WordedWidget):
 
     def _describe_answer(self, question: LessonQuestion) -> dict[str, object] | None:
         """What the browser shows of an answer; None where there is none, or its choice is no longer there."""
-        known = self._record.of(question)
+        known = self._record.find_guess(question)
         place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)
         if known is None or place is None:
             return None
-        right, why, why_right = question.right, question.choices[place].why, question.choices[question.right].why
+        right = question.right_place
+        why, why_right = question.choices[place].why, question.choices[right].why
         if self._cells_to_end:
             right, why, why_right = right if place == right else -1, _LOOK, ""
         return {"chosen": place, "first_right": known.first_right, "right": right, "why": why, "why_right": why_right}
 
 
-def _asked(question: LessonQuestion) -> dict[str, object]:
+def _show_question(question: LessonQuestion) -> dict[str, object]:
     choices = [choice.text for choice in question.choices]
     return {"name": question.name, "title": _TITLES[question.kind], "text": question.text, "choices": choices}
 

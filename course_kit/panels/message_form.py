@@ -43,7 +43,7 @@ class MessageForm:
 
     def defaults(self) -> Values:
         """What the fields hold at first."""
-        return {entry["path"]: entry["default"] for entry in _flat(self.entries()) if "default" in entry}
+        return {entry["path"]: entry["default"] for entry in _flatten_entries(self.entries()) if "default" in entry}
 
     def read(self, values: Values) -> Message:
         """The message these values make; fields without one keep their defaults."""
@@ -93,7 +93,7 @@ class MessageForm:
             return self._read(field.nested, f"{path}.", values, wrong)
         if values.get(path, _as_text(now)) == _as_text(now):  # as it was
             return now
-        return _parsed(kind, values[path], path)
+        return _parse_entry(kind, values[path], path)
 
 
 def type_in_words(kind: FieldType) -> str:
@@ -123,7 +123,7 @@ def _hint(kind: FieldType) -> str:
     return "a number" if kind.base in {"float", "double"} else "a whole number"
 
 
-def _parsed(kind: FieldType, typed: Any, path: str) -> Any:
+def _parse_entry(kind: FieldType, typed: Any, path: str) -> Any:
     field_type = str(kind).replace("octet", "uint8").replace("/msg/", "/")  # a byte is typed as a number
     value = typed if kind.is_string or isinstance(typed, bool) else str(typed).strip()
     try:
@@ -170,8 +170,8 @@ def _fits(kind: FieldType, value: object) -> bool:
     return limits is None or value in range(limits[0], limits[1] + 1)
 
 
-def _flat(entries: list[Entry]) -> list[Entry]:
-    return [one for entry in entries for one in (entry, *_flat(entry.get("fields", [])))]
+def _flatten_entries(entries: list[Entry]) -> list[Entry]:
+    return [one for entry in entries for one in (entry, *_flatten_entries(entry.get("fields", [])))]
 
 
 def _as_text(value: Any) -> Any:

@@ -20,7 +20,7 @@ from course_kit import lab
 from course_kit.interfaces.message_fields import message_fields
 from course_kit.lab.errors import FieldError
 from course_kit.lab.topics import Subscription
-from course_kit.panels.base import Latest, Panel, drawn, of_files, still
+from course_kit.panels.base import LatestValue, Panel, draw, of_files, still
 from course_kit.ros.filling import unknown_field
 from course_kit.ros.messages import is_message_type, type_name
 
@@ -69,7 +69,7 @@ class Plot(Panel):
         self._count = 0
         self.widget = PlotWidget(topic=topic, field=field, span=self.seconds)
         self.at_close(self._end)
-        self._updates = Latest(self._show)
+        self._updates = LatestValue(self._show)
         self.at_close(self._updates.close)
         self.at_close(Subscription(lab.current().engine, topic, message_type, self._take, _quality(topic)).close)
 
@@ -85,12 +85,12 @@ class Plot(Panel):
 
     def still(self) -> str:
         """What has come so far, against time."""
-        samples = thinned(np.array(self.samples, dtype=np.float64), _DRAWN)
+        samples = thin_samples(np.array(self.samples, dtype=np.float64), _DRAWN)
         return still(self.describe(), plot_svg(samples.tolist(), self.seconds, self.field), "still_drawings.css")
 
     def _take(self, message: Message) -> None:
         """A message has come; on the lab's thread."""
-        value = self._number.of(message)
+        value = self._number.read_number(message)
         if value is None:
             return
         now = time.monotonic() - self._begun
@@ -106,13 +106,13 @@ class Plot(Panel):
             samples, count = np.array(self._samples, dtype=np.float64), self._count
         with self.widget.hold_sync():
             self.widget.count = count
-            self.widget.samples = thinned(samples, _DRAWN).tobytes()
+            self.widget.samples = thin_samples(samples, _DRAWN).tobytes()
 
     def _end(self) -> None:
         self.widget.ended = _ENDED
 
 
-def thinned(samples: Samples, most: int) -> Samples:
+def thin_samples(samples: Samples, most: int) -> Samples:
     """At most so many samples, and among them the highest and lowest of each stretch, so that no peak is lost."""
     if len(samples) <= most:
         return samples
@@ -149,7 +149,7 @@ class NumberField:
         self._steps: list[str | int] = []
         self._check(message_type)
 
-    def of(self, message: Message) -> float | None:
+    def read_number(self, message: Message) -> float | None:
         """The number; None in a message whose array is too short."""
         for step in self._steps:
             if isinstance(step, int):
@@ -214,7 +214,7 @@ def plot_svg(samples: Sequence[Sequence[float]], span: float, field: str) -> str
         else:
             before = -math.inf
     said = f"The latest value is {finite[-1]:.4g}." if finite else "No message yet."
-    return drawn(
+    return draw(
         "still_plot.svg",
         summary=f"{field} against time. {said}",
         field=field,
@@ -252,7 +252,7 @@ class Comparison(Panel):
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
         longest = max(values.values()) or 1.0
-        self._drawn = drawn("comparison.html", title=title, values=values, unit=unit, longest=longest)
+        self._drawn = draw("comparison.html", title=title, values=values, unit=unit, longest=longest)
         self.widget = ipywidgets.HTML(str(self._drawn))
 
     def still(self) -> str:

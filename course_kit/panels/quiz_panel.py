@@ -14,18 +14,18 @@ import anywidget
 import traitlets
 
 from course_kit import environment, quiz
-from course_kit.panels.base import Panel, drawn, of_files, still
+from course_kit.panels.base import Panel, draw, of_files, still
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from course_kit.quiz import Half, Marks, Questions
+    from course_kit.quiz import HalfMarks, Marks, Questions
 
 Answers = dict[str, tuple[str, str]]
 
 
-def usable(questions: Questions, choices: object) -> Answers:
+def keep_usable(questions: Questions, choices: object) -> Answers:
     """Of whatever a browser or a file holds, the pairs of words that can be chosen; the rest is left out."""
     found: Answers = {}
     for scenario in questions.scenarios:
@@ -70,7 +70,7 @@ def _is_ours(questions: Questions, path: Path) -> bool:
         found = ast.literal_eval(text.partition("\nanswers = ")[2])
     except (ValueError, SyntaxError):
         return False
-    return text == questions.sheet(usable(questions, found))
+    return text == questions.sheet(keep_usable(questions, found))
 
 
 def _how_to_grade(path: Path, questions: Questions) -> str:
@@ -119,17 +119,17 @@ class QuizPanel(Panel):
         self.widget = QuizForm(
             patterns=list(quiz.PATTERNS),
             questions=[_question(scenario, seed) for scenario in self._questions.scenarios],
-            choices=usable(self._questions, _load_kept(self._kept)),
+            choices=keep_usable(self._questions, _load_kept(self._kept)),
         )
-        self.widget.observe(self._chosen, "choices")
-        self.widget.on_msg(self._told)
+        self.widget.observe(self._keep_answers, "choices")
+        self.widget.on_msg(self._handle_message)
         self.at_close(self._stop)
         self._show_marks()
 
     @property
     def answers(self) -> Answers:
         """What has been chosen so far: pattern and reason by the scenario's id, empty where nothing is chosen."""
-        return usable(self._questions, self.widget.choices)
+        return keep_usable(self._questions, self.widget.choices)
 
     @property
     def result(self) -> quiz.MarkedAnswers:
@@ -148,7 +148,7 @@ class QuizPanel(Panel):
     def still(self) -> str:
         """What has been chosen, with its marks; before that the first scenario."""
         first, chosen = self.widget.questions[0], {"answered": self._in_words(), "summary": self.widget.summary}
-        picture = drawn(
+        picture = draw(
             "still_quiz.html", count=len(self._questions.scenarios), patterns=quiz.PATTERNS, **first, **chosen
         )
         return still(self.describe(), picture, "still_panels.css")
@@ -170,14 +170,14 @@ class QuizPanel(Panel):
             self.widget.choices = {}
             self.widget.said = "All choices are cleared."
 
-    def _chosen(self, _change: object) -> None:
+    def _keep_answers(self, _change: object) -> None:
         with self._one_at_a_time:
             with suppress(OSError):  # where nothing can be written, the panel works and only forgets
                 environment.write_atomically(self._kept, json.dumps(self.answers), durable=False)
             self._show_marks()
             self.widget.said = ""
 
-    def _told(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
+    def _handle_message(self, _form: object, content: Mapping[str, object], _buffers: object) -> None:
         """A button of the form."""
         do = content.get("do")
         if do == "reset":
@@ -202,13 +202,13 @@ class QuizPanel(Panel):
         result, complete = self.result, {name for name, pair in self.answers.items() if all(pair)}
         shown = [marks for marks in result.marks if marks.scenario.id in complete and marks.scenario.has_answer]
         self.widget.marks = {
-            marks.scenario.id: {"pattern": _half(marks.pattern), "reason": _half(marks.reason)} for marks in shown
+            marks.scenario.id: {"pattern": _facts(marks.pattern), "reason": _facts(marks.reason)} for marks in shown
         }
         self.widget.summary = _summary(len(complete), result, shown)
 
     def _stop(self) -> None:
         self.widget.unobserve_all()
-        self.widget.on_msg(self._told, remove=True)
+        self.widget.on_msg(self._handle_message, remove=True)
 
 
 def _question(scenario: quiz.Scenario, seed: int) -> dict[str, object]:
@@ -216,7 +216,7 @@ def _question(scenario: quiz.Scenario, seed: int) -> dict[str, object]:
     return {"id": scenario.id, "title": scenario.title, "text": scenario.text, "reasons": reasons}
 
 
-def _half(half: Half) -> dict[str, object]:
+def _facts(half: HalfMarks) -> dict[str, object]:
     return {"right": half.right, "explanation": half.explanation}
 
 

@@ -14,7 +14,7 @@ from course_kit import lab
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameters import full_name
 from course_kit.lab.topics import Subscription
-from course_kit.panels.base import Latest, Panel, drawn, of_files, still
+from course_kit.panels.base import LatestValue, Panel, draw, of_files, still
 from course_kit.ros.filling import fit_value
 from course_kit.ros.messages import BadFieldError
 from course_kit.ros.parameters import from_message, is_of_every_node
@@ -83,7 +83,7 @@ def format_value(value: Any) -> Any:
     return value if isinstance(value, str) else repr(value)
 
 
-def typed(kind: str, text: Any) -> Any:
+def convert_typed(kind: str, text: Any) -> Any:
     """The value of what the page sent."""
     if kind in {"bool", "string"}:
         return text
@@ -136,9 +136,9 @@ class ParameterSliders(Panel):
         self._heard: dict[str, int] = {}  # how often a change was heard of, by name
         self._outdated = False
         self.widget = SlidersWidget(node=self.node)
-        self.widget.on_msg(self._wished)
+        self.widget.on_msg(self._handle_message)
         self.at_close(self._end)
-        self._updates = Latest(self._update)
+        self._updates = LatestValue(self._update)
         self.at_close(self._updates.close)
         self._listen()
         self._values = self._ask()[1]  # once more: something may have changed before we listened
@@ -161,14 +161,14 @@ class ParameterSliders(Panel):
     def still(self) -> str:
         """The sliders and boxes with the values in force."""
         rows = [_row(one, self.widget.values[one["name"]]) for one in self.widget.entries]
-        return still(self.describe(), drawn("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
+        return still(self.describe(), draw("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
 
     def set(self, name: str, text: str | bool, token: int = 0) -> bool:
         """Set a parameter to what was typed, as the page does."""
         with self._lock:
             heard, kind = self._heard.get(name, 0), self._descriptors[name].type
         try:
-            value = typed(kind, text)
+            value = convert_typed(kind, text)
             outcome = lab.set_parameters_blocking(self.node, {name: value})
             reason = outcome.reasons.get(name, "")
         except (BadFieldError, LabError) as error:
@@ -186,11 +186,11 @@ class ParameterSliders(Panel):
         from rclpy.qos import qos_profile_parameter_events
 
         subscription = Subscription(
-            lab.current().engine, _EVENTS, ParameterEvent, self._happened, qos=qos_profile_parameter_events
+            lab.current().engine, _EVENTS, ParameterEvent, self._take_event, qos=qos_profile_parameter_events
         )
         self.at_close(subscription.close)
 
-    def _happened(self, event: Message) -> None:
+    def _take_event(self, event: Message) -> None:
         """A parameter of some node has changed; on the lab's thread."""
         if event.node != self.node:
             return
@@ -223,7 +223,7 @@ class ParameterSliders(Panel):
         own = {one.name: one for one in described if not is_of_every_node(one.name)}
         return own, dict(lab.get_parameters_blocking(self.node, *own)) if own else {}
 
-    def _wished(self, _: object, content: dict[str, Any], buffers: object) -> None:
+    def _handle_message(self, _: object, content: dict[str, Any], buffers: object) -> None:
         """Somebody has moved or typed something on the page."""
         del buffers
         if not self.widget.ended and content.get("name") in self._descriptors:

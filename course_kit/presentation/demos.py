@@ -44,11 +44,11 @@ def find_notebook(root: Path, name: str) -> Path:
     if len(several) == 1:
         return several[0]
     if several:
-        raise PresentationError(f"'{name}' fits {_listed(several)}. Type one of them.")
+        raise PresentationError(f"'{name}' fits {_join_names(several)}. Type one of them.")
     by_name = {title: path.stem for path in everything for title in _names(path)[:2]}
     near = nearest_name(wanted, by_name)
     hint = f" Did you mean {by_name[near]}?" if near else ""
-    raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_listed(shown)}.")
+    raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_join_names(shown)}.")
 
 
 def _names(path: Path) -> tuple[str, ...]:
@@ -57,5 +57,5 @@ def _names(path: Path) -> tuple[str, ...]:
     return path.stem, title, number
 
 
-def _listed(paths: list[Path]) -> str:
+def _join_names(paths: list[Path]) -> str:
     return ", ".join(path.stem for path in paths)

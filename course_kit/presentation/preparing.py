@@ -45,7 +45,7 @@ def prepare_folder(root: Path, folder: Path, opened: Path) -> None:
     spoken = []
     for path in dict.fromkeys((*list_demos(root), opened)):
         with suppress(PresentationError) if path != opened else nullcontext():
-            spoken.append(_spoken(path.relative_to(root).as_posix(), _read(path)))
+            spoken.append(_describe_notebook(path.relative_to(root).as_posix(), _read(path)))
     for path in (folder / FILES).rglob("*.ipynb"):
         with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
             shown = projected.project_notebook(_read(path))
@@ -65,7 +65,7 @@ def _read(path: Path) -> Any:
         raise PresentationError(f"{path} is damaged: it is not a notebook. Restore it, for example with git.") from None
 
 
-def _spoken(path: str, notebook: Any) -> dict[str, Any]:
+def _describe_notebook(path: str, notebook: Any) -> dict[str, Any]:
     """What the speaker's window knows of a notebook; the notes as HTML."""
     from markupsafe import Markup
     from nbconvert.filters.markdown import markdown2html  # Jupyter Server brings it

@@ -44,7 +44,7 @@ def project_notebook(notebook: Any) -> Any:
 
 def speaker_script(notebook: Any) -> list[SpokenCell]:
     """What the speaker's window shows of a notebook, cell by cell; the repair is last before what follows it."""
-    return [SpokenCell(cell_id, kind, label, "\n\n".join(notes)) for cell_id, kind, label, notes in _gathered(notebook)]
+    return [SpokenCell(cell_id, kind, label, "\n\n".join(notes)) for cell_id, kind, label, notes in _gather(notebook)]
 
 
 def talk_minutes(notebook: Any) -> int:
@@ -64,7 +64,7 @@ def notebook_title(notebook: Any) -> str:
     return _label("markdown", first)
 
 
-def _gathered(notebook: Any) -> Iterator[tuple[str, str, str, list[str]]]:
+def _gather(notebook: Any) -> Iterator[tuple[str, str, str, list[str]]]:
     """The cells in order, each with the notes below it; notes at the very top belong to the first."""
     waiting: list[str] = []
     current: tuple[str, str, str, list[str]] | None = None

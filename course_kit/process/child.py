@@ -28,7 +28,7 @@ class Ladder:
         self.climbed: list[tuple[Signals, float]] = []
         self._next_at = math.inf
 
-    def climb(self) -> tuple[Signals, float]:
+    def take_signal(self) -> tuple[Signals, float]:
         """The next signal, for the caller to send now, and the seconds that the process has from now on."""
         self.climbed.append(self.left.pop(0))
         self._next_at = time.monotonic() + self.climbed[-1][1] if self.left else math.inf
@@ -86,7 +86,7 @@ class Child:
         """Have it end, by SIGKILL at the latest, and kill what it has started and left behind."""
         said = b""
         while ladder.left:
-            number, seconds = ladder.climb()
+            number, seconds = ladder.take_signal()
             self.send(number)
             with suppress(subprocess.TimeoutExpired):
                 said, _ = self._popen.communicate(timeout=seconds)  # who waits for a full pipe to be read does not end

@@ -28,9 +28,9 @@ class LineReader:
             return []
         self.ended = not data
         *lines, self._unfinished = (self._unfinished + data).split(b"\n")
-        return [line.decode(errors="replace") for line in lines] + (self.rest() if self.ended else [])
+        return [line.decode(errors="replace") for line in lines] + (self.take_rest() if self.ended else [])
 
-    def rest(self) -> list[str]:
+    def take_rest(self) -> list[str]:
         """The line that has no end yet, when it will get none; nothing where the last one is whole."""
         rest, self._unfinished = self._unfinished, b""
         return [rest.decode(errors="replace")] if rest else []

@@ -33,12 +33,12 @@ class Usage:
 
 def descendants_of(root: int) -> list[int]:
     """All living or unreaped processes below `root`, parents before children."""
-    return _below(root, _children().get)
+    return _list_below(root, _children().get)
 
 
 def all_but(process_id: int) -> list[int]:
     """All processes that /proc shows, without one: the quick way to all descendants of process 1 of a PID namespace."""
-    return [number for number in _all() if number != process_id]
+    return [number for number in _list_processes() if number != process_id]
 
 
 def this_process() -> int:
@@ -78,7 +78,7 @@ def _lives(thread: int) -> bool:
 def tasks_of_user(user: int) -> int:
     """Processes and threads of a user."""
     tasks = 0
-    for process_id in _all():
+    for process_id in _list_processes():
         with suppress(OSError, ValueError, IndexError, StopIteration):
             if _user(process_id) == user:
                 tasks += int(_stat(process_id)[17])
@@ -101,10 +101,10 @@ def end_descendants() -> None:
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
-    while not _childless():
+    while not _has_no_child():
         # The kernel's list may lack a child when another ends just then.
         doomed = _listed_children(own) or _all_children(own)
-        for process_id in (*doomed, *(below for child in doomed for below in _below(child, _listed_children))):
+        for process_id in (*doomed, *(below for child in doomed for below in _list_below(child, _listed_children))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)
         for child in doomed:
@@ -112,7 +112,7 @@ def end_descendants() -> None:
                 os.waitpid(child, 0)
 
 
-def _childless() -> bool:
+def _has_no_child() -> bool:
     """Whether this process has no child, living or unreaped."""
     try:
         os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
@@ -121,7 +121,7 @@ def _childless() -> bool:
     return False
 
 
-def _below(process_id: int, children_of: Callable[[int], list[int] | None]) -> list[int]:
+def _list_below(process_id: int, children_of: Callable[[int], list[int] | None]) -> list[int]:
     """All processes below one, parents before children."""
     found, pending = [], [process_id]
     while pending:
@@ -152,13 +152,13 @@ def _all_children(parent: int) -> list[int]:
 def _children() -> dict[int, list[int]]:
     """The children of every process that has some."""
     found: dict[int, list[int]] = {}
-    for process_id in _all():
+    for process_id in _list_processes():
         with suppress(OSError, ValueError, IndexError):
             found.setdefault(int(_stat(process_id)[1]), []).append(process_id)
     return found
 
 
-def _all() -> list[int]:
+def _list_processes() -> list[int]:
     return [int(name) for name in os.listdir("/proc") if name.isdecimal()]  # noqa: PTH208 - hot
 
 

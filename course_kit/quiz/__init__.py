@@ -1,7 +1,7 @@
 """The quiz on communication patterns: its scenarios, who gets which, what an answer earns, and how they are shown.
 
-The exercise's grader and the notebook's panel both use it: `draw` the scenarios of a seed, `mark` answers to them. It
-needs no ROS. A learner calls `show()`.
+The exercise's grader and the notebook's panel both use it: `draw_scenarios` by a seed, `mark` the answers to them.
+It needs no ROS. A learner calls `show()`.
 """
 
 from course_kit.quiz.bank import (
@@ -9,31 +9,31 @@ from course_kit.quiz.bank import (
     PATTERNS,
     Scenario,
     bank,
-    draw,
-    graded,
-    practice,
+    draw_scenarios,
+    graded_scenarios,
+    practice_scenarios,
     reasons_as_shown,
 )
-from course_kit.quiz.marking import PASS_SHARE, Half, MarkedAnswers, Marks, Unusable, mark, mark_one, nearest
+from course_kit.quiz.marking import PASS_SHARE, HalfMarks, MarkedAnswers, Marks, NoAnswer, mark, mark_one, nearest_id
 from course_kit.quiz.showing import Questions, show
 
 __all__ = [
     "DEFAULT_SEED",
     "PASS_SHARE",
     "PATTERNS",
-    "Half",
+    "HalfMarks",
     "MarkedAnswers",
     "Marks",
+    "NoAnswer",
     "Questions",
     "Scenario",
-    "Unusable",
     "bank",
-    "draw",
-    "graded",
+    "draw_scenarios",
+    "graded_scenarios",
     "mark",
     "mark_one",
-    "nearest",
-    "practice",
+    "nearest_id",
+    "practice_scenarios",
     "reasons_as_shown",
     "show",
 ]

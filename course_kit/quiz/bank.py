@@ -53,13 +53,13 @@ class Scenario(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 @lru_cache(maxsize=1)
-def practice() -> Mapping[str, Scenario]:
+def practice_scenarios() -> Mapping[str, Scenario]:
     """The scenarios to practise with, by id, in the file's order; each with its answer."""
     return parse_scenarios(PRACTICE.read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=1)
-def graded() -> Mapping[str, Scenario]:
+def graded_scenarios() -> Mapping[str, Scenario]:
     """The scenarios that count for a grade, by id; each without an answer in a student edition."""
     answers = ANSWERS.read_text(encoding="utf-8") if ANSWERS.exists() else None
     return parse_scenarios(QUESTIONS.read_text(encoding="utf-8"), answers)
@@ -67,7 +67,7 @@ def graded() -> Mapping[str, Scenario]:
 
 def bank() -> Mapping[str, Scenario]:
     """All scenarios by id."""
-    return {**practice(), **graded()}
+    return {**practice_scenarios(), **graded_scenarios()}
 
 
 def parse_scenarios(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
@@ -86,18 +86,18 @@ def _on_one_line(value: Any) -> Any:
     return " ".join(value.split()) if isinstance(value, str) else value
 
 
-def draw(seed: int = DEFAULT_SEED, scenarios: Mapping[str, Scenario] | None = None) -> tuple[Scenario, ...]:
+def draw_scenarios(seed: int = DEFAULT_SEED, scenarios: Mapping[str, Scenario] | None = None) -> tuple[Scenario, ...]:
     """The ten scenarios of a seed, in the order to show them."""
     if scenarios is None:
-        scenarios = practice() if seed == DEFAULT_SEED else graded()
-    chosen = _ranked(f"{seed}/draw", scenarios)[:DRAWN]
-    return tuple(scenarios[name] for name in _ranked(f"{seed}/order", chosen))
+        scenarios = practice_scenarios() if seed == DEFAULT_SEED else graded_scenarios()
+    chosen = _rank_names(f"{seed}/draw", scenarios)[:DRAWN]
+    return tuple(scenarios[name] for name in _rank_names(f"{seed}/order", chosen))
 
 
 def reasons_as_shown(scenario: Scenario, seed: int = DEFAULT_SEED) -> tuple[tuple[str, str], ...]:
     """The reasons of a scenario, id and text, shuffled: their places tell nothing."""
-    return tuple((name, scenario.reasons[name]) for name in _ranked(f"{seed}/{scenario.id}", scenario.reasons))
+    return tuple((name, scenario.reasons[name]) for name in _rank_names(f"{seed}/{scenario.id}", scenario.reasons))
 
 
-def _ranked(salt: str, names: Iterable[str]) -> list[str]:
+def _rank_names(salt: str, names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: hashlib.sha256(f"{salt}/{name}".encode()).digest())

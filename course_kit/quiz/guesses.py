@@ -53,7 +53,7 @@ class LessonQuestion:
     kind: str
 
     @property
-    def right(self) -> int:
+    def right_place(self) -> int:
         """The place of the right choice."""
         return next(place for place, choice in enumerate(self.choices) if choice.is_right)
 
@@ -123,7 +123,7 @@ class GuessRecord:
         self._folder = environment.paths.guess_folder()
         self._known: dict[str, Guess] = {}
 
-    def of(self, question: LessonQuestion) -> Guess | None:
+    def find_guess(self, question: LessonQuestion) -> Guess | None:
         """What was chosen for a question; None before that."""
         if question.name not in self._known and (found := _read(self._folder, question.name)) is not None:
             self._known[question.name] = found
@@ -132,7 +132,7 @@ class GuessRecord:
     def choose(self, question: LessonQuestion, place: int) -> Guess:
         """Keep a choice; the first one stays what it was."""
         chosen = question.choices[place]
-        before = self.of(question) or Guess(chosen.text, chosen.is_right, "")
+        before = self.find_guess(question) or Guess(chosen.text, chosen.is_right, "")
         now = msgspec.structs.replace(before, last=chosen.text)
         self._known[question.name] = now
         if self._folder is not None:
@@ -147,7 +147,7 @@ def lesson_scores() -> list[Score]:
     for lesson in lesson_names():
         for kind in (GUESS, CHECK):
             asked = [one for one in of_lesson(lesson).values() if one.kind == kind]
-            answers = [answer for one in asked if (answer := record.of(one)) is not None]
+            answers = [answer for one in asked if (answer := record.find_guess(one)) is not None]
             if answers:
                 right = sum(answer.first_right for answer in answers)
                 found.append(Score(lesson, kind, right, len(answers), len(asked)))
@@ -158,7 +158,7 @@ def chosen_answers() -> dict[str, str]:
     """What was chosen last, by the question's text; both without the marks around code."""
     record = GuessRecord()
     asked = [one for lesson in lesson_names() for one in of_lesson(lesson).values()]
-    found = {one.text: record.of(one) for one in asked}
+    found = {one.text: record.find_guess(one) for one in asked}
     return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
 
 

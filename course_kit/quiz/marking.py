@@ -27,7 +27,7 @@ _MOST = 200  # ids that are compared: it takes the square of their length
 
 
 @dataclass(frozen=True)
-class Unusable:
+class NoAnswer:
     """Stands for an answer that is no value at all; `text` is what was written, `problem` a sentence about it."""
 
     text: str
@@ -35,7 +35,7 @@ class Unusable:
 
 
 @dataclass(frozen=True)
-class Half:
+class HalfMarks:
     """One half of an answer."""
 
     right: bool
@@ -49,8 +49,8 @@ class Marks:
     """One scenario, marked."""
 
     scenario: Scenario
-    pattern: Half
-    reason: Half
+    pattern: HalfMarks
+    reason: HalfMarks
 
     @property
     def points(self) -> float:
@@ -95,76 +95,76 @@ def mark(
     drawn = [scenario.id for scenario in scenarios]
     strangers = [name for name in given if name not in known and name not in drawn]
     others = sum(name in known and name not in drawn for name in given)
-    marks = (mark_one(one, given[one.id]) if one.id in given else _absent(one, strangers, others) for one in scenarios)
+    marks = (mark_one(one, given[one.id]) if one.id in given else _zero(one, strangers, others) for one in scenarios)
     return MarkedAnswers(tuple(marks), tuple(strangers))
 
 
 def mark_one(scenario: Scenario, answer: object) -> Marks:
     """Mark the answer to one scenario."""
-    if isinstance(answer, Unusable):
-        return _misshapen(scenario, answer.text, answer.problem)
+    if isinstance(answer, NoAnswer):
+        return _mark_misshapen(scenario, answer.text, answer.problem)
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:  # noqa: PLR2004 - a pair
         problem = f'An answer is a pair such as ("topic", "reason_id"), but this is {_kind(answer)}.'
-        return _misshapen(scenario, repr(answer), problem)
+        return _mark_misshapen(scenario, repr(answer), problem)
     pattern, reason = (_plain(part) for part in answer)
     if pattern in scenario.reasons and reason in PATTERNS:
         problem = "Pattern and reason are swapped: the pattern comes first."
-        return _misshapen(scenario, repr(answer), problem)
+        return _mark_misshapen(scenario, repr(answer), problem)
     return Marks(scenario, _pattern(scenario, pattern), _reason(scenario, pattern, reason))
 
 
-def nearest(name: str, names: Collection[str]) -> str | None:
+def nearest_id(name: str, names: Collection[str]) -> str | None:
     """The one of `names` that `name` was probably meant to be."""
     return ros_names.nearest_name(name, sorted(names)[:_MOST], _NEAR)
 
 
-def _pattern(scenario: Scenario, given: str) -> Half:
+def _pattern(scenario: Scenario, given: str) -> HalfMarks:
     if not given:
-        return Half(False, "", "The pattern is still empty.", MISSING)
+        return HalfMarks(False, "", "The pattern is still empty.", MISSING)
     if given not in PATTERNS:
-        return Half(False, _shown(given), _no_choice(given, "pattern", PATTERNS), MALFORMED)
+        return HalfMarks(False, _cut(given), _no_choice(given, "pattern", PATTERNS), MALFORMED)
     if not scenario.has_answer:
-        return Half(False, given, _NOT_HERE)
+        return HalfMarks(False, given, _NOT_HERE)
     if given in scenario.accepted:
-        return Half(True, given, scenario.why)
-    return Half(False, given, scenario.wrong[given])
+        return HalfMarks(True, given, scenario.why)
+    return HalfMarks(False, given, scenario.wrong[given])
 
 
-def _reason(scenario: Scenario, pattern: str, given: str) -> Half:
+def _reason(scenario: Scenario, pattern: str, given: str) -> HalfMarks:
     if not given:
-        return Half(False, "", "The reason is still empty.", MISSING)
+        return HalfMarks(False, "", "The reason is still empty.", MISSING)
     if given not in scenario.reasons:
-        return Half(False, _shown(given), _no_choice(given, "reason", tuple(scenario.reasons)), MALFORMED)
+        return HalfMarks(False, _cut(given), _no_choice(given, "reason", tuple(scenario.reasons)), MALFORMED)
     if not scenario.has_answer:
-        return Half(False, given, _NOT_HERE)
+        return HalfMarks(False, given, _NOT_HERE)
     if given in scenario.wrong:
-        return Half(False, given, scenario.wrong[given])
+        return HalfMarks(False, given, scenario.wrong[given])
     if pattern in scenario.accepted and given not in scenario.accepted[pattern]:
         problem = f"This is a reason for another pattern, not for the one you chose ({pattern})"
-        return Half(False, given, f"{problem}: the two must fit together.")
-    return Half(True, given, scenario.why)
+        return HalfMarks(False, given, f"{problem}: the two must fit together.")
+    return HalfMarks(True, given, scenario.why)
 
 
-def _absent(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
+def _zero(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
     code, problem = MISSING, "There is no answer to this scenario."
-    if meant := nearest(scenario.id, strangers):
+    if meant := nearest_id(scenario.id, strangers):
         code = UNKNOWN
-        problem = f"There is no answer under this id, but one under '{_shown(meant)}', which is not a scenario."
+        problem = f"There is no answer under this id, but one under '{_cut(meant)}', which is not a scenario."
     elif others:
         problem += f" You answered {others} that were not drawn here: did you get your own seed (--seed)?"
-    half = Half(False, "", problem, code)
+    half = HalfMarks(False, "", problem, code)
     return Marks(scenario, half, half)
 
 
-def _misshapen(scenario: Scenario, answer: str, problem: str) -> Marks:
-    half = Half(False, _shown(answer), problem, MALFORMED)
+def _mark_misshapen(scenario: Scenario, answer: str, problem: str) -> Marks:
+    half = HalfMarks(False, _cut(answer), problem, MALFORMED)
     return Marks(scenario, half, half)
 
 
 def _no_choice(given: str, kind: str, choices: Sequence[str]) -> str:
-    meant = nearest(given, choices)
+    meant = nearest_id(given, choices)
     proposal = f" Did you mean '{meant}'?" if meant else ""
-    return f"'{_shown(given)}' is not a {kind} of this scenario; it has to be one of {', '.join(choices)}.{proposal}"
+    return f"'{_cut(given)}' is not a {kind} of this scenario; it has to be one of {', '.join(choices)}.{proposal}"
 
 
 def _plain(value: object) -> str:
@@ -180,5 +180,5 @@ def _kind(answer: object) -> str:
     return f"of type {type(answer).__name__}"
 
 
-def _shown(text: str) -> str:
+def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

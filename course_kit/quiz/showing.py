@@ -6,7 +6,7 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.quiz.bank import DEFAULT_SEED, draw, reasons_as_shown
+from course_kit.quiz.bank import DEFAULT_SEED, draw_scenarios, reasons_as_shown
 from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Questions:
 
     def __init__(self, seed: int = DEFAULT_SEED) -> None:
         self.seed = seed
-        self.scenarios = draw(seed)
+        self.scenarios = draw_scenarios(seed)
 
     def form(self) -> str:
         """The answers as Python, one empty pair for each scenario, to be copied."""

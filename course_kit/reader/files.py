@@ -76,13 +76,13 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
         members = [] if folder is None else [one for one in entries if one.rpartition("/")[0] == folder]
         members = sorted(
-            filter(lambda one: is_name(_last(one)), members), key=lambda one: (_last(one) not in wanted, one)
+            filter(lambda one: is_name(_last_part(one)), members), key=lambda one: (_last_part(one) not in wanted, one)
         )
         if sum(entries[one].file_size for one in members[:MOST_FILES]) > text.LARGEST:
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
             )
-        return {_last(one): read_file(_last(one), archive.read(one)) for one in members[:MOST_FILES]}
+        return {_last_part(one): read_file(_last_part(one), archive.read(one)) for one in members[:MOST_FILES]}
     except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
         if isinstance(problem, text.UnreadableTextError):
             raise
@@ -105,7 +105,7 @@ def _is_left_out(path: str) -> bool:
     return any(part.startswith(".") or part in _LEFT_OUT for part in path.split("/"))
 
 
-def _last(path: str) -> str:
+def _last_part(path: str) -> str:
     return path.rpartition("/")[2]
 
 

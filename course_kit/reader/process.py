@@ -58,7 +58,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
             line.close()
             os.close(alive)
             contract.apply_limits()
-            _answer(request, submission, answer)
+            _answer_request(request, submission, answer)
             status = 0
         except MemoryError:
             status = TOO_MUCH_MEMORY
@@ -79,7 +79,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
     return {"status": status, "late": not ready, "cpu_s": usage.ru_utime + usage.ru_stime}
 
 
-def _answer(request: Mapping[str, Any], submission: int, answer: int) -> None:
+def _answer_request(request: Mapping[str, Any], submission: int, answer: int) -> None:
     # Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
     data = os.pread(submission, os.fstat(submission).st_size, 0)
     told = look_at(request["name"], io.BytesIO(data), request)

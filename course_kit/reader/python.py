@@ -43,7 +43,7 @@ def parse_program(source: str) -> tuple[tuple[int, str, str] | None, ast.Module 
 def read_facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
     nodes = list(ast.walk(tree))
-    called = [(_called(one), one.lineno) for one in nodes if isinstance(one, ast.Call)]
+    called = [(_called_name(one), one.lineno) for one in nodes if isinstance(one, ast.Call)]
     read = sorted((one.lineno, one.attr) for one in nodes if isinstance(one, ast.Attribute))
     functions = [one for one in nodes if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))]
     return {
@@ -86,7 +86,7 @@ def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
     return min(found, key=lambda name: name == "main", default="")
 
 
-def _called(call: ast.Call) -> str:
+def _called_name(call: ast.Call) -> str:
     """The last name of what is called; empty where it has none."""
     return str(getattr(call.func, "attr", getattr(call.func, "id", "")))
 
@@ -113,12 +113,12 @@ def _cut(text: str) -> str:
 def read_literal(tree: ast.Module, variable: str) -> dict[str, object] | None:
     """What a program sets a variable to, told as texts in the words of `repr`; None when only running it can tell."""
     used = sum(isinstance(node, ast.Name) and node.id == variable for node in ast.walk(tree))
-    values = [value for node in tree.body if (value := _assigned(node, variable)) is not None]
+    values = [value for node in tree.body if (value := _assigned_value(node, variable)) is not None]
     if used != 1 or len(values) != 1:
         return None
     try:
         if isinstance(values[0], ast.Dict):
-            told: dict[str, object] = {"entries": _entries(values[0], _bound(tree))}
+            told: dict[str, object] = {"entries": _entries(values[0], _bound_names(tree))}
         else:
             told = {"value": _text(ast.literal_eval(values[0]))}
     except _NO_LITERAL:
@@ -126,7 +126,7 @@ def read_literal(tree: ast.Module, variable: str) -> dict[str, object] | None:
     return told if len(json.dumps(told)) < _LONGEST_LITERAL else {"too_large": True}
 
 
-def _assigned(node: ast.stmt, variable: str) -> ast.expr | None:
+def _assigned_value(node: ast.stmt, variable: str) -> ast.expr | None:
     """The right side of `variable = ...`, with or without an annotation."""
     match node:
         case ast.Assign([ast.Name(name)], value) | ast.AnnAssign(ast.Name(name), _, value) if name == variable:
@@ -163,7 +163,7 @@ def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
         return ast.unparse(node), problem
 
 
-def _bound(tree: ast.Module) -> frozenset[str] | None:
+def _bound_names(tree: ast.Module) -> frozenset[str] | None:
     """The names that a program gives a meaning to as a value may have it; None when that cannot be told."""
     names = set(dir(builtins))
     for node in ast.walk(tree):

@@ -99,7 +99,7 @@ def join_cells(
     for number, cell in cells:
         rest = _plain_lines(cell).split("\n")
         first = _first_statement(rest)
-        rest = _dedented(rest, rest[first])
+        rest = _dedent_lines(rest, rest[first])
         if not (match := _MAGIC.match(rest.pop(first))):
             continue
         if match["exercise"] != exercise:
@@ -136,7 +136,7 @@ def _first_statement(lines: list[str]) -> int:
     return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
 
 
-def _dedented(lines: list[str], like: str) -> list[str]:
+def _dedent_lines(lines: list[str], like: str) -> list[str]:
     """The lines without the indentation of one of them, which IPython takes away, too."""
     indentation = like[: len(like) - len(like.lstrip(" \t"))]
     return [line.removeprefix(indentation) for line in lines]

@@ -23,7 +23,7 @@ class Feature(NamedTuple):
     names: tuple[str, ...]
 
 
-def _of(owner: str, *names: str) -> tuple[str, ...]:
+def _dot(owner: str, *names: str) -> tuple[str, ...]:
     return tuple(owner + name for name in names)
 
 
@@ -38,9 +38,9 @@ RECORDING = Feature(
     "lab.diagram() shows no services and topics, lab.timeline() no callbacks, a call learns of a failed callback only "
     "by its timeout, and lab.publish() does not wait for callbacks",
     (
-        *_of(_EXECUTOR, "_take_service", "_take_client", "_take_subscription", "_take_timer", "_is_shutdown"),
-        *_of("rclpy.client:Client.", "_lock", "_pending_requests", "logger_name"),
-        *_of("rclpy.subscription:Subscription.", "_callback_type", "logger_name"),
+        *_dot(_EXECUTOR, "_take_service", "_take_client", "_take_subscription", "_take_timer", "_is_shutdown"),
+        *_dot("rclpy.client:Client.", "_lock", "_pending_requests", "logger_name"),
+        *_dot("rclpy.subscription:Subscription.", "_callback_type", "logger_name"),
         "rclpy.publisher:Publisher.logger_name",
         "rclpy.service:Service.logger_name",
         "rclpy.task:Future._set_executor",
@@ -49,24 +49,24 @@ RECORDING = Feature(
 GOAL_RECORDING = Feature(
     "lab.diagram() shows no goals",
     (
-        *_of(_CLIENT, "_goal_sequence_number_to_goal_id", "_result_sequence_number_to_goal_id"),
-        *_of(_CLIENT, "_cancel_goal_async", "_pending_cancel_requests", "_node", "_action_name", "_action_type"),
-        *_of(_SERVER, "_execute_goal_request", "_execute_cancel_request", "_send_result_response", "_result_futures"),
-        *_of(_GOAL, "_update_state", "_action_server", "_goal_handle"),
+        *_dot(_CLIENT, "_goal_sequence_number_to_goal_id", "_result_sequence_number_to_goal_id"),
+        *_dot(_CLIENT, "_cancel_goal_async", "_pending_cancel_requests", "_node", "_action_name", "_action_type"),
+        *_dot(_SERVER, "_execute_goal_request", "_execute_cancel_request", "_send_result_response", "_result_futures"),
+        *_dot(_GOAL, "_update_state", "_action_server", "_goal_handle"),
         "rclpy.action.server:GoalEvent",
     ),
 )
 EXECUTIONS = Feature(
     "An execute callback keeps everything else in the lab waiting, and its errors are shown as rclpy shows them",
-    _of(_SERVER, "_execute_goal", "_node"),
+    _dot(_SERVER, "_execute_goal", "_node"),
 )
 FEEDBACK = Feature(
     "Feedback that comes faster than callbacks run may be shown late or not at all",
-    _of(_CLIENT, "_client_handle"),
+    _dot(_CLIENT, "_client_handle"),
 )
 WAITING_FOR_GOALS = Feature(
     "An answer to a goal may be missed when it comes at once",
-    _of(_CLIENT, "_cancel_goal_async", "_get_result_async"),
+    _dot(_CLIENT, "_cancel_goal_async", "_get_result_async"),
 )
 PENDING_CALLS = Feature(
     "An await that can never end hangs instead of saying why, and a call whose server is replaced meanwhile waits for "
@@ -85,16 +85,16 @@ CELL_NAMES = Feature(
     "An error in a callback is shown without the number of its cell",
     ("IPython.core.compilerop:CachingCompiler.format_code_name",),
 )
-ERRORS = Feature("Some mistakes are shown in rclpy's words", _of(_C, "RCLError"))
+ERRORS = Feature("Some mistakes are shown in rclpy's words", _dot(_C, "RCLError"))
 OWN_TYPES = Feature(
     "Message types of your own may not work",
     (
-        *_of(_LOG + "__class__.", "_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE"),
-        *_of(_LOG + "__class__.", "_TYPE_SUPPORT", "__import_type_support__"),
-        *_of(_LOG, "_fields_and_field_types", "SLOT_TYPES"),
+        *_dot(_LOG + "__class__.", "_CREATE_ROS_MESSAGE", "_CONVERT_FROM_PY", "_CONVERT_TO_PY", "_DESTROY_ROS_MESSAGE"),
+        *_dot(_LOG + "__class__.", "_TYPE_SUPPORT", "__import_type_support__"),
+        *_dot(_LOG, "_fields_and_field_types", "SLOT_TYPES"),
     ),
 )
-GRADING = Feature("Grading does not work", _of(_C, "WaitSet", "GuardCondition"))
+GRADING = Feature("Grading does not work", _dot(_C, "WaitSet", "GuardCondition"))
 DIAGNOSES = Feature(
     "Reports do not say what a callback has returned instead of a response or a result, or whether it has ended the "
     "program",
@@ -125,7 +125,7 @@ class Compatibility:
 
     def sentences(self) -> list[str]:
         """What is off and why, a sentence for each feature."""
-        return [f"{feature.lost}: {_absent(names)}{_ENDING}" for feature, names in self._missing.items()]
+        return [f"{feature.lost}: {_describe_absent(names)}{_ENDING}" for feature, names in self._missing.items()]
 
 
 def check_features(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:
@@ -181,7 +181,7 @@ def _names_in_method(value: object) -> Iterator[str]:
             yield from part.__code__.co_names
 
 
-def _absent(names: tuple[str, ...]) -> str:
+def _describe_absent(names: tuple[str, ...]) -> str:
     """Which names a package does not have, and in which version."""
     package = names[0].partition(":")[0].partition(".")[0]
     shown = ", ".join(name.replace(":", ".") for name in names)

@@ -132,7 +132,7 @@ def fit_value(value: Any, field_type: str, field: str, now: Any = None) -> Any: 
         return _fit_text(value, field_type, field)
     if value in (True, False) and not isinstance(value, float):  # a boolean
         return bool(value)
-    raise _unfit(value, field_type, field)
+    raise _explain_unfit(value, field_type, field)
 
 
 def _fit_byte(value: object, field: str) -> bytes:
@@ -142,12 +142,12 @@ def _fit_byte(value: object, field: str) -> bytes:
     hint = ""
     if type(value) is int and value in range(256):
         hint = f" Write !!binary {base64.b64encode(bytes([value])).decode()} in its place, as in ROS 2."
-    raise BadFieldError(f"{_unfit(value, 'octet', field)}{hint}")
+    raise BadFieldError(f"{_explain_unfit(value, 'octet', field)}{hint}")
 
 
 def _fit_text(value: object, field_type: str, field: str) -> str:
     if isinstance(value, (dict, list)) or value is None:
-        raise _unfit(value, field_type, field)
+        raise _explain_unfit(value, field_type, field)
     bounded = _BOUNDED_STRING.fullmatch(field_type)
     if bounded and len(str(value)) > int(bounded["bound"]):
         raise BadFieldError(f"The field {field!r} takes at most {bounded['bound']} characters, not {len(str(value))}.")
@@ -159,7 +159,7 @@ def _fit_integer(value: object, bits: int, field: str, *, signed: bool) -> int:
     if isinstance(value, str) and re.fullmatch(r"[+-]?\d+", value):
         value = int(value)
     if isinstance(value, bool) or not isinstance(value, int):
-        raise _unfit(value, field_type, field)
+        raise _explain_unfit(value, field_type, field)
     lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
     if not lowest <= value <= highest:
         limits = f"{with_article(field_type)}, from {lowest} to {highest}"
@@ -169,11 +169,11 @@ def _fit_integer(value: object, bits: int, field: str, *, signed: bool) -> int:
 
 def _fit_float(value: object, field_type: str, field: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise _unfit(value, field_type, field)
+        raise _explain_unfit(value, field_type, field)
     try:
         number = float(value)  # YAML 1.1 takes 1e3 for a string
     except (ValueError, OverflowError):
-        raise _unfit(value, field_type, field) from None
+        raise _explain_unfit(value, field_type, field) from None
     if math.isfinite(number) and abs(number) > _FLOATS[field_type]:
         raise BadFieldError(f"The field {field!r} is a {ros_word(field_type)}; {value} is out of range.")
     return number
@@ -184,7 +184,7 @@ def _fit_list(value: object, listed: re.Match[str], field_type: str, field: str)
     if isinstance(value, bytes) and parts["element"] == "uint8":
         value = list(value)
     if not isinstance(value, list):
-        raise _unfit(value, field_type, field)
+        raise _explain_unfit(value, field_type, field)
     if parts.get("length") and len(value) != int(parts["length"]):
         raise BadFieldError(f"The field {field!r} takes exactly {parts['length']} values, not {len(value)}.")
     if parts.get("bound") and len(value) > int(parts["bound"]):
@@ -204,7 +204,7 @@ def _fit_message(value: object, field_type: str, field: str, now: Message) -> Me
         _set_to_now(message.stamp)
         return message
     if not isinstance(value, dict):
-        raise _unfit(value, field_type, field)
+        raise _explain_unfit(value, field_type, field)
     _put(message, value, f"{field}, {with_article(field_type)}", f"{field}.", from_yaml=True)
     return message
 
@@ -214,7 +214,7 @@ def _set_to_now(stamp: Message) -> Message:
     return stamp
 
 
-def _unfit(value: object, field_type: str, field: str) -> BadFieldError:
+def _explain_unfit(value: object, field_type: str, field: str) -> BadFieldError:
     listed = _list_type(field_type)
     word = f"list of {ros_word(listed['element'])}" if listed else ros_word(field_type)
     given = _KINDS.get(type(value), "nothing" if value is None else type(value).__name__)

@@ -30,7 +30,7 @@ class Layers(NamedTuple):
 
 def layers(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> Layers:
     """The columns of boxes that hang together."""
-    turned = frozenset(_turned(boxes, arrows))
+    turned = frozenset(_find_back_arrows(boxes, arrows))
     forward = [(end, begin) if (begin, end) in turned else (begin, end) for begin, end in arrows]
     column_of = _columns(boxes, forward, least)
     columns: list[list[Box]] = [[] for _ in range(max(column_of.values()) + 1)]
@@ -43,10 +43,10 @@ def layers(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, in
         for number, waypoint in zip(between, way, strict=True):
             columns[number].append(waypoint)
         chains[arrow] = [begin, *way, end]
-    return Layers(_ordered([column for column in columns if column], chains.values()), chains, turned)
+    return Layers(_order_columns([column for column in columns if column], chains.values()), chains, turned)
 
 
-def _turned(boxes: Sequence[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
+def _find_back_arrows(boxes: Sequence[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
     """Arrows that close a circle with those before them."""
     after: dict[Box, list[Box]] = {box: [] for box in boxes}
     turned: set[Arrow] = set()
@@ -84,7 +84,7 @@ def _columns(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, 
     return column
 
 
-def _ordered(columns: list[list[Box]], chains: Iterable[list[Box]]) -> list[list[Box]]:
+def _order_columns(columns: list[list[Box]], chains: Iterable[list[Box]]) -> list[list[Box]]:
     """The columns, each in the order of its neighbours in the column before or behind, after some sweeps."""
     left: dict[Box, list[Box]] = {}
     right: dict[Box, list[Box]] = {}
@@ -162,7 +162,7 @@ def _place(sizes: Mapping[Box, Size], found: Layers) -> FlowLayout:
         if box[0] != WAYPOINT
     }
     bands = {box: (lefts[number], lefts[number] + widths[number]) for box, number in column_of.items()}
-    ways = {arrow: _way(arrow, found, places, sizes, (middles, bands)) for arrow in found.chains}
+    ways = {arrow: _draw_way(arrow, found, places, sizes, (middles, bands)) for arrow in found.chains}
     height = max(places[box][1] + sizes[box][1] for box in places)
     height = max([height, *(point[1] for way in ways.values() for point in way)])
     return FlowLayout(places, ways, (left - BETWEEN_COLUMNS, height))
@@ -189,12 +189,12 @@ def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
         for column in found.columns if number % 2 == 0 else reversed(found.columns):
             wanted = [mean([middle[one] for one in near.get(box, ())] or [middle[box]]) for box in column]
             heights = [_size(sizes, box)[1] for box in column]
-            middle.update(zip(column, _apart(wanted, heights), strict=True))
+            middle.update(zip(column, _spread_apart(wanted, heights), strict=True))
     top = min(middle[box] - _size(sizes, box)[1] / 2 for box in middle)
     return {box: value - top for box, value in middle.items()}
 
 
-def _apart(wanted: list[float], heights: list[float]) -> list[float]:
+def _spread_apart(wanted: list[float], heights: list[float]) -> list[float]:
     """Middles near the wanted ones, in their order, with room between: half way between pushed down and pushed up."""
     distances = [(one + other) / 2 + BETWEEN_ROWS for one, other in itertools.pairwise(heights)]
     down = list(wanted)
@@ -206,7 +206,7 @@ def _apart(wanted: list[float], heights: list[float]) -> list[float]:
     return [(one + other) / 2 for one, other in zip(down, up, strict=True)]
 
 
-def _way(
+def _draw_way(
     arrow: Arrow,
     found: Layers,
     places: Mapping[Box, Point],

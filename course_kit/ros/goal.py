@@ -169,7 +169,7 @@ class GoalTracker:
     def begin(self) -> None:
         """Send it."""
         if not self.unwanted:
-            self.client.begin(self, self._goal).add_done_callback(self._answered)
+            self.client.begin(self, self._goal).add_done_callback(self._take_answer)
 
     def cancel(self, answered: Callable[[bool], None]) -> None:
         """Ask the server to cancel it; `answered` is told whether it will."""
@@ -178,20 +178,20 @@ class GoalTracker:
             answered(False)
             return
 
-        def heard(future: Future) -> None:
+        def take_cancel_answer(future: Future) -> None:
             agreed = any(one.goal_id == handle.goal_id for one in future.result().goals_canceling)
             if agreed:
                 self.note_status("CANCELING")
             answered(agreed)
-            self._changed()
+            self._notify_listeners()
 
-        handle.cancel_goal_async().add_done_callback(heard)
+        handle.cancel_goal_async().add_done_callback(take_cancel_answer)
 
     def note_status(self, status: str) -> None:
         """The server has published a state; the result tells the final one."""
         if not self.ended and status in _ORDER and _ORDER.index(status) > _ORDER.index(self.status):
             self.status = status
-            self._changed()
+            self._notify_listeners()
 
     def take_feedback(self, message: Message) -> None:
         """A feedback message has come."""
@@ -200,7 +200,7 @@ class GoalTracker:
         on_feedback = self.on_feedback
         if on_feedback is not None:
             self._call(lambda: on_feedback(message))
-        self._changed()
+        self._notify_listeners()
 
     def note_servers(self, servers: frozenset[bytes]) -> None:
         """Which servers of its action are there now; without its own it is lost, at the second look."""
@@ -213,7 +213,7 @@ class GoalTracker:
         """Its server has gone: there will be no result."""
         self._end("UNKNOWN", None)
 
-    def _answered(self, future: Future) -> None:
+    def _take_answer(self, future: Future) -> None:
         handle = self._handle = future.result()
         if not handle.accepted:
             self.accepted = False
@@ -222,12 +222,12 @@ class GoalTracker:
         self.accepted = True
         self._servers = self.client.servers()
         self.status = self.status or "ACCEPTED"
-        handle.get_result_async().add_done_callback(self._finished)
+        handle.get_result_async().add_done_callback(self._take_result)
         if self.unwanted:
             handle.cancel_goal_async()
-        self._changed()
+        self._notify_listeners()
 
-    def _finished(self, future: Future) -> None:
+    def _take_result(self, future: Future) -> None:
         response = future.result()
         self._end(status_name(response.status), response.result)
 
@@ -238,8 +238,8 @@ class GoalTracker:
         self.client.end(self)
         if self.on_result is not None and self.accepted is not None:
             self._call(self.on_result)
-        self._changed()
+        self._notify_listeners()
 
-    def _changed(self) -> None:
+    def _notify_listeners(self) -> None:
         for listener in tuple(self.listeners):
             listener()

@@ -42,7 +42,7 @@ _PARTICIPANT, _PROCESS = 12, 8
 _FEEDBACK, _FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 
 
-class Use(NamedTuple):
+class ChannelUse(NamedTuple):
     """One node on one channel."""
 
     node: str
@@ -55,15 +55,15 @@ class Overview(NamedTuple):
     """Nodes and what they do, in alphabetical order."""
 
     nodes: tuple[str, ...]
-    uses: tuple[Use, ...]
+    uses: tuple[ChannelUse, ...]
 
-    def of(self, node: str) -> list[Use]:
+    def uses_of(self, node: str) -> list[ChannelUse]:
         """What one node does."""
         return [use for use in self.uses if use.node == node]
 
-    def channels(self) -> dict[tuple[str, str], list[Use]]:
+    def channels(self) -> dict[tuple[str, str], list[ChannelUse]]:
         """Kind and name of each channel, with who is on it."""
-        found: dict[tuple[str, str], list[Use]] = {}
+        found: dict[tuple[str, str], list[ChannelUse]] = {}
         for use in self.uses:
             found.setdefault((use.role.kind, use.channel), []).append(use)
         return dict(sorted(found.items(), key=lambda item: (KINDS.index(item[0][0]), item[0][1])))
@@ -94,11 +94,11 @@ def read_graph(node: Node, *, plumbing: bool = False, most: int | None = None) -
     return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
 
 
-def _order(use: Use) -> tuple[str, int, bool, str]:
+def _order(use: ChannelUse) -> tuple[str, int, bool, str]:
     return use.node, KINDS.index(use.role.kind), not use.role.offers, use.channel
 
 
-def is_plumbing(use: Use) -> bool:
+def is_plumbing(use: ChannelUse) -> bool:
     """Whether ROS itself has made it."""
     if use.role.kind == "service" and names.is_of_every_node(use.channel):
         return True
@@ -130,7 +130,7 @@ def offered_types(node: Node, role: Role, except_by: frozenset[str] = frozenset(
     return found
 
 
-def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
+def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[ChannelUse]:
     """What a node does, as another node sees it; nothing more once it has gone."""
     from rclpy.impl.implementation_singleton import rclpy_implementation
 
@@ -149,7 +149,7 @@ def uses_of(node: Node, full_name: str, *roles: Role) -> Iterator[Use]:
             found = readers[role]()
         except (rclpy_implementation.RCLError, ValueError):  # it has gone meanwhile, or has no proper name yet
             return
-        yield from (Use(full_name, role, channel, tuple(sorted(types))) for channel, types in found)
+        yield from (ChannelUse(full_name, role, channel, tuple(sorted(types))) for channel, types in found)
 
 
 def _actions(topics: Iterable[tuple[str, list[str]]]) -> Iterator[tuple[str, list[str]]]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from course_kit.ros.flow_layout import Arrow, Box, Point
-    from course_kit.ros.graph import Overview, Use
+    from course_kit.ros.graph import ChannelUse, Overview
 
 NODE = "node"
 _CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
@@ -58,8 +58,8 @@ def graph_svg(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE)
     found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
     return render_template(
         _TEMPLATES / "graph.svg",
-        boxes=[_placed(box, found.places[key]) for key, box in boxes.items()],
-        arrows=[_drawn(use, found.ways[arrow]) for arrow, use in arrows.items()],
+        boxes=[_place_box(box, found.places[key]) for key, box in boxes.items()],
+        arrows=[_draw_arrow(use, found.ways[arrow]) for arrow, use in arrows.items()],
         width=round(found.size[0]),
         height=round(found.size[1]),
         summary=f"The ROS graph: {count_parts(seen)}.",
@@ -75,9 +75,9 @@ def boxes_of(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE) 
     for (kind, name), uses in seen.channels().items():
         types = sorted({one for use in uses for one in use.types})
         said = remarks.get((kind, name), [])
-        lines = [("kind", kind), *(("name", line) for line in _broken(name))]
-        lines += [("types", line) for one in types for line in _broken(one)]
-        lines += [("remark", line) for one in said for line in _broken(f"⚠ {one}")]
+        lines = [("kind", kind), *(("name", line) for line in _break_name(name))]
+        lines += [("types", line) for one in types for line in _break_name(one)]
+        lines += [("remark", line) for one in said for line in _break_name(f"⚠ {one}")]
         boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
     return boxes
 
@@ -88,9 +88,9 @@ def _box_of_node(seen: Overview, node: str, notebooks: Sequence[str]) -> GraphBo
     notes = [note for note in (how_many(count), titles and f"in {titles}") if note]
     if 0 < len(notebooks) < count:
         notes[-1] = f"also {notes[-1]}"
-    lines = [("name", line) for line in _broken(name)]
-    lines += [("types", line) for note in notes for line in _broken(note)]
-    does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.of(node)) or "nothing yet"
+    lines = [("name", line) for line in _break_name(name)]
+    lines += [("types", line) for note in notes for line in _break_name(note)]
+    does = "; ".join(f"{use.role.verb} {use.channel}" for use in seen.uses_of(node)) or "nothing yet"
     return GraphBox(NODE, name, lines, f"{' '.join([name, *notes])}: {does}", 0 < count <= len(notebooks))
 
 
@@ -99,7 +99,7 @@ def how_many(count: int) -> str:
     return f"({count} nodes of this name)" if count > 1 else ""
 
 
-def _arrow(use: Use) -> Arrow:
+def _arrow(use: ChannelUse) -> Arrow:
     node, channel = (NODE, use.node), (use.role.kind, use.channel)
     return (channel, node) if use.role.inward else (node, channel)
 
@@ -110,16 +110,16 @@ class _NameWrapper(textwrap.TextWrapper):
     wordsep_simple_re = re.compile(r"(\s+|(?<=[/_])(?=.))")
 
 
-def _broken(text: str) -> list[str]:
+def _break_name(text: str) -> list[str]:
     return _NameWrapper(_COLUMNS, break_on_hyphens=False).wrap(text)
 
 
-def _placed(box: GraphBox, place: Point) -> dict[str, object]:
+def _place_box(box: GraphBox, place: Point) -> dict[str, object]:
     width, height = box.size
     return {**box._asdict(), "x": round(place[0]), "y": round(place[1]), "width": round(width), "height": round(height)}
 
 
-def _drawn(use: Use, way: list[Point]) -> dict[str, object]:
+def _draw_arrow(use: ChannelUse, way: list[Point]) -> dict[str, object]:
     """An arrow from left to right, or back: bent between two columns, straight where it crosses one."""
     points = [(round(x), round(y)) for x, y in way]
     step = 9 if points[-1][0] > points[0][0] else -9
@@ -161,7 +161,7 @@ def in_lines(seen: Overview) -> str:
     lines = []
     for node in sorted(set(seen.nodes)):
         lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
-        uses = seen.of(node)
+        uses = seen.uses_of(node)
         lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
     remarks = [remark for said in seen.remarks().values() for remark in said]
     return "\n".join(lines + remarks)

@@ -220,7 +220,7 @@ def _kind_of(name: str, value: object, empty_list: int) -> int:
             _require_int64(name, [value])
             return number
     if not isinstance(value, (list, tuple)):
-        raise _unfit(name, value, "A parameter is a bool, an int, a float, a str, or a list of one of these")
+        raise _explain_unfit(name, value, "A parameter is a bool, an int, a float, a str, or a list of one of these")
     if not value:
         return empty_list
     for number, element in enumerate(_ELEMENTS, start=_ARRAYS):
@@ -230,14 +230,14 @@ def _kind_of(name: str, value: object, empty_list: int) -> int:
     hint = ""
     if all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in value):
         hint = f" Write {[float(one) for one in value]!r}."
-    raise _unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
+    raise _explain_unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
 
 
 def _require_int64(name: str, given: Sequence[object]) -> None:
     if any(isinstance(one, int) and one not in _INT64 for one in given):
-        raise _unfit(name, given[0], "An integer parameter has 64 bits")
+        raise _explain_unfit(name, given[0], "An integer parameter has 64 bits")
 
 
-def _unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
+def _explain_unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
     shown = textwrap.shorten(repr(value), 60, placeholder="...")
     return BadFieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")

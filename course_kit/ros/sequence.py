@@ -69,7 +69,7 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
     if not steps:
         return ""
     box, places, width = _lifelines(list(names), max(len(name) for name in names.values()))
-    heads = [(name, places[name], _wrapped(shown, box - 10, 3)) for name, shown in names.items()]
+    heads = [(name, places[name], _wrap_label(shown, box - 10, 3)) for name, shown in names.items()]
     top = 19 + _LINE * max(len(lines) for _, _, lines in heads)
     rows, y = [], top
     for step, text in steps:
@@ -113,10 +113,10 @@ def _row(step: Arrow, text: str, places: dict[str, int], top: int, width: int) -
         middle = begin + room // 2 if width - begin >= begin else begin - room // 2
     else:
         middle, room = (begin + end) // 2, abs(end - begin)
-    lines = _wrapped(("✗ " if step.kind == "failure" else "") + text, room - _MARGIN, _MOST_LINES)
+    lines = _wrap_label(("✗ " if step.kind == "failure" else "") + text, room - _MARGIN, _MOST_LINES)
     return DiagramRow(step.kind, lines, top, top + len(lines) * _LINE + 4, begin, end, middle)
 
 
-def _wrapped(text: str, room: int, most: int) -> list[str]:
+def _wrap_label(text: str, room: int, most: int) -> list[str]:
     lines = textwrap.wrap(text, int(room / _CHARACTER), break_on_hyphens=False) or [""]
     return lines if len(lines) <= most else [*lines[: most - 1], lines[most - 1][:-1] + "…"]

@@ -56,7 +56,7 @@ class SentRequest:
         self.send_again()
 
     @property
-    def sent(self) -> int:
+    def times_sent(self) -> int:
         """How often it was sent."""
         return len(self._futures)
 
@@ -64,7 +64,7 @@ class SentRequest:
         """Send the same once more, by another client if wanted."""
         self._futures.append((client or self._client).rclpy_client.call_async(self._request))
 
-    def answered(self) -> bool:
+    def is_answered(self) -> bool:
         """Whether a response has come, or a failure to give one."""
         return any(future.done() for future in self._futures)
 

@@ -22,7 +22,7 @@ _PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 def copy_message(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
     """Copy a message into numbers, strings, lists and dicts."""
-    return _Copy(elements, last=last).of(value, DEPTH)
+    return _Copy(elements, last=last).copy_value(value, DEPTH)
 
 
 def describe_message(value: Plain, digits: int | None = None) -> str:
@@ -44,7 +44,7 @@ class _Copy:
     def __init__(self, elements: int, *, last: bool) -> None:
         self._elements, self._last = elements, last
 
-    def of(self, value: object, depth: int) -> Plain:
+    def copy_value(self, value: object, depth: int) -> Plain:
         kind = type(value)
         if kind in _PLAIN:
             return value  # type: ignore[return-value] # by the set
@@ -54,7 +54,7 @@ class _Copy:
         if names is not None:
             return self._message(value, names, depth)
         if isinstance(value, dict):
-            return {str(name): self.of(part, depth - 1) for name, part in list(value.items())[:FIELDS]}
+            return {str(name): self.copy_value(part, depth - 1) for name, part in list(value.items())[:FIELDS]}
         if not isinstance(value, str) and hasattr(value, "__len__") and hasattr(value, "__getitem__"):
             return self._sequence(value, len(value), depth)
         return _shorten(str(_as_python(value)))
@@ -65,14 +65,14 @@ class _Copy:
         copied: dict[str, Plain] = {}
         for name in names[:FIELDS]:
             value = getattr(message, name)
-            copied[name] = value if type(value) in _PLAIN else self.of(value, depth - 1)
+            copied[name] = value if type(value) in _PLAIN else self.copy_value(value, depth - 1)
         if len(names) > FIELDS:
             copied["..."] = f"+{len(names) - FIELDS} more"
         return copied
 
     def _sequence(self, values: object, length: int, depth: int) -> Plain:
         kept = values[-self._elements :] if self._last else values[: self._elements]  # type: ignore[index] # it has it
-        copied = [self.of(_as_python(element), depth) for element in kept]
+        copied = [self.copy_value(_as_python(element), depth) for element in kept]
         if length <= self._elements:
             return copied
         return ["...", *copied] if self._last else [*copied, f"+{length - self._elements} more"]

@@ -54,7 +54,7 @@ class Inbox:
         self.messages.append(message)
         self.times.append(received_s)
 
-    def since(self, count: int) -> list[Message]:
+    def newer_than(self, count: int) -> list[Message]:
         """The messages after the first `count`, as far as they are kept."""
         forgotten = self.count - len(self.messages)
         return list(islice(self.messages, max(count - forgotten, 0), None))

@@ -34,10 +34,10 @@ def list_candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
         return names_of(_graph()).get(getattr(given, argument, None) or "") or interfaces.types(kind=kind)
 
     found: dict[str, Callable[[], list[str]]] = {
-        "services": lambda: _shown(_graph().services),
-        "topics": lambda: _shown(_graph().topics),
+        "services": lambda: _visible_names(_graph().services),
+        "topics": lambda: _visible_names(_graph().topics),
         "actions": lambda: sorted(_graph().actions()),
-        "nodes": lambda: _shown(_graph().nodes),
+        "nodes": lambda: _visible_names(_graph().nodes),
         "parameters": lambda: _parameters(given.node_name),
         "service_types": lambda: types("srv", lambda graph: graph.services, "service_name"),
         "action_types": lambda: types("action", lambda graph: graph.actions(), "action_name"),
@@ -84,7 +84,7 @@ def _graph() -> Graph:
         session.close()
 
 
-def _shown(names: Iterable[str]) -> list[str]:
+def _visible_names(names: Iterable[str]) -> list[str]:
     from course_kit.ros.names import is_hidden
 
     return sorted({name for name in names if not is_hidden(name)})

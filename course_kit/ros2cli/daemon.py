@@ -47,7 +47,7 @@ class DaemonSocket:
         self.name = name
 
     @classmethod
-    def here(cls) -> DaemonSocket:
+    def for_settings(cls) -> DaemonSocket:
         """The place for this process's settings, which `environment.apply` has made."""
         code = str((environment.PACKAGE / "ros2cli").stat().st_mtime_ns)  # a daemon of an older kit is not asked
         python = os.path.realpath(sys.prefix)  # a kernel may know it by a link, such as .venv
@@ -87,7 +87,7 @@ class DaemonSocket:
             return None
 
     @contextmanager
-    def starting(self) -> Iterator[None]:
+    def lock_start(self) -> Iterator[None]:
         """Only one process at a time starts a daemon here."""
         descriptor = os.open(self._folder / f"{self.name}.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
@@ -129,7 +129,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
         return session.observe(timeout)
     environment.apply_settings()
     if nobody_there():
-        return Graph.empty()
+        return Graph.without_nodes()
     reply = ask_daemon(timeout)
     return Graph.from_json(reply) if reply else session.observe(timeout)
 
@@ -143,10 +143,10 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
     """The reply of the daemon, started when there is none; None when that fails."""
     request = {"do": "graph", "patience": timeout}
     try:
-        daemon_socket = DaemonSocket.here()
+        daemon_socket = DaemonSocket.for_settings()
         reply = daemon_socket.ask(request, timeout + 1.0)
         if reply is None:
-            with daemon_socket.starting():
+            with daemon_socket.lock_start():
                 reply = daemon_socket.ask(request, timeout + 1.0)
                 if reply is None and _start():
                     reply = daemon_socket.ask(request, timeout + 1.0)
@@ -158,7 +158,7 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
 def stop_daemon() -> bool:
     """Stop the daemon of these settings; whether there was one."""
     environment.apply_settings()
-    return DaemonSocket.here().ask({"do": "stop"}, 5.0) is not None
+    return DaemonSocket.for_settings().ask({"do": "stop"}, 5.0) is not None
 
 
 def _start() -> bool:
@@ -190,7 +190,7 @@ _CLIENT_PATIENCE = 5.0
 def main() -> None:
     """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
     environment.apply_settings()  # while the command that has started us still holds the domain
-    daemon_socket = DaemonSocket.here()
+    daemon_socket = DaemonSocket.for_settings()
     with daemon_socket.listen() as listening:
         told = os.dup(sys.stdout.fileno())
         _let_go_of_terminal()
@@ -228,11 +228,11 @@ def _serve(listening: socket.socket, looking: Observer, daemon_socket: DaemonSoc
         asked = time.monotonic()
         with client, contextlib.suppress(OSError):  # a client that has gone is no concern of the daemon
             client.settimeout(_CLIENT_PATIENCE)
-            if not _answer(client, looking):
+            if not _answer_request(client, looking):
                 return
 
 
-def _answer(client: socket.socket, looking: Observer) -> bool:
+def _answer_request(client: socket.socket, looking: Observer) -> bool:
     """Answer one request; False when it was to stop."""
     request = json.loads(client.makefile("r").readline() or "{}")
     if request.get("do") == "stop":

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 from course_kit import environment
 from course_kit.environment import domains
-from course_kit.ros.graph import ROLES, RUNS, SENDS_GOALS, Overview, Use
+from course_kit.ros.graph import ROLES, RUNS, SENDS_GOALS, ChannelUse, Overview
 from course_kit.ros.names import is_hidden
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Graph(NamedTuple):
     counts: dict[str, tuple[int, int]]
 
     @classmethod
-    def empty(cls) -> Graph:
+    def without_nodes(cls) -> Graph:
         """A graph with nobody on it."""
         return cls(Overview((), ()), {}, {}, {}, {})
 
@@ -53,7 +53,7 @@ class Graph(NamedTuple):
         """The reverse of `to_json`."""
         nodes, uses, topics, services, endpoints, counts = reply["graph"]
         overview = Overview(
-            tuple(nodes), tuple(Use(node, ROLES[role], name, tuple(types)) for node, role, name, types in uses)
+            tuple(nodes), tuple(ChannelUse(node, ROLES[role], name, tuple(types)) for node, role, name, types in uses)
         )
         return cls(
             overview, topics, services, {name: TopicEndpoints(*ends) for name, ends in endpoints.items()}, counts
@@ -70,9 +70,9 @@ class Graph(NamedTuple):
         """Full names, one for each node: two nodes of the same name stand twice."""
         return self.overview.nodes
 
-    def of(self, node: str, role: Role) -> Names:
+    def channels_of(self, node: str, role: Role) -> Names:
         """What a node does in a role, with its types."""
-        return {use.channel: list(use.types) for use in self.overview.of(node) if use.role == role}
+        return {use.channel: list(use.types) for use in self.overview.uses_of(node) if use.role == role}
 
     def actions(self) -> Names:
         """Action names with their types."""
@@ -83,7 +83,7 @@ class Graph(NamedTuple):
                 known += [kind for kind in use.types if kind not in known]
         return found
 
-    def on(self, action: str, role: Role) -> Names:
+    def nodes_on(self, action: str, role: Role) -> Names:
         """The nodes that run an action, or send goals to it, with the types they use it with."""
         return {use.node: list(use.types) for use in self.overview.uses if (use.role, use.channel) == (role, action)}
 

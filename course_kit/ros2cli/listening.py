@@ -70,7 +70,7 @@ class Listener:
         options = self._options
         self.subscribe(wait=False, raw=options.raw)
         while True:
-            received = self.next()
+            received = self.next_message()
             shown = self._field(received.message)
             if not self._matches(shown):
                 continue
@@ -98,7 +98,7 @@ class Listener:
         qos = QoSPresetProfiles.get_from_short_key(profile)
         return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
 
-    def next(self) -> ReceivedMessage:
+    def next_message(self) -> ReceivedMessage:
         """The next message."""
         began = time.monotonic()
         timeout = math.inf if self._options.timeout is None else self._options.timeout
@@ -115,7 +115,7 @@ class Listener:
 
     def next_matching(self) -> ReceivedMessage:
         """The next message for which the filter holds."""
-        while not self._matches((received := self.next()).message):
+        while not self._matches((received := self.next_message()).message):
             pass
         return received
 
@@ -185,7 +185,7 @@ def _profile(options: Namespace, otherwise: QoSProfile) -> QoSProfile:
 
 def print_rate(listener: Listener, window: int) -> None:
     """Print once a second how often messages have come, over the last `window` of them, for as long as they come."""
-    times: deque[float] = deque(maxlen=_checked(window) + 1)
+    times: deque[float] = deque(maxlen=_require_window(window) + 1)
     listener.subscribe(wait=True)
     report_at = time.monotonic() + REPORT_EVERY
     while True:
@@ -199,11 +199,11 @@ def print_rate(listener: Listener, window: int) -> None:
 
 def print_delay(listener: Listener, window: int) -> None:
     """Print once a second how old messages are when they come, by the stamp in their header."""
-    delays: deque[float] = deque(maxlen=_checked(window))
+    delays: deque[float] = deque(maxlen=_require_window(window))
     listener.subscribe(wait=True)
     report_at = time.monotonic() + REPORT_EVERY
     while True:
-        received = listener.next()
+        received = listener.next_message()
         stamp = getattr(getattr(received.message, "header", None), "stamp", None)
         if stamp is None:
             raise CommandError(
@@ -217,12 +217,12 @@ def print_delay(listener: Listener, window: int) -> None:
 
 def print_bandwidth(listener: Listener, topic: str, window: int) -> None:
     """Print once a second how many bytes come, for as long as messages come."""
-    sizes: deque[tuple[float, int]] = deque(maxlen=_checked(window))
+    sizes: deque[tuple[float, int]] = deque(maxlen=_require_window(window))
     listener.subscribe(wait=True, raw=True)
     print(f"Subscribed to [{topic}]", flush=True)
     report_at = time.monotonic() + REPORT_EVERY
     while True:
-        received = listener.next()
+        received = listener.next_message()
         sizes.append((received.at, len(received.message)))
         if time.monotonic() >= report_at and len(sizes) > 1:
             print(_bandwidth_line(list(sizes), time.time()), flush=True)
@@ -235,11 +235,12 @@ def _bandwidth_line(sizes: list[tuple[float, int]], now: float) -> str:
     unit, name = next(((unit, name) for unit, name in ((1e6, "MB"), (1e3, "KB")) if per_second >= unit), (1.0, "B"))
     digits = 0 if name == "B" else 2
 
-    def shown(size: float) -> str:
+    def format_size(size: float) -> str:
         return f"{size / unit:.{digits}f} {name}"
 
-    mean, least, most = (shown(size) for size in (sum(numbers) / len(numbers), min(numbers), max(numbers)))
-    return f"{shown(per_second)}/s from {len(numbers)} messages\n\tMessage size mean: {mean} min: {least} max: {most}"
+    mean, least, most = (format_size(size) for size in (sum(numbers) / len(numbers), min(numbers), max(numbers)))
+    rate = format_size(per_second)
+    return f"{rate}/s from {len(numbers)} messages\n\tMessage size mean: {mean} min: {least} max: {most}"
 
 
 def _spread(values: deque[float] | list[float]) -> str:
@@ -248,7 +249,7 @@ def _spread(values: deque[float] | list[float]) -> str:
     return f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {pstdev(values):.5f}s window: {len(values)}"
 
 
-def _checked(window: int) -> int:
+def _require_window(window: int) -> int:
     if window < 1:
         raise CommandError(f"--window must be a number of messages, at least 1, not {window}.")
     return window

@@ -113,7 +113,7 @@ class ParameterClient:
         """What one of the verbs of `course_kit.ros.parameters` returns."""
         return parameters.run_steps(steps, self._answer)
 
-    def declared(self, name: str) -> Message:
+    def require_declared(self, name: str) -> Message:
         """The ParameterValue of `name`; of type 0 where it is declared without a value."""
         (found,) = self.ask(parameters.ask_values([name]))
         if found.type == 0 and name not in (known := self.ask(parameters.ask_names())):

@@ -99,12 +99,12 @@ class Parser(argparse.ArgumentParser):
             near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
             message = f"{message[: wrong.start()]}there is no {wrong['word']!r}.{near}"
         elif unknown := re.fullmatch(r"unrecognized arguments: (.*)", message):
-            message = _unknown(self.command, unknown[1])
+            message = _explain_unknown_words(self.command, unknown[1])
         sys.stderr.write(f"{self.prog}: {message}\n")
         raise SystemExit(2)
 
 
-def _unknown(command: str, words: str) -> str:
+def _explain_unknown_words(command: str, words: str) -> str:
     """What to say of words that nobody takes."""
     if "}" in words or "{" in words or re.match(r"\w+:[^=]", words):  # {a:1,b:2} becomes a:1 b:2
         return f"the shell has taken the values apart (left over: {words}): put '...' around {{...}}"

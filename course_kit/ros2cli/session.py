@@ -87,13 +87,13 @@ class Session:
     def answer_of(self, client: ServiceClient, request: Message, timeout: float, server: str) -> Message:
         """What a service that is there answers within `timeout` seconds."""
         sent = client.send(request)
-        self.spin_until(lambda: sent.answered() or not client.is_ready(), timeout)
-        if not sent.answered() and not client.is_ready() and not self.spin_until(sent.answered, _LAST_WORDS):
+        self.spin_until(lambda: sent.is_answered() or not client.is_ready(), timeout)
+        if not sent.is_answered() and not client.is_ready() and not self.spin_until(sent.is_answered, _LAST_WORDS):
             raise CommandError(
                 f"{server} went away before it answered: its program has ended. Its own output says why; an exception "
                 "in a callback does that."
             )
-        if not sent.answered():
+        if not sent.is_answered():
             raise CommandError(
                 f"{server} has not answered within {timeout:g} s. Is its callback still running, has it raised an "
                 "exception, or is its node not spinning? Its own output may say. A longer wait: --timeout SECONDS."

@@ -101,7 +101,7 @@ def guess_wrong_then_right_by_keyboard(lab: JupyterLab) -> None:
     lab.scroll_to(panel)
     photograph(lab, panel, "guess_after")
     panel.get_by_role("button", name="Try again").press("Enter")
-    choose(panel, asked.right)
+    choose(panel, asked.right_place)
     lab.page.keyboard.press("Enter")
     expect(verdict).to_contain_text("Right.")
     # Shift+Enter goes on below the guess, and asks nothing again.

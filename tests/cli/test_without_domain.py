@@ -56,7 +56,7 @@ class Machine:
         self._taken: list[domains.Lease] = []
 
     def take_all(self) -> None:
-        self._taken += [self.leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+        self._taken += [self.leases.lease_exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
 
     def give_back(self) -> None:
         while self._taken:

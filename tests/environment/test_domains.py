@@ -55,8 +55,8 @@ class Remembered(Leases):
         self._given.append(super().share(owner))
         return self._given[-1]
 
-    def exclusive(self) -> domains.Lease:
-        self._given.append(super().exclusive())
+    def lease_exclusive(self) -> domains.Lease:
+        self._given.append(super().lease_exclusive())
         return self._given[-1]
 
     def rest(self) -> set[int]:
@@ -173,17 +173,17 @@ def test_a_shared_domain_is_leased_until_its_last_process_has_gone(leases: Remem
 
 def test_an_exclusive_domain_is_never_handed_out_twice_and_comes_back_after_a_kill(leases: Leases, hold: Hold) -> None:
     first = hold()
-    second = leases.exclusive()
+    second = leases.lease_exclusive()
     assert first.domain_id != second.domain_id
     first.kill()
-    assert leases.exclusive().domain_id == first.domain_id
+    assert leases.lease_exclusive().domain_id == first.domain_id
 
 
 def test_when_all_are_taken_the_message_says_what_to_do(leases: Leases) -> None:
-    taken = [leases.exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+    taken = [leases.lease_exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
     assert sorted(lease.domain_id for lease in taken) == list(range(1, 102))
     with pytest.raises(domains.NoDomainError, match="Close some of them, or set ROS_DOMAIN_ID"):
-        leases.exclusive()
+        leases.lease_exclusive()
     with pytest.raises(domains.NoDomainError, match="Close some of them, or set ROS_DOMAIN_ID"):
         leases.share("me")
 

@@ -20,7 +20,7 @@ from course_kit.graders._moves import (
 )
 from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, Ended, is_spread
+from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
 from course_kit.grading.diagnosis import goals
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.process_status import ProcessStatus
@@ -130,7 +130,7 @@ def test_the_distance_is_that_of_this_goal_as_far_as_it_went(
     status: int, final: float, travelled: float, right: bool
 ) -> None:
     result = SimpleNamespace(final_position=SimpleNamespace(x=final, y=0.0), distance_travelled=travelled)
-    move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), Ended(status, result))
+    move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), GoalOutcome(status, result))
     if right:
         require_distance(move)
         return
@@ -154,7 +154,7 @@ def cause_of(
 ) -> Any:
     text = TRACE.format(error=error, function=function) if error else stderr
     job = Job("course_kit.graders.move_robot", mode, "answer.py", 1, source=SOURCE)
-    return goals.of_status(status, ProcessStatus(running=True, stderr=text), job)
+    return goals.explain_status(status, ProcessStatus(running=True, stderr=text), job)
 
 
 @pytest.mark.parametrize(

@@ -48,9 +48,9 @@ def test_of_a_flood_on_a_topic_the_last_messages_are_kept_and_all_are_counted() 
     assert heard.count == 5000
     assert len(heard.messages) == len(heard.times) == 1000
     assert sum(len(message.data) for message in heard.messages) <= 1000 * bounds.LONGEST_TEXT
-    assert [message.data.split()[0] for message in heard.since(4998)] == ["4998", "4999"]
-    assert len(heard.since(0)) == 1000
-    assert heard.since(5000) == []
+    assert [message.data.split()[0] for message in heard.newer_than(4998)] == ["4998", "4999"]
+    assert len(heard.newer_than(0)) == 1000
+    assert heard.newer_than(5000) == []
 
 
 def feedback(goal: bytes, number: int) -> Any:

@@ -142,8 +142,10 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "exception": lambda given: tracebacks.last_exception(
         "Traceback (most recent call last):\n" + given, ("answer.py",)
     ),
-    "activity": lambda given: tracebacks.activity(DUMP + given, ("answer.py",)),
-    "logged": lambda given: exits.of_logged("Traceback (most recent call last):\nImportError: " + given, JOB),
+    "activity": lambda given: tracebacks.read_activity(DUMP + given, ("answer.py",)),
+    "logged": lambda given: exits.explain_logged_exception(
+        "Traceback (most recent call last):\nImportError: " + given, JOB
+    ),
     "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": make_printable,
     "cut": bounds.cut_text,

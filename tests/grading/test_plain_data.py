@@ -11,7 +11,7 @@ from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.start_order import Conditions, Program
+from course_kit.grading.sandbox.start_order import Program, RunSetup
 
 
 def through_json(thing: object) -> dict[str, object]:
@@ -38,7 +38,7 @@ def test_a_job_arrives_with_all_its_parts() -> None:
 
 def test_the_conditions_and_the_program_of_a_sandbox_arrive() -> None:
     view = FileView(("/usr",), ("/usr/x",), ("/bin",))
-    cell = Conditions(Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
-    assert convert_record(through_json(cell), Conditions) == cell
+    cell = RunSetup(Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
+    assert convert_record(through_json(cell), RunSetup) == cell
     program = Program("a.py", "text", arguments=("-p", "x"), files={"f": "text"}, command=("sh",))
     assert convert_record(through_json(program), Program) == program

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.diagnosis.tracebacks import activity, last_exception
+from course_kit.grading.diagnosis.tracebacks import last_exception, read_activity
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.process_status import ProcessStatus
 from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
@@ -77,7 +77,7 @@ def test_a_traceback_that_python_only_mentions_is_not_what_a_program_died_of(men
 
 
 def test_a_callback_that_waits_for_ros() -> None:
-    seen = activity(CALLS, ("answer.py",))
+    seen = read_activity(CALLS, ("answer.py",))
     assert seen.spinning
     assert seen.waits_for_ros
     assert seen.callback is not None
@@ -111,7 +111,7 @@ def test_a_callback_that_waits_for_ros() -> None:
     ],
 )
 def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
-    assert exits.of_start(process, JOB)[0] == code
+    assert exits.explain_start(process, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
     process = ProcessStatus(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
-    assert f"nearest name is {nearest}." in exits.of_start(process, JOB)[1]
+    assert f"nearest name is {nearest}." in exits.explain_start(process, JOB)[1]
 
 
 def test_source_line_in_a_notebook() -> None:
@@ -179,5 +179,5 @@ def test_a_module_that_a_traceback_names_is_not_run(
     stderr = f"Traceback (most recent call last):\nImportError: cannot import name 'x' from '{module}' (y)\n"
     if top == "course_kit":
         monkeypatch.delitem(sys.modules, module, raising=False)
-    assert exits.of_start(ProcessStatus(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
+    assert exits.explain_start(ProcessStatus(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
     assert not (tmp_path / "trace").exists()

@@ -77,7 +77,7 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     assert folder == archive == cells
     assert sorted(folder) == ["gate.py", "pair.launch.py", "pair.yaml"]
     assert one == {"gate.py": folder["gate.py"]}
-    assert read[2].files["pair.yaml"].where(2) == "cell 3, line 3"
+    assert read[2].files["pair.yaml"].describe_line(2) == "cell 3, line 3"
 
 
 def test_the_programs_of_a_launch_file_share_the_memory_that_one_may_have(

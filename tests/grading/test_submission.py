@@ -119,7 +119,7 @@ def test_of_two_whole_programs_in_two_cells_the_last_one_starts(
     path.write_text(notebook(mark + PROGRAM.format(number=1), mark + PROGRAM.format(number=2), f"{mark}last = 3"))
     found = read(path, EXERCISE)
     assert found.note == "several cells define main: the last one counts"
-    assert found.where(found.source[: found.source.index("class Node2")].count("\n") + 1) == "cell 2, line 2"
+    assert found.describe_line(found.source[: found.source.index("class Node2")].count("\n") + 1) == "cell 2, line 2"
     names: dict[str, object] = {"__name__": "__main__"}
     exec(found.source, names)  # noqa: S102 - it is ours
     assert capsys.readouterr().out == "2\n"
@@ -142,7 +142,11 @@ def test_notebook_cells_are_joined_in_order_and_lines_are_found_again(tmp_path: 
     found = read(path, EXERCISE)
     assert found.source.split() == ["a", "=", "1", "b", "=", "2", "c", "=", "3"]
     assert found.program == "a b.py"
-    assert (found.where(1), found.where(2), found.where(3)) == ("cell 1, line 2", "cell 1, line 3", "cell 3, line 2")
+    assert (found.describe_line(1), found.describe_line(2), found.describe_line(3)) == (
+        "cell 1, line 2",
+        "cell 1, line 3",
+        "cell 3, line 2",
+    )
 
 
 EXPORTED = f"""#!/usr/bin/env python
@@ -160,7 +164,7 @@ def test_a_notebook_that_was_exported_as_a_script_is_its_marked_cell(tmp_path: P
     path.write_text(EXPORTED)
     found = read(path, EXERCISE)
     assert found.source.split("\n")[:2] == ["x = 1", 'y = "\\n"']
-    assert found.where(2) == "cell 7, line 3"
+    assert found.describe_line(2) == "cell 7, line 3"
     with pytest.raises(UnreadableError, match=f"cells for: {EXERCISE}"):
         read(path, "move_robot")
     path.write_text("print('run_cell_magic')\n")

@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
-from course_kit.panels.goal_panel import GoalFollower, Standing
+from course_kit.panels.goal_panel import GoalFollower, GoalState
 from tests.panels.goal_panels import Gate
 from tests.waiting import wait_until
 
@@ -34,15 +34,15 @@ class Seen(GoalFollower):
 
     def __init__(self, action: str = "/gate") -> None:
         super().__init__(action)
-        self.all: list[Standing] = []
+        self.all: list[GoalState] = []
         self.widget = HTML()
         self._follow_goals(Fibonacci)
 
     @property
-    def last(self) -> Standing:
+    def last(self) -> GoalState:
         return self._standing
 
-    def _show(self, standing: Standing) -> None:
+    def _show(self, standing: GoalState) -> None:
         self.all.append(standing)
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
@@ -51,7 +51,7 @@ class Seen(GoalFollower):
     def send(self, order: int) -> None:
         self.send_goal(Fibonacci.Goal(order=order)).join()
 
-    def until(self, **wanted: Any) -> Standing:
+    def until(self, **wanted: Any) -> GoalState:
         wait_until(lambda: all(getattr(self.last, name) == value for name, value in wanted.items()), lambda: self.last)
         return self.last
 
@@ -84,7 +84,7 @@ def test_a_server_that_does_not_agree_to_cancel_is_quoted(gate: Gate) -> None:
     seen.until(count=1)
     seen.cancel().join()
     assert seen.last.note == "The server refuses to cancel it."
-    assert seen.last.running
+    assert seen.last.is_running
     gate.open.set()
     assert seen.until(status="SUCCEEDED").note == ""
 
@@ -93,7 +93,7 @@ def test_a_server_that_does_not_agree_to_cancel_is_quoted(gate: Gate) -> None:
 def test_a_rejected_goal_is_no_error() -> None:
     seen = Seen()
     seen.send(-1)
-    assert (seen.last.status, seen.last.running, seen.last.refused.order) == ("REJECTED", False, -1)
+    assert (seen.last.status, seen.last.is_running, seen.last.refused.order) == ("REJECTED", False, -1)
 
 
 def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
@@ -101,7 +101,7 @@ def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
     seen.send(9)
     seen.until(count=1)
     lab.stop(gate)
-    wait_until(lambda: not seen.last.running, lambda: seen.last)
+    wait_until(lambda: not seen.last.is_running, lambda: seen.last)
     assert seen.last.tone == "bad"
 
 

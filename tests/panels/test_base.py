@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets
 import pytest
 
-from course_kit.panels.base import Latest, Panel
+from course_kit.panels.base import LatestValue, Panel
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
@@ -71,7 +71,7 @@ def test_the_last_value_is_shown_and_the_burst_before_it_is_not() -> None:
         begun.set()
         go_on.wait(10)
 
-    updates = Latest(show)
+    updates = LatestValue(show)
     updates.put(0)
     assert begun.wait(10)
     for value in range(1, 500):

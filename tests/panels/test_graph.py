@@ -95,7 +95,7 @@ def test_it_says_who_offers_what_who_uses_it_and_what_is_amiss() -> None:
 def test_a_topic_without_listeners_and_one_with_two_types_are_remarked_on(live_lab: Lab) -> None:
     lab.start(Busy)
     uses = seen(live_lab).uses
-    other = overview.Use("/other", overview.LISTENS, "/temperature", ("std_msgs/msg/Bool",))
+    other = overview.ChannelUse("/other", overview.LISTENS, "/temperature", ("std_msgs/msg/Bool",))
     remarks = overview.Overview(("/busy", "/other"), (*uses, other)).remarks()
     assert seen(live_lab).remarks()["topic", "/temperature"] == ["No node listens to /temperature."]
     assert remarks["topic", "/temperature"] == [
@@ -166,12 +166,16 @@ def test_it_flows_from_who_begins_to_who_receives(live_lab: Lab) -> None:
 def fifty() -> Overview:
     """A chain of fifty nodes with topics, and services across it."""
     nodes = tuple(f"/station_{number:02}" for number in range(50))
-    uses = [overview.Use(node, overview.PUBLISHES, f"{node}/state", ("std_msgs/msg/Float64",)) for node in nodes]
+    uses = [overview.ChannelUse(node, overview.PUBLISHES, f"{node}/state", ("std_msgs/msg/Float64",)) for node in nodes]
     for number, node in enumerate(nodes[1:]):
-        uses.append(overview.Use(node, overview.LISTENS, f"{nodes[number * 3 % 50]}/state", ("std_msgs/msg/Float64",)))
+        uses.append(
+            overview.ChannelUse(node, overview.LISTENS, f"{nodes[number * 3 % 50]}/state", ("std_msgs/msg/Float64",))
+        )
         if number % 6 == 0:
-            uses.append(overview.Use(node, overview.SERVES, f"{node}/reset", ("std_srvs/srv/Trigger",)))
-            uses.append(overview.Use(nodes[number // 2], overview.CALLS, f"{node}/reset", ("std_srvs/srv/Trigger",)))
+            uses.append(overview.ChannelUse(node, overview.SERVES, f"{node}/reset", ("std_srvs/srv/Trigger",)))
+            uses.append(
+                overview.ChannelUse(nodes[number // 2], overview.CALLS, f"{node}/reset", ("std_srvs/srv/Trigger",))
+            )
     return overview.Overview(nodes, tuple(dict.fromkeys(uses)))
 
 

@@ -36,11 +36,11 @@ def test_before_the_guess_neither_words_nor_widget_tell_the_answer() -> None:
 
 def test_a_guess_reveals_and_explains_and_stays_when_the_cell_is_run_again() -> None:
     asked = guesses.find_question(NAME)
-    wrong = next(place for place in range(3) if place != asked.right)
+    wrong = next(place for place in range(3) if place != asked.right_place)
     panels.guess(NAME).answer(NAME, wrong)
     shown = panels.guess(NAME).widget.answers[NAME]
-    assert (shown["chosen"], shown["right"], shown["first_right"]) == (wrong, asked.right, False)
-    assert (shown["why"], shown["why_right"]) == (asked.choices[wrong].why, asked.choices[asked.right].why)
+    assert (shown["chosen"], shown["right"], shown["first_right"]) == (wrong, asked.right_place, False)
+    assert (shown["why"], shown["why_right"]) == (asked.choices[wrong].why, asked.choices[asked.right_place].why)
     assert panels.guess(NAME).describe() == panels.guess("01_services/late_display").describe()
 
 
@@ -49,19 +49,19 @@ def test_a_guess_of_a_lesson_is_explained_when_the_next_cell_has_run(tmp_path: P
     with Kernel(cwd=tmp_path) as kernel:
         assert kernel.run(f"%load_ext course_kit\nfrom course_kit import panels\npanel = panels.guess({NAME!r})").ok
         shown = f"panel.answer({NAME!r}, {{}}); print(panel.widget.answers[{NAME!r}])"
-        in_one_cell = "\n".join(["panel = panels.guess(panel_name)", shown.format((asked.right + 1) % 3)])
+        in_one_cell = "\n".join(["panel = panels.guess(panel_name)", shown.format((asked.right_place + 1) % 3)])
         waiting = kernel.run(f"panel_name = {NAME!r}\n{in_one_cell}").stdout
         assert "'right': -1" in waiting
         assert "Run the next cell and look." in waiting
-        assert asked.choices[asked.right].why not in waiting
+        assert asked.choices[asked.right_place].why not in waiting
         found = kernel.run(f"print(panel.widget.answers[{NAME!r}])").stdout
-        assert asked.choices[asked.right].why not in found  # this cell still runs
-        assert asked.choices[asked.right].why in kernel.run(f"print(panel.widget.answers[{NAME!r}])").stdout
+        assert asked.choices[asked.right_place].why not in found  # this cell still runs
+        assert asked.choices[asked.right_place].why in kernel.run(f"print(panel.widget.answers[{NAME!r}])").stdout
 
 
 def test_another_try_does_not_count() -> None:
     panel, asked = panels.guess(NAME), guesses.find_question(NAME)
-    for place in (asked.right, (asked.right + 1) % 3):
+    for place in (asked.right_place, (asked.right_place + 1) % 3):
         panel.answer(NAME, place)
     assert panel.widget.answers[NAME]["first_right"] is True
 
@@ -70,7 +70,7 @@ def test_the_questions_at_the_end_are_counted_together() -> None:
     panel = panels.check_yourself("01_services")
     names = [question["name"] for question in panel.widget.questions]
     for name in names[:2]:
-        panel.answer(name, guesses.find_question(name).right)
+        panel.answer(name, guesses.find_question(name).right_place)
     assert panel.widget.summary == f"2 of {len(names)} right at the first try, 2 answered."
 
 
@@ -86,7 +86,7 @@ def test_an_export_folds_the_answer() -> None:
 
 def test_the_list_counts_first_tries(progress: Path) -> None:
     panel = panels.guess(NAME)
-    panel.answer(NAME, guesses.find_question(NAME).right)
+    panel.answer(NAME, guesses.find_question(NAME).right_place)
     course = Course(progress)
     [score] = json.loads(course.run("list", "--format", "json").stdout)["questions"]
     assert (score["lesson"], score["right"]) == ("01_services", 1)

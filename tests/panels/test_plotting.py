@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64, String
 
 from course_kit import lab, panels
-from course_kit.panels.plotting import NumberField, thinned
+from course_kit.panels.plotting import NumberField, thin_samples
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("live_lab")
@@ -112,22 +112,22 @@ def test_a_field_that_is_no_number_is_said_at_once(message_type: Any, path: str,
 def test_numbers_are_found_inside_messages_and_arrays() -> None:
     covariance = PoseWithCovariance()
     covariance.covariance[7] = 0.25
-    assert NumberField(PoseWithCovariance, "covariance[7]").of(covariance) == 0.25
-    assert NumberField(Bool, "data").of(Bool(data=True)) == 1.0
+    assert NumberField(PoseWithCovariance, "covariance[7]").read_number(covariance) == 0.25
+    assert NumberField(Bool, "data").read_number(Bool(data=True)) == 1.0
     scan = LaserScan(ranges=[1.0, 2.0])
-    assert NumberField(LaserScan, "ranges[1]").of(scan) == 2.0
-    assert NumberField(LaserScan, "ranges[2]").of(scan) is None
-    assert NumberField(PoseArray, "poses[0].position.x").of(PoseArray()) is None
+    assert NumberField(LaserScan, "ranges[1]").read_number(scan) == 2.0
+    assert NumberField(LaserScan, "ranges[2]").read_number(scan) is None
+    assert NumberField(PoseArray, "poses[0].position.x").read_number(PoseArray()) is None
 
 
 def test_thinning_keeps_peaks_and_the_latest_value() -> None:
     samples = np.column_stack([np.arange(10_000.0), np.zeros(10_000)])
     samples[1234, 1], samples[7777, 1], samples[-1, 1] = 5.0, -3.0, 0.5
-    left = thinned(samples, 600)
+    left = thin_samples(samples, 600)
     assert len(left) <= 600
     assert {5.0, -3.0} <= set(left[:, 1])
     assert list(left[-1]) == [9999.0, 0.5]
     assert (np.diff(left[:, 0]) > 0).all()
-    assert thinned(samples[:600], 600) is not None
-    assert len(thinned(samples[:600], 600)) == 600
-    assert len(thinned(np.full((5000, 2), np.nan), 100)) <= 100
+    assert thin_samples(samples[:600], 600) is not None
+    assert len(thin_samples(samples[:600], 600)) == 600
+    assert len(thin_samples(np.full((5000, 2), np.nan), 100)) <= 100

@@ -43,7 +43,7 @@ def test_each_choice_has_its_own_explanation(lesson: str) -> None:
 
 
 def test_the_place_of_the_right_choice_tells_nothing() -> None:
-    places = [one.right for name in LESSONS for one in guesses.of_lesson(name).values() if len(one.choices) == 3]
+    places = [one.right_place for name in LESSONS for one in guesses.of_lesson(name).values() if len(one.choices) == 3]
     for place in range(3):
         assert len(places) / 6 < places.count(place) < len(places) / 2
 
@@ -65,16 +65,16 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_the_first_try_counts_and_the_last_is_shown(kept: Path) -> None:
     asked = guesses.find_question("01_services/late_display")
-    wrong = next(place for place in range(3) if place != asked.right)
+    wrong = next(place for place in range(3) if place != asked.right_place)
     GuessRecord().choose(asked, wrong)
-    GuessRecord().choose(asked, asked.right)
-    known = GuessRecord().of(asked)
+    GuessRecord().choose(asked, asked.right_place)
+    known = GuessRecord().find_guess(asked)
     assert known is not None
     assert (known.first, known.first_right, known.last) == (
-        asked.choices[wrong].text, False, asked.choices[asked.right].text,
+        asked.choices[wrong].text, False, asked.choices[asked.right_place].text,
     )  # fmt: skip
     other = guesses.find_question("01_services/float_for_int")
-    GuessRecord().choose(other, other.right)
+    GuessRecord().choose(other, other.right_place)
     [score] = lesson_scores()
     assert (score.lesson, score.kind, score.right, score.answered, score.count) == ("01_services", "guess", 1, 2, 11)
     assert sorted(path.name for path in kept.rglob("*.json")) == ["float_for_int.json", "late_display.json"]

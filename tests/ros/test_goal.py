@@ -102,7 +102,7 @@ def test_feedback_that_comes_after_the_result_is_not_lost(pair: Pair) -> None:
 
 
 def test_a_goal_whose_server_has_gone_is_lost(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(GoalTracker, "_finished", lambda *_: None)  # as if the result had not come
+    monkeypatch.setattr(GoalTracker, "_take_result", lambda *_: None)  # as if the result had not come
     tracker = pair.send(order=1)
     pair.server.node.destroy_publisher(pair.server.feedback)
     pair.spin_until(lambda: tracker.ended)

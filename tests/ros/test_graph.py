@@ -37,7 +37,7 @@ def busy(domain: int) -> Iterator[Node]:
 
 
 def test_what_a_node_does(busy: Node) -> None:
-    own = {(use.role, use.channel, use.types) for use in graph.read_graph(busy).of("/left/busy")}
+    own = {(use.role, use.channel, use.types) for use in graph.read_graph(busy).uses_of("/left/busy")}
     assert own == {
         (graph.SERVES, "/left/power", ("std_srvs/srv/SetBool",)),
         (graph.CALLS, "/reset", ("std_srvs/srv/Trigger",)),

@@ -93,7 +93,7 @@ def test_what_a_callback_raises_after_an_await_is_told_once_and_to_its_caller(
     told = capsys.readouterr().err
     assert told.count("asking: add raised ValueError: nothing") == 1
     assert lab.call_blocking("/add_twice", AddTwoInts, a=1, b=2).sum == 5
-    assert later_lab.engine.executor_thread.executor.turn is None
+    assert later_lab.engine.executor_thread.executor.callback_run is None
 
 
 def test_an_execute_callback_that_awaits_ends_with_its_node_and_leaves_nothing(later_lab: Lab) -> None:
@@ -226,10 +226,10 @@ def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(p
     evidence = Evidence("started", "a word about it", "the program ended")
     words = ("max_speed", *robot_parameters._WARNINGS)
     if is_told:
-        assert robot_parameters._require_said(SimpleNamespace(context=StandInContext()), words, evidence) == evidence
+        assert robot_parameters._require_words(SimpleNamespace(context=StandInContext()), words, evidence) == evidence
     else:
         with pytest.raises(Failed):
-            robot_parameters._require_said(SimpleNamespace(context=StandInContext()), words, evidence)
+            robot_parameters._require_words(SimpleNamespace(context=StandInContext()), words, evidence)
 
 
 @pytest.mark.parametrize("written", ["/limiter", "limiter"])

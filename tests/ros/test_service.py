@@ -47,9 +47,9 @@ def test_a_request_is_answered(pair: Pair) -> None:
     told: list[int] = []
     sent = pair.client.send(AddTwoInts.Request(a=1, b=2))
     sent.when_answered(lambda: told.append(sent.response().sum))
-    assert (sent.answered(), sent.response()) == (False, None)
+    assert (sent.is_answered(), sent.response()) == (False, None)
     pair.spin_until(lambda: bool(told))
-    assert (sent.response().sum, told, sent.sent, pair.client.name) == (3, [3], 1, "/ns/add")
+    assert (sent.response().sum, told, sent.times_sent, pair.client.name) == (3, [3], 1, "/ns/add")
 
 
 def test_the_first_response_to_any_sending_counts(pair: Pair) -> None:
@@ -57,8 +57,8 @@ def test_the_first_response_to_any_sending_counts(pair: Pair) -> None:
     sent = pair.client.send(AddTwoInts.Request(a=2, b=2))
     pair.spin_until(lambda: pair.asked == 1)
     sent.send_again(ServiceClient(pair.asking, AddTwoInts, "/ns/add"))
-    pair.spin_until(sent.answered)
-    assert (sent.response().sum, sent.sent) == (4, 2)
+    pair.spin_until(sent.is_answered)
+    assert (sent.response().sum, sent.times_sent) == (4, 2)
 
 
 def test_a_request_of_another_service_is_refused(pair: Pair) -> None:

@@ -49,7 +49,7 @@ def test_of_many_messages_the_last_are_kept_and_all_are_counted() -> None:
     for number in range(5):
         inbox.take(number, MessageInfo(source_timestamp=0, received_timestamp=number * 1_000_000_000))
     assert (inbox.count, list(inbox.messages), list(inbox.times)) == (5, [3, 4], [3.0, 4.0])
-    assert (inbox.since(4), inbox.since(0), inbox.since(5)) == ([4], [3, 4], [])
+    assert (inbox.newer_than(4), inbox.newer_than(0), inbox.newer_than(5)) == ([4], [3, 4], [])
 
 
 def test_an_end_that_is_there_and_not_connected_is_waited_for(pair: Pair) -> None:

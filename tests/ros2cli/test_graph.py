@@ -141,7 +141,7 @@ def test_a_daemon_in_another_network_is_not_asked(ros2: Ros2, monkeypatch: pytes
     for name, value in ros2.environ.items():
         monkeypatch.setenv(name, value)
     network, name = ros2.begin(sys.executable, "-c", ASKS_IN_ANOTHER_NETWORK).communicate(timeout=60)[0].split()
-    assert (name == DaemonSocket.here().name) == (network == "refused")
+    assert (name == DaemonSocket.for_settings().name) == (network == "refused")
 
 
 TWO_AFTER_A_COMMAND = """

@@ -94,7 +94,7 @@ def change_texts(program: ParsedProgram) -> Iterator[Mutation]:
     """Another text, or none; True for False."""
     for node in program.nodes():
         if isinstance(node, ast.JoinedStr):
-            yield from _formatted(node)
+            yield from _mutate_formatted_text(node)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             if not _SENTENCE.search(node.value):  # its words are free
                 yield Mutation("another text", node, ast.Constant(f"{node.value}_x"))
@@ -103,7 +103,7 @@ def change_texts(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("true for false", node, ast.Constant(not node.value))
 
 
-def _formatted(node: ast.JoinedStr) -> Iterator[Mutation]:
+def _mutate_formatted_text(node: ast.JoinedStr) -> Iterator[Mutation]:
     """A formatted text: its words changed one by one, its values left out."""
     yield Mutation("empty text", node, ast.Constant(""))
     if any(isinstance(part, ast.Constant) and _SENTENCE.search(str(part.value)) for part in node.values):
@@ -146,7 +146,7 @@ def change_names(program: ParsedProgram) -> Iterator[Mutation]:
         if isinstance(node, ast.Attribute) and isinstance(node.ctx, (ast.Load, ast.Store)):
             if node.attr in _MIXED_UP:
                 yield Mutation("another function", node, ast.Attribute(node.value, _MIXED_UP[node.attr]))
-            others = [one for one in used.get(_thing(program, node), ()) if one != node.attr]
+            others = [one for one in used.get(_attribute_owner(program, node), ()) if one != node.attr]
             for other in others[:_OTHER_FIELDS]:
                 yield Mutation("another field", node, ast.Attribute(node.value, other, node.ctx))
         elif isinstance(node, ast.Name) and node.id in _MIXED_UP:
@@ -156,7 +156,7 @@ def change_names(program: ParsedProgram) -> Iterator[Mutation]:
             yield Mutation("arguments swapped", node, ast.Call(node.func, swapped, node.keywords))
 
 
-def _thing(program: ParsedProgram, node: ast.Attribute) -> tuple[ast.AST | None, str]:
+def _attribute_owner(program: ParsedProgram, node: ast.Attribute) -> tuple[ast.AST | None, str]:
     return program.function(node), ast.unparse(node.value)
 
 
@@ -165,7 +165,7 @@ def _fields(program: ParsedProgram) -> dict[tuple[ast.AST | None, str], dict[str
     found: dict[tuple[ast.AST | None, str], dict[str, None]] = {}
     for node in ast.walk(program.tree):
         if isinstance(node, ast.Attribute) and not _is_module_or_self(node.value):
-            fields = found.setdefault(_thing(program, node), {})
+            fields = found.setdefault(_attribute_owner(program, node), {})
             fields[node.attr] = None
             if node.attr in ("x", "y", "z"):
                 fields |= dict.fromkeys("xyz")
@@ -207,7 +207,7 @@ def change_jumps(program: ParsedProgram) -> Iterator[Mutation]:
                 yield Mutation("assignment left out", node, ast.Pass())
         elif isinstance(node, ast.Return) and node.value is not None:
             yield Mutation("return left out", node, ast.Expr(node.value))
-            for other in ("None", *_empty(program, node)):
+            for other in ("None", *_default_return_type(program, node)):
                 yield Mutation("another value returned", node.value, parse_expression(other))
         elif isinstance(node, ast.Return):
             yield Mutation("return left out", node, ast.Pass())
@@ -227,7 +227,7 @@ def _is_default(value: ast.expr) -> bool:
     return isinstance(value, ast.Constant) and not value.value
 
 
-def _empty(program: ParsedProgram, node: ast.Return) -> Iterator[str]:
+def _default_return_type(program: ParsedProgram, node: ast.Return) -> Iterator[str]:
     """The type that a function says it returns, as ROS 2 makes it: with nothing filled in."""
     function = program.function(node)
     returned = function.returns if function else None

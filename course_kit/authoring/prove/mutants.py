@@ -59,13 +59,13 @@ def make_mutants(source: str, *, starts_itself: bool = True, file: str = "") -> 
             continue
         seen.add(text)
         line = line_of(one.at or one.node)
-        mistake = one.operator, lines[line - 1].strip(), f"{_written(one.node)} -> {_written(one.new)}"
+        mistake = one.operator, lines[line - 1].strip(), f"{_write_node(one.node)} -> {_write_node(one.new)}"
         counted[mistake] += 1
         found.append(Mutant(one.operator, line, *mistake[1:], counted[mistake], text, file))
     return found
 
 
-def _written(node: ast.AST | New) -> str:
+def _write_node(node: ast.AST | New) -> str:
     """A node in one line."""
     if node is None:
         return "nothing"

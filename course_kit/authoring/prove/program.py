@@ -126,7 +126,7 @@ class ParsedProgram:
             around, name = self._places[node]
             value = getattr(around, name)
             before.append((around, name, value))
-            setattr(around, name, _replaced(value, node, new) if isinstance(value, list) else new)
+            setattr(around, name, _replace_node(value, node, new) if isinstance(value, list) else new)
         text = ast.unparse(self.tree)
         for around, name, value in reversed(before):
             setattr(around, name, value)
@@ -137,7 +137,7 @@ class ParsedProgram:
         return text
 
 
-def _replaced(values: Sequence[ast.AST], node: ast.AST, new: New) -> list[ast.AST]:
+def _replace_node(values: Sequence[ast.AST], node: ast.AST, new: New) -> list[ast.AST]:
     place = next(number for number, one in enumerate(values) if one is node)
     middle = new if isinstance(new, list) else [] if new is None else [new]
     return [*values[:place], *middle, *values[place + 1 :]]

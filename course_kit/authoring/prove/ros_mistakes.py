@@ -46,7 +46,7 @@ def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
         if name_of(call) not in _ENDPOINTS:
             continue
         at_name, at_qos, other = _ENDPOINTS[name_of(call)]
-        for name in _given(call, at_name, *_NAMES):
+        for name in _find_argument(call, at_name, *_NAMES):
             if isinstance(name, ast.Constant) and isinstance(name.value, str):
                 for text in (f"{name.value}s", f"~/{name.value.lstrip('/')}"):
                     yield Mutation("endpoint's name", name, ast.Constant(text))
@@ -54,7 +54,7 @@ def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
             module, _, kind = other.rpartition(".")
             new = parse_expression(f"__import__({module!r}, fromlist=['*']).{kind}")
             yield Mutation("another type", call.args[at_name - 1], new)
-        given = _given(call, at_qos, _QOS_NAME)
+        given = _find_argument(call, at_qos, _QOS_NAME)
         for qos in map(parse_expression, _OTHER_QOS):
             if given:
                 yield Mutation("quality of service", given[0], qos)
@@ -63,7 +63,7 @@ def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
                 yield Mutation("quality of service", call, ast.Call(call.func, call.args, more))
 
 
-def _given(call: ast.Call, place: int | None, *names: str) -> list[ast.expr]:
+def _find_argument(call: ast.Call, place: int | None, *names: str) -> list[ast.expr]:
     """The argument of a call at a place or with one of these names."""
     found = [] if place is None else call.args[place : place + 1]
     return [*found, *(keyword.value for keyword in call.keywords if keyword.arg in names)]

@@ -76,7 +76,7 @@ def _page(path: Path, record: GradeRecord, book: Gradebook) -> str:
         if record.entry.source:
             return ""
     exercise = next(one for one in book.exercises if one.id == record.entry.exercise)
-    report = engine.unreadable(exercise, "", str(record.report["stderr"]))
+    report = engine.report_unreadable(exercise, "", str(record.report["stderr"]))
     return html.render_page(report, record.entry.name or record.entry.student)
 
 

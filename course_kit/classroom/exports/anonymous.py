@@ -51,15 +51,15 @@ def _report(record: GradeRecord, student: str, pseudonym: str) -> Report:
     """The report as far as it is stored, without what tells whose it is."""
     names = _names(record, student)
 
-    def cleaned(value: Any) -> Any:
+    def replace_names(value: Any) -> Any:
         return names.sub(pseudonym, value) if isinstance(value, str) and names.pattern else value
 
     report: Mapping[str, Any] = record.report
     checks = tuple(
-        CheckReport(**{name: cleaned(check[name]) if name in _FIELDS[5:] else check[name] for name in _FIELDS})
+        CheckReport(**{name: replace_names(check[name]) if name in _FIELDS[5:] else check[name] for name in _FIELDS})
         for check in report["checks"]
     )
-    problem = cleaned(report["stderr"]) if record.status in ("unreadable", "error") else ""
+    problem = replace_names(report["stderr"]) if record.status in ("unreadable", "error") else ""
     return Report(
         exercise=record.entry.exercise,
         title=record.title or record.entry.exercise,

@@ -93,8 +93,8 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
             "Graded, but not under a name of the roster.",
             urgent=True,
         ),
-        AttentionGroup("missing", "Missing submissions", list(_missing(book, called, titles))),
-        *_failed(book, called, titles),
+        AttentionGroup("missing", "Missing submissions", list(_lacks(book, called, titles))),
+        *_errors(book, called, titles),
         AttentionGroup(
             "chosen",
             "One file was chosen among several",
@@ -123,7 +123,7 @@ def _of_records(
     return [ListedStudent(called[record.entry.student], explain(record), record) for record in records]
 
 
-def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[ListedStudent]:
+def _lacks(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[ListedStudent]:
     """Each student once, with everything that is missing."""
     missing: dict[str, list[str]] = {}
     for student, exercise in book.missing:
@@ -133,7 +133,7 @@ def _missing(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mappin
         yield ListedStudent(called[student], told)
 
 
-def _failed(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
+def _errors(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
         records = [record for record in book.records_of(exercise.id) if outcome_of(record) in _NOT_PASSED]

@@ -39,9 +39,9 @@ def write_all(book: Gradebook, out: Path) -> None:
     for exercise in book.exercises:
         for name, pack in packers:
             path = out / name.format(exercise.id)
-            found = (pack(record, out) for record in book.graded(exercise.id))
+            found = (pack(record, out) for record in book.graded_records(exercise.id))
             if files := [one for one in found if one is not None]:
-                write_atomically(path, _zipped(files), durable=False)
+                write_atomically(path, _zip_texts(files), durable=False)
             else:
                 path.unlink(missing_ok=True)
 
@@ -86,7 +86,7 @@ def report_lines(record: GradeRecord) -> Iterator[str]:
         yield from (f"  {line}" for line in make_printable(explain_check(check)).splitlines())
 
 
-def _zipped(files: list[tuple[str, str]]) -> bytes:
+def _zip_texts(files: list[tuple[str, str]]) -> bytes:
     """A zip that is the same for the same files."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:

@@ -162,7 +162,7 @@ def _groups(programs: Sequence[tuple[list[GradeRecord], frozenset[int]]]) -> Ite
         together[prints if len(prints) >= _FEWEST else _file(records[0])] += records
     own = _without_common([key if isinstance(key, frozenset) else frozenset() for key in together])
     leaders = list(range(len(own)))
-    for one, other in _similar(own):
+    for one, other in _find_similar_programs(own):
         old, new = leaders[other], leaders[one]
         leaders = [new if leader == old else leader for leader in leaders]
     members: dict[int, list[tuple[GradeRecord, frozenset[int]]]] = defaultdict(list)
@@ -189,7 +189,7 @@ def _without_common(programs: list[frozenset[int]]) -> list[frozenset[int]]:
     return [prints - common for prints in programs]
 
 
-def _similar(programs: Sequence[frozenset[int]]) -> Iterator[tuple[int, int]]:
+def _find_similar_programs(programs: Sequence[frozenset[int]]) -> Iterator[tuple[int, int]]:
     """Places of programs above the threshold, among those who share a rare fingerprint."""
     having: dict[int, list[int]] = defaultdict(list)
     for place, prints in enumerate(programs):
@@ -261,8 +261,8 @@ def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, i
 
 
 def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> LinePair:
-    return LinePair(*_numbered(first, one), *_numbered(second, other), same)
+    return LinePair(*_number_line(first, one), *_number_line(second, other), same)
 
 
-def _numbered(lines: Sequence[str], place: int | None) -> tuple[int, str]:
+def _number_line(lines: Sequence[str], place: int | None) -> tuple[int, str]:
     return (0, "") if place is None else (place + 1, lines[place])

@@ -135,7 +135,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "changes": changes,
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
-        "figures": [_figure(one, records) for one in book.exercises if (records := book.graded(one.id))],
+        "figures": [_figure(one, records) for one in book.exercises if (records := book.graded_records(one.id))],
         "checks": [(one, found) for one in book.exercises if (found := count_checks(book.records_of(one.id)))],
         "heat_maps": [one for one in _heat_maps(book) if one.rows],
         "diagnoses": catalogue.catalogue(),
@@ -146,7 +146,7 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "largest": sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED],
         "students": texts.group_by_student(book),
         "titles": {exercise.id: exercise.title for exercise in book.exercises},
-        "many": _many,
+        "many": _count_noun,
         "name_of": texts.name_of,
         "number": texts.format_number,
         "outcome": outcome_of,
@@ -177,16 +177,16 @@ def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
     """Over the exercises, and for each over how well its submissions did."""
     if len(book.exercises) > 1:
         titles = [exercise.title for exercise in book.exercises]
-        having = _having_diagnoses(book.graded())
+        having = _having_diagnoses(book.graded_records())
         yield HeatMap("Submissions with a diagnosis, by exercise", titles, diagnoses_by_exercise(book), having)
     for exercise in book.exercises:
-        records = book.graded(exercise.id)
+        records = book.graded_records(exercise.id)
         title = f"{exercise.title}: submissions with a diagnosis, by score"
         having = _having_diagnoses(records)
         yield HeatMap(title, BANDS, diagnoses_by_band(records), having)
 
 
-def _many(count: int, one: str) -> str:
+def _count_noun(count: int, one: str) -> str:
     """`1 student`, `2 students`."""
     return f"{count} {one if count == 1 else one + 's'}"
 
@@ -216,7 +216,7 @@ def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
     """For each diagnosis how many submissions of each exercise have it, the most frequent first."""
     order = [exercise.id for exercise in book.exercises]
     return _table(
-        ((code, order.index(record.entry.exercise)) for record in book.graded() for code in record.diagnoses),
+        ((code, order.index(record.entry.exercise)) for record in book.graded_records() for code in record.diagnoses),
         len(order),
     )
 

@@ -50,7 +50,7 @@ def export_tables(book: Gradebook) -> Iterator[tuple[str, str]]:
     yield CANVAS, texts.csv_text(_canvas(book))
     yield NBGRADER, texts.csv_text(_nbgrader(book))
     for exercise in book.exercises:  # Moodle knows its participants alone
-        records = [record for record in book.graded(exercise.id) if record.entry.platform.get(_MOODLE_NUMBER)]
+        records = [record for record in book.graded_records(exercise.id) if record.entry.platform.get(_MOODLE_NUMBER)]
         if records:
             yield MOODLE.format(exercise.id), texts.csv_text(_moodle(records))
 

@@ -72,15 +72,15 @@ def csv_text(rows: Iterable[Sequence[str | float | None]], *, mark: bool = False
 
 def json_text(value: Any) -> str:
     """A JSON document of which each text is printable."""
-    return json.dumps(_printable(value), indent=1, ensure_ascii=False)
+    return json.dumps(_make_values_printable(value), indent=1, ensure_ascii=False)
 
 
-def _printable(value: Any) -> Any:
+def _make_values_printable(value: Any) -> Any:
     if isinstance(value, str):
         return make_printable(value)
     if isinstance(value, dict):
-        return {key: _printable(one) for key, one in value.items()}
-    return [_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
+        return {key: _make_values_printable(one) for key, one in value.items()}
+    return [_make_values_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
 def score_of(record: GradeRecord | None) -> float | None:

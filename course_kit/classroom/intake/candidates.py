@@ -10,7 +10,7 @@ from course_kit.text.sanitize import one_line
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.classroom.intake.layouts import Unit
+    from course_kit.classroom.intake.layouts import HandIn
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.reading.reader import FileSummary
 
@@ -22,7 +22,7 @@ _AT_ONCE_S = 60.0  # files that are written by one download or one `git clone` a
 class Candidate:
     """A file that may be the submission for an exercise."""
 
-    file: Unit  # the file
+    file: HandIn  # the file
     sureness: int  # how sure it is that it is for this exercise: NAMED, CALLED_ALIKE, BY_CONTENT or ONLY_ONE
     changed: float  # when it was written, in seconds
     glance: FileSummary  # what it looks like
@@ -34,12 +34,12 @@ class Candidate:
 
 
 def choose_candidate(
-    candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[Unit]
+    candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[HandIn]
 ) -> tuple[Candidate, dict[str, str]]:
     """Choose one; with it, by their paths, why each of the others was not chosen."""
     ranks = {one.file.path: _rank(one, candidates) for one in candidates}
     best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
-    reasons = {one.file.path: _lost(one, best, _first_difference(ranks, best, one)) for one in others}
+    reasons = {one.file.path: _why_not_chosen(one, best, _first_difference(ranks, best, one)) for one in others}
     why = _fit(best, exercise)
     worries = [best.odd] if best.odd and not best.is_starter else []
     if others:
@@ -55,7 +55,7 @@ def choose_candidate(
     if best.is_starter:
         why = f"{why}; it is the starter, unchanged"
         worries.append("it is the starter, unchanged")
-    if beside := _imported(best, files):
+    if beside := _find_imported_module(best, files):
         why = f"{why}; it imports {beside}, and only one file is graded"
         worries.append(f"it imports {beside}, and only one file is graded")
     return replace(best, why=why, worry="; ".join(worries)), reasons
@@ -105,7 +105,7 @@ def _differ(one: Candidate, other: Candidate) -> bool:
     return not one.glance.identity or one.glance.identity != other.glance.identity
 
 
-def _lost(one: Candidate, best: Candidate, place: int) -> str:
+def _why_not_chosen(one: Candidate, best: Candidate, place: int) -> str:
     if one.file.problem:
         return one.file.problem
     if not _differ(one, best):
@@ -124,11 +124,11 @@ def _fit(one: Candidate, exercise: Exercise) -> str:
     return "the only program" if one.file.item.is_program else "the only file"
 
 
-def _imported(one: Candidate, files: Sequence[Unit]) -> str:
+def _find_imported_module(one: Candidate, files: Sequence[HandIn]) -> str:
     """A module beside the file that it imports; the sandbox has one file alone."""
     beside = {
-        file.called.removesuffix(".py"): file.called
+        file.file_name.removesuffix(".py"): file.file_name
         for file in files
-        if file.path != one.file.path and file.folder == one.file.folder and file.called.endswith(".py")
+        if file.path != one.file.path and file.folder == one.file.folder and file.file_name.endswith(".py")
     }
     return ", ".join(sorted(one_line(beside[name]) for name in one.glance.imports & beside.keys()))

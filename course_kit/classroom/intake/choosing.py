@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Left
+    from course_kit.classroom.intake.layouts import HandIn
+    from course_kit.classroom.intake.listing import LeftOut
     from course_kit.classroom.intake.sources import OpenedSources
     from course_kit.grading.reading.reader import Reader
 
@@ -57,14 +57,14 @@ class Chooser:
         self._starters = {one.id: starter_identities(one) for one in exercises}
         self._named = {name for one in exercises for name in one.files}
         self.entries: list[Entry] = []
-        self.left: Left = []
+        self.left: LeftOut = []
         self.missing: list[tuple[str, str]] = []
         self.odd: list[tuple[str, str]] = []
         self.dropped: list[tuple[str, str]] = []
         self.others: list[Entry] = []
         self.empty: set[str] = set()
 
-    def take(self, student: str, units: Sequence[Unit]) -> None:
+    def take(self, student: str, units: Sequence[HandIn]) -> None:
         """Choose among a student's files."""
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
@@ -108,16 +108,16 @@ class Chooser:
         if not (files or problems):
             self.empty.add(student)
         if lost or (not entries and (files or problems)):
-            self.dropped.append((student, _together(lost or problems) or _NOT_FOUND))
+            self.dropped.append((student, _join_problems(lost or problems) or _NOT_FOUND))
 
-    def _files(self, units: Sequence[Unit]) -> tuple[list[Unit], list[str]]:
+    def _files(self, units: Sequence[HandIn]) -> tuple[list[HandIn], list[str]]:
         """All files of a student, and what kept some from being found."""
-        files: list[Unit] = []
+        files: list[HandIn] = []
         problems: list[str] = []
         for unit in units:
             found = listing.look_through(self._listing, unit.item)
             problems += self._note(unit, found.tools, found.unseen)
-            files += map(unit.narrow, found.files)
+            files += map(unit.with_item, found.files)
             if not (found.files or found.tools or found.unseen):
                 self.left.append((unit.item.path, "an empty folder"))
         files, opened = self._without_zips(self._without_kit(files))
@@ -128,26 +128,26 @@ class Chooser:
             if file.item.is_program or of_exercise[file.exercise] == 1 or file.item.name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
-        files = [file.narrow(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
+        files = [file.with_item(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
         return files + opened, problems
 
-    def _note(self, unit: Unit, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
+    def _note(self, unit: HandIn, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
         """List what was found beside a student's files; returns what may have been a submission, as sentences."""
         self._leave(unit.student, list(tools), "the same")
         self._leave(unit.student, list(unseen), "the same")
         return [f"{one_line(path)}: {reason}" for path, reason in unseen]
 
-    def _without_kit(self, files: list[Unit]) -> list[Unit]:
+    def _without_kit(self, files: list[HandIn]) -> list[HandIn]:
         """A student's files but for the course's own, where they have handed in a copy of the whole course."""
         own = parts_of_kit(file.path for file in files)
         if own and files:
             self._leave(files[0].student, [(path, _OF_KIT) for path in sorted(own)], "parts of the course kit")
         return [file for file in files if file.path not in own]
 
-    def _without_zips(self, files: list[Unit]) -> tuple[list[Unit], list[Unit]]:
+    def _without_zips(self, files: list[HandIn]) -> tuple[list[HandIn], list[HandIn]]:
         """A student's files but for zips that could be opened, and what was in these."""
-        kept: list[Unit] = []
-        opened: list[Unit] = []
+        kept: list[HandIn] = []
+        opened: list[HandIn] = []
         zips = 0
         for file in files:
             if not self._may_unpack or not file.item.is_zip or file.problem:
@@ -162,10 +162,10 @@ class Chooser:
                 self._leave(file.student, [(file.path, contents.problem or "an empty zip")], "the same")
                 continue
             self._note(file, contents.tools, contents.unseen)
-            opened += self._without_kit([file.narrow(item) for item in contents.files])
+            opened += self._without_kit([file.with_item(item) for item in contents.files])
         return kept, opened
 
-    def _open(self, file: Unit) -> listing.StudentFiles:
+    def _open(self, file: HandIn) -> listing.StudentFiles:
         if problem := self._listing.fetch([file.item]).get(file.path):
             return listing.StudentFiles((), problem=problem)
         return archive.unpack_students_zip(self._root, file.item)
@@ -181,24 +181,24 @@ class Chooser:
             platform[ASSIGNMENT] = one_line(assignment)
             if stamp := read_stamp(self._root / file.inside / assignment / STAMP):
                 platform[SUBMITTED_AT] = one_line(stamp)
-        others = _others(reasons, rest)
+        others = _list_other_files(reasons, rest)
         name = one_line(file.name)
         return Entry(student, exercise.id, file.path, name, file.late, platform, choice.why, others, choice.worry)
 
-    def _leave(self, student: str, rest: Left, others: str) -> None:
+    def _leave(self, student: str, rest: LeftOut, others: str) -> None:
         """List files of a student; of a heap the first ones, and the number of the others with a reason."""
         self.left += rest[:_MOST_LISTED]
         if len(rest) > _MOST_LISTED:
             self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
 
-    def _candidates(self, files: list[Unit], exercise: Exercise) -> Iterator[Candidate]:
+    def _candidates(self, files: list[HandIn], exercise: Exercise) -> Iterator[Candidate]:
         for_it = [file for file in files if file.exercise in ("", exercise.id)]
         if exercise.files:
             for_it = _as_one(for_it, exercise)
         programs = [file for file in for_it if may_be_submission(file.item, exercise)]
         told = len(self._exercises) == 1 or bool(for_it and all(file.exercise for file in for_it))
         alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
-        seen = {file.path: self._glance(file, exercise) for file in programs or for_it}
+        seen = {file.path: self._summarize_file(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
         for file in programs or for_it:
             glance = seen[file.path]
@@ -207,32 +207,32 @@ class Chooser:
                 continue
             # Whatever it is, its student gets a report that says what is wrong with it.
             is_script = bool(exercise.class_name) and "rclpy" in glance.imports
-            fits = glance.found or (is_script and file.called.removesuffix(".py") not in imported)
+            fits = glance.found or (is_script and file.file_name.removesuffix(".py") not in imported)
             is_starter = glance.identity in self._starters[exercise.id]
-            odd = self._odd(file, exercise, glance, fits=fits)
+            odd = self._explain_doubt(file, exercise, glance, fits=fits)
             if glance.program and (lacks := [one for one in exercise.files if one not in glance.program.files]):
                 odd = f"missing: {', '.join(lacks)}"
-            changed = _changed(self._root / file.path)
+            changed = _modified_at(self._root / file.path)
             yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
 
-    def _odd(self, file: Unit, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
+    def _explain_doubt(self, file: HandIn, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
         """Why a program will hardly get a point; empty where nothing speaks against it."""
         if file.problem or not file.item.is_program or (glance.found and glance.identity):
             return ""
         path = self._root / file.path
         if glance.identity:
             for other in _others_of_course(exercise):
-                if self._glance(file, other).found:
+                if self._summarize_file(file, other).found:
                     return f"it holds {other.asks_for}, which {other.id} asks for"
             return "" if fits else f"it does not hold {exercise.asks_for}"
         with suppress(OSError):
             if not path.lstat().st_size:
                 return "it is empty"
-        if text.kind_of_file(file.called) == text.NOTEBOOK:
+        if text.kind_of_file(file.file_name) == text.NOTEBOOK:
             return f"no cell in it can be read that begins with %%submission {exercise.id}"
         return "no program can be read in it"
 
-    def _glance(self, file: Unit, exercise: Exercise) -> FileSummary:
+    def _summarize_file(self, file: HandIn, exercise: Exercise) -> FileSummary:
         if file.problem or file.item.kind == listing.OTHER or not may_be_submission(file.item, exercise):
             return FileSummary()
         try:
@@ -246,12 +246,12 @@ class Chooser:
                 return FileSummary(found=True)  # it may be; whoever reads it next says what is wrong with it
 
 
-def _as_one(files: Sequence[Unit], exercise: Exercise) -> list[Unit]:
+def _as_one(files: Sequence[HandIn], exercise: Exercise) -> list[HandIn]:
     """Files of a submission of several: each folder with some of the wanted ones as one, beside what is in no such."""
-    folders = {file.folder: file for file in files if file.called in exercise.files and file.inside}
+    folders = {file.folder: file for file in files if file.file_name in exercise.files and file.inside}
     found = [replace(file, item=Item(folder, listing.FOLDER)) for folder, file in folders.items()]
     return found + [
-        file for file in files if file.folder not in folders or text.kind_of_file(file.called) == text.NOTEBOOK
+        file for file in files if file.folder not in folders or text.kind_of_file(file.file_name) == text.NOTEBOOK
     ]
 
 
@@ -266,10 +266,10 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     return (load_exercise(one, folder) for one in list_exercise_ids(folder) if one != exercise.id)
 
 
-def _sureness(file: Unit, exercise: Exercise, seen: FileSummary) -> int:
+def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:
     if not may_be_submission(file.item, exercise):
         return 0
-    called = _AGAIN.sub("", file.called)
+    called = _AGAIN.sub("", file.file_name)
     if called.lower() in map(str.lower, exercise.starters):
         return NAMED
     if exercise.id in called.lower():
@@ -277,22 +277,22 @@ def _sureness(file: Unit, exercise: Exercise, seen: FileSummary) -> int:
     return BY_CONTENT if seen.found else 0
 
 
-def _together(problems: Sequence[str]) -> str:
+def _join_problems(problems: Sequence[str]) -> str:
     more = len(problems) - _MOST_TOLD
     return "; ".join(problems[:_MOST_TOLD]) + (f"; and {more} more" if more > 0 else "")
 
 
-def _nothing_of(student: str, units: Sequence[Unit]) -> Entry:
+def _nothing_of(student: str, units: Sequence[HandIn]) -> Entry:
     """What is known of a student without a submission."""
     unit = next((unit for unit in units if not unit.odd), units[0])
     return Entry(student, "", "", one_line(unit.name), platform=_platform_of(unit))
 
 
-def _platform_of(unit: Unit) -> dict[str, str]:
+def _platform_of(unit: HandIn) -> dict[str, str]:
     return {key: one_line(value) for key, value in unit.platform.items()}
 
 
-def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
+def _list_other_files(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
     """What else a student handed in: what might have been chosen, then other programs, then the rest."""
     named = [f"{one_line(path)} ({why})" for path, why in reasons.items()]
     named += [one_line(path) for path in sorted(rest, key=lambda path: (not text.kind_of_file(path), path))]
@@ -300,7 +300,7 @@ def _others(reasons: Mapping[str, str], rest: Sequence[str]) -> list[str]:
     return named[:_MOST_OTHERS] + ([f"{more} more"] if more > 0 else [])
 
 
-def _changed(path: Path) -> float:
+def _modified_at(path: Path) -> float:
     try:
         return max(one.lstat().st_mtime for one in (path.iterdir() if path.is_dir() else [path]))
     except (OSError, ValueError):  # it has gone, or is empty

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from course_kit.classroom.intake.layouts import Unit
+    from course_kit.classroom.intake.layouts import HandIn
 
 METADATA = "submission_metadata.yml"
 _LARGEST = 256 * 1024**2  # bytes
@@ -68,7 +68,7 @@ def read_submitters(path: Path) -> dict[str, _Submission]:
     return dict(found)
 
 
-def add_submitters(units: Iterable[Unit], submissions: Mapping[str, _Submission]) -> Iterator[Unit]:
+def add_submitters(units: Iterable[HandIn], submissions: Mapping[str, _Submission]) -> Iterator[HandIn]:
     """Entries of an export with the names of those who handed them in; a group's entry is one of each member."""
     for unit in units:
         submission = submissions.get(unit.item.name)

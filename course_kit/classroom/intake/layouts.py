@@ -62,7 +62,7 @@ Key = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Unit:
+class HandIn:
     """What one student has control of: a file or folder among those of the others, or one of the files in it."""
 
     item: Item  # where
@@ -90,7 +90,7 @@ class Unit:
         return self.item.problem
 
     @property
-    def called(self) -> str:
+    def file_name(self) -> str:
         """What the student called it."""
         return (not self.inside and self.file) or self.item.name
 
@@ -99,12 +99,12 @@ class Unit:
         """The folder it lies in."""
         return self.path.rpartition("/")[0]
 
-    def narrow(self, item: Item) -> Unit:
+    def with_item(self, item: Item) -> HandIn:
         """Itself, as it was looked at, or one of the files in it."""
         return replace(self, item=item, inside=self.inside if item.path == self.path else self.inside or self.path)
 
 
-def read_canvas(item: Item, _: str = "") -> Unit | None:
+def read_canvas(item: Item, _: str = "") -> HandIn | None:
     """An entry of Canvas's archive."""
     match = _CANVAS_ANONYMOUS.fullmatch(item.name) or _CANVAS.fullmatch(item.name) or _CANVAS_TYPED.fullmatch(item.name)
     if match is None:
@@ -113,7 +113,7 @@ def read_canvas(item: Item, _: str = "") -> Unit | None:
     again = _CANVAS_AGAIN.search(match["file"])
     upload = found.get("upload") or "0"
     user = match["user"]
-    return Unit(
+    return HandIn(
         item,
         student=user,
         name=found.get("name") or "",
@@ -124,7 +124,7 @@ def read_canvas(item: Item, _: str = "") -> Unit | None:
     )
 
 
-def read_moodle(item: Item, _: str = "") -> Unit | None:
+def read_moodle(item: Item, _: str = "") -> HandIn | None:
     """An entry of Moodle's archive."""
     found = list(_MOODLE.finditer(item.name))
     if not found or not found[0].start():
@@ -133,46 +133,46 @@ def read_moodle(item: Item, _: str = "") -> Unit | None:
     rest = item.name[mark.end() :]
     if len(found) > 1:
         numbers = " or ".join(one["number"] or "of no number" for one in found[:_MOST_NUMBERS])
-        return Unit(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
+        return HandIn(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
     if item.kind == FOLDER and rest not in ("", "_"):
         return None
     number = mark["number"]
     name, file = item.name[: mark.start()], rest.removeprefix("_")
     if number is None:  # whoever is in no group, where groups hand in
-        return Unit(item, name, name, file, platform={"group": name})
-    return Unit(item, number, name, file, platform={"moodle_participant": number})
+        return HandIn(item, name, name, file, platform={"group": name})
+    return HandIn(item, number, name, file, platform={"moodle_participant": number})
 
 
-def read_gradescope(item: Item, _: str = "") -> Unit | None:
+def read_gradescope(item: Item, _: str = "") -> HandIn | None:
     """A submission of Gradescope's export; whose it is stands in the file beside it."""
     match = _GRADESCOPE.fullmatch(item.name)
     if match is None or item.kind != FOLDER:
         return None
-    return Unit(item, item.name, platform={"gradescope_submission": match["number"]})
+    return HandIn(item, item.name, platform={"gradescope_submission": match["number"]})
 
 
-def read_nbgrader(item: Item, _: str = "") -> Unit | None:
+def read_nbgrader(item: Item, _: str = "") -> HandIn | None:
     """A student's folder of nbgrader, with a folder for each assignment."""
-    return Unit(item, item.name, has_assignments=True) if item.kind == FOLDER else None
+    return HandIn(item, item.name, has_assignments=True) if item.kind == FOLDER else None
 
 
-def read_folders(item: Item, _: str = "") -> Unit | None:
+def read_folders(item: Item, _: str = "") -> HandIn | None:
     """A folder that is named after the student."""
-    return Unit(item, item.name) if item.kind == FOLDER else None
+    return HandIn(item, item.name) if item.kind == FOLDER else None
 
 
-def read_github(item: Item, slug: str = "") -> Unit | None:
+def read_github(item: Item, slug: str = "") -> HandIn | None:
     """A repository that GitHub Classroom's command has cloned, of the assignment `slug` where it is known."""
     if item.kind != FOLDER:
         return None
     login = item.name.removeprefix(f"{slug}-") if slug else item.name
     odd = f"its name does not begin with {slug}-" if slug and login == item.name else ""
-    return Unit(item, login, platform={"login": login}, odd=odd)
+    return HandIn(item, login, platform={"login": login}, odd=odd)
 
 
-def read_files(item: Item, _: str = "") -> Unit | None:
+def read_files(item: Item, _: str = "") -> HandIn | None:
     """A file that is named after the student; the exercise's name at its end is taken off by `students`."""
-    return Unit(item, _stem(item)) if item.kind != FOLDER else None
+    return HandIn(item, _stem(item)) if item.kind != FOLDER else None
 
 
 def _stem(item: Item) -> str:
@@ -182,7 +182,7 @@ def _stem(item: Item) -> str:
     return stem or item.name
 
 
-_READERS: dict[str, Callable[[Item, str], Unit | None]] = {
+_READERS: dict[str, Callable[[Item, str], HandIn | None]] = {
     "canvas": read_canvas,
     "moodle": read_moodle,
     "gradescope": read_gradescope,
@@ -193,12 +193,12 @@ _READERS: dict[str, Callable[[Item, str], Unit | None]] = {
 }
 
 
-def read_unit(layout: str, item: Item, slug: str = "") -> Unit | None:
+def read_unit(layout: str, item: Item, slug: str = "") -> HandIn | None:
     """Who an entry is from."""
     return _READERS[layout](item, slug)
 
 
-def mark_groups(units: Sequence[Unit]) -> Sequence[Unit]:
+def mark_groups(units: Sequence[HandIn]) -> Sequence[HandIn]:
     """Entries of a download; where one of Moodle's has no number, groups have handed in, and numbers are groups'."""
     if not any("group" in unit.platform for unit in units):
         return units
@@ -208,12 +208,12 @@ def mark_groups(units: Sequence[Unit]) -> Sequence[Unit]:
     ]
 
 
-def read_stray(layout: str, item: Item) -> Unit | None:
+def read_stray(layout: str, item: Item) -> HandIn | None:
     """Who an entry is from that does not follow the layout of the others; None where it is nobody's work."""
     if item.kind == FILE and not may_be_handed_in(item):
         return None
     student = item.name if item.kind == FOLDER else _stem(item)
-    return Unit(item, student, odd=f"its name does not follow the layout '{layout}'")
+    return HandIn(item, student, odd=f"its name does not follow the layout '{layout}'")
 
 
 def may_be_handed_in(item: Item) -> bool:
@@ -226,16 +226,16 @@ def most_fit(items: Sequence[Item], fits: Callable[[Item], object]) -> bool:
     return 2 * sum(bool(fits(item)) for item in items) > len(items)
 
 
-def group_by_student(units: Iterable[Unit], exercises: Sequence[str]) -> dict[str, list[Unit]]:
+def group_by_student(units: Iterable[HandIn], exercises: Sequence[str]) -> dict[str, list[HandIn]]:
     """Each student's entries, by a name that is printable and nobody else's."""
-    own: dict[Key, list[Unit]] = defaultdict(list)
+    own: dict[Key, list[HandIn]] = defaultdict(list)
     for unit in _without_doubtful([_without_exercise(unit, exercises) for unit in units]):
         own[_key(unit)].append(unit)
     names = _names(own)
     return {names[key]: own[key] for key in sorted(own, key=names.__getitem__)}
 
 
-def join_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[Unit]:
+def join_downloads(units: Sequence[HandIn], layout: str, exercises: int) -> list[HandIn]:
     """Entries of several downloads of one class, so that what is one student's has one identifier."""
     numbers: dict[str, dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
     for unit in units:
@@ -256,18 +256,18 @@ def join_downloads(units: Sequence[Unit], layout: str, exercises: int) -> list[U
     return found
 
 
-def _is_of_one_assignment(numbers: Iterable[Mapping[str, set[str]]], units: Sequence[Unit], exercises: int) -> bool:
+def _is_of_one_assignment(numbers: Iterable[Mapping[str, set[str]]], units: Sequence[HandIn], exercises: int) -> bool:
     """Whether all who are in several downloads have the same numbers there, and somebody is or one exercise was set."""
     twice = [list(of_name.values()) for of_name in numbers if len(of_name) > 1]
     agree = all(one == of_name[0] for of_name in twice for one in of_name)
     return agree and len({unit.exercise for unit in units}) == 1 and (bool(twice) or exercises == 1)
 
 
-def _key(unit: Unit) -> Key:
+def _key(unit: HandIn) -> Key:
     return (f"{unit.item.kind == FOLDER} {unit.name}" if unit.odd else "", unit.student)
 
 
-def _without_exercise(unit: Unit, exercises: Sequence[str]) -> Unit:
+def _without_exercise(unit: HandIn, exercises: Sequence[str]) -> HandIn:
     """`jane_EXERCISE.py` is jane's; a file that is called like the exercise alone stays as it is."""
     if unit.item.kind == FOLDER:
         return unit
@@ -278,7 +278,7 @@ def _without_exercise(unit: Unit, exercises: Sequence[str]) -> Unit:
     return unit
 
 
-def _without_doubtful(units: list[Unit]) -> list[Unit]:
+def _without_doubtful(units: list[HandIn]) -> list[HandIn]:
     """Where a platform's number stands beside two people's names, it is no one's number."""
     names: dict[str, set[str]] = defaultdict(set)
     for unit in units:

@@ -27,7 +27,7 @@ _TOOLS_FOLDERS = frozenset(
 _TOOLS_FILES = frozenset({".DS_Store", "Thumbs.db", "desktop.ini", "Icon\r"})
 _TOOLS_BEGINNINGS = ("._", "~$", ".~lock.")  # a Mac's second half of a file; what office programs have open
 
-Left = list[tuple[str, str]]
+LeftOut = list[tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -121,8 +121,8 @@ def look_through(listing: Listing, top: Item) -> StudentFiles:
         problem = {LINK: "it is a link, and links are not followed", OTHER: "it is not an ordinary file"}
         return StudentFiles((replace(top, problem=top.problem or problem.get(top.kind, "")),))
     files: list[Item] = []
-    tools: Left = []
-    unseen: Left = []
+    tools: LeftOut = []
+    unseen: LeftOut = []
     for seen, (item, depth) in enumerate(_walk(listing, top, unseen), start=1):
         if seen > MOST:
             unseen.append((top.path, f"it holds more than {MOST} files and folders; the rest was not read"))
@@ -138,7 +138,7 @@ def look_through(listing: Listing, top: Item) -> StudentFiles:
     return StudentFiles(tuple(files), tuple(tools), tuple(unseen))
 
 
-def _walk(listing: Listing, top: Item, unseen: Left) -> Iterator[tuple[Item, int]]:
+def _walk(listing: Listing, top: Item, unseen: LeftOut) -> Iterator[tuple[Item, int]]:
     """Everything below a folder but what is in folders of tools, level by level, with its depth."""
     folders = deque([(top.path, 1)])
     while folders:

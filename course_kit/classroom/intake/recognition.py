@@ -17,7 +17,7 @@ from course_kit.classroom.intake.listing import FOLDER, why_a_tools
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
-    from course_kit.classroom.intake.listing import Item, Left, Listing
+    from course_kit.classroom.intake.listing import Item, LeftOut, Listing
 
 TITLES = {"canvas": "Canvas", "moodle": "Moodle", "gradescope": "Gradescope"}  # whose names no student would choose
 SUBMITTED = "submitted"
@@ -34,7 +34,7 @@ _EXPORT = re.compile(r"assignment_\d{1,18}_export(?:[ _-]?\(?\d{1,3}\)?)?", re.A
 _AGAIN = re.compile(r"[ _-]?\(?\d{1,3}\)?\Z")  # `week3 (1)`, a second download
 
 
-def list_entries(listing: Listing, folder: str, left: Left | None = None, most: int | None = None) -> list[Item]:
+def list_entries(listing: Listing, folder: str, left: LeftOut | None = None, most: int | None = None) -> list[Item]:
     """What lies in a folder but for what tools have left there; for `left` those too."""
     found = []
     for item in listing.children(folder, most):
@@ -130,7 +130,7 @@ def enter_download(download: Download, layout: str) -> tuple[str, str]:
         items = list_entries(listing, folder)
         some = likely_entries(items)
         lone = some[0] if len(some) == 1 and some[0].kind == FOLDER else None
-        if submitted := _submitted(items, layout):
+        if submitted := _find_submitted_folder(items, layout):
             return submitted.path, SUBMITTED
         if lone and layout in (AUTO, "github") and holds_clones(listing, lone):
             return lone.path, lone.name
@@ -145,7 +145,7 @@ def enter_download(download: Download, layout: str) -> tuple[str, str]:
     return folder, called
 
 
-def _submitted(items: list[Item], layout: str) -> Item | None:
+def _find_submitted_folder(items: list[Item], layout: str) -> Item | None:
     """The folder in which nbgrader keeps what was handed in."""
     found = next((item for item in items if item.name == SUBMITTED and item.kind == FOLDER), None)
     others = {item.name for item in items} & _NBGRADERS_OWN
@@ -163,7 +163,7 @@ def _is_around(download: Download, folder: str, called: str, lone: Item) -> bool
     named = _plain(lone.name) == _plain(called) or any(
         item.name == _MACS for item in download.listing.children(folder, _ENOUGH)
     )
-    known = _submitted(within, AUTO) or any(looks_like(layout, within) for layout in TITLES)
+    known = _find_submitted_folder(within, AUTO) or any(looks_like(layout, within) for layout in TITLES)
     return (named and bool(known)) or _are_students(download, within, _FEWEST - named)
 
 

@@ -121,7 +121,7 @@ def read_roster(path: Path) -> Roster:
         raise GradingError(f"{path} lists nobody.")
     read_as = tuple((one_line(head), kind) for head, kind in zip(header, kinds, strict=True) if kind)
     found = [head.strip() for head in header if _ASSIGNMENT.fullmatch(head.strip())] if CANVAS in kinds else []
-    return Roster(path.name, _once(people), read_as, path, tuple(found))
+    return Roster(path.name, _drop_repeated_people(people), read_as, path, tuple(found))
 
 
 def _rows(path: Path) -> list[list[str]]:
@@ -132,7 +132,7 @@ def _rows(path: Path) -> list[list[str]]:
         raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
     if len(data) > _LARGEST:
         raise GradingError(f"{path} is larger than {_LARGEST // 1024**2} MB. Give --roster a list of students.")
-    text = _decoded(data)
+    text = _decode_table(data)
     first = text.lstrip().split("\n", 1)[0]
     delimiter = max(_DELIMITERS, key=first.count)
     try:
@@ -141,7 +141,7 @@ def _rows(path: Path) -> list[list[str]]:
         raise GradingError(f"{path} is not a CSV file: {problem}.") from problem
 
 
-def _decoded(data: bytes) -> str:
+def _decode_table(data: bytes) -> str:
     """A text as Excel and learning platforms save it."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return data.decode("utf-16", errors="replace")
@@ -168,7 +168,7 @@ def _person(row: list[str], kinds: list[str]) -> Person | None:
     return Person(name.strip(), values)
 
 
-def _once(people: list[Person]) -> tuple[Person, ...]:
+def _drop_repeated_people(people: list[Person]) -> tuple[Person, ...]:
     """Everybody once, who may be listed in two sections."""
     found: dict[tuple[str, ...], Person] = {}
     for person in people:

@@ -49,7 +49,7 @@ class Matcher:
                 self._by_name[key].append(person)
             for group in person.values.get(columns.GROUP, "").replace(";", ",").split(","):
                 if plain_text(group):
-                    self._groups[_joined(group)].append(person)
+                    self._groups[_join(group)].append(person)
 
     def person(self, entry: Entry) -> tuple[Person | None, str]:
         """Who an entry is from; nobody, and why, where that is not sure."""
@@ -57,8 +57,8 @@ class Matcher:
         if not found and entry.platform.get("moodle_participant"):
             found = self._by_participant(entry)
         if not found:
-            found = self._by_name.get(_sorted(entry.name or entry.student), []) or self._by_name.get(
-                _joined(entry.name or entry.student), []
+            found = self._by_name.get(_sort_parts(entry.name or entry.student), []) or self._by_name.get(
+                _join(entry.name or entry.student), []
             )
         if len(found) == 1:
             return found[0], ""
@@ -66,21 +66,21 @@ class Matcher:
 
     def members(self, entry: Entry) -> Sequence[Person]:
         """Who is in the group that an entry is from; nobody where the list has no group of this name."""
-        return self._groups.get(_joined(entry.name or entry.student), ())
+        return self._groups.get(_join(entry.name or entry.student), ())
 
     def _by_identifiers(self, entry: Entry) -> list[Person]:
         keys = [(kind, entry.platform.get(key, "")) for key, kinds in _BY_PLATFORM.items() for kind in kinds]
         if not entry.platform.get("moodle_participant"):  # whose number is no identifier outside of its assignment
             keys += [(kind, entry.student) for kind in _OF_STUDENT]
-        return next((found for kind, value in keys if value and (found := self._of(kind, value))), [])
+        return next((found for kind, value in keys if value and (found := self._people_with(kind, value))), [])
 
     def _by_participant(self, entry: Entry) -> list[Person]:
         """By Moodle's number, which is one of this assignment only if the name is right, too."""
-        found = self._of(columns.MOODLE, entry.platform["moodle_participant"])
+        found = self._people_with(columns.MOODLE, entry.platform["moodle_participant"])
         names = {key for person in found for key in _names(person)}
-        return found if not names or _sorted(entry.name) in names else []
+        return found if not names or _sort_parts(entry.name) in names else []
 
-    def _of(self, kind: str, value: str) -> list[Person]:
+    def _people_with(self, kind: str, value: str) -> list[Person]:
         return self._by_value.get((kind, value.casefold()), [])
 
 
@@ -96,11 +96,11 @@ def match_roster(
     for entry in entries:
         person, why = matcher.person(entry)
         if person and entry.student in empty:
-            nothing[id(person)] = _named(entry, person)
+            nothing[id(person)] = _add_name(entry, person)
             continue
         members = () if person else matcher.members(entry)
         if person:
-            found.append(_named(entry, person))
+            found.append(_add_name(entry, person))
             people[id(person)].add(entry.student)
         elif members:
             for one in members:
@@ -109,16 +109,16 @@ def match_roster(
         else:
             found.append(entry)
             unknown[entry.student] = why
-    unknown.update(_twice(roster, people))
+    unknown.update(_find_double_students(roster, people))
     absent = tuple(
-        nothing.get(id(person)) or _absent(person, layout, numbered=assignments == 1)
+        nothing.get(id(person)) or _entry_without_submission(person, layout, numbered=assignments == 1)
         for person in roster.people
         if id(person) not in people
     )
     return tuple(found), RosterFit(roster, sum(map(bool, people.values())), absent, tuple(sorted(unknown.items())))
 
 
-def _twice(roster: Roster, people: Mapping[int, set[str]]) -> dict[str, str]:
+def _find_double_students(roster: Roster, people: Mapping[int, set[str]]) -> dict[str, str]:
     """Students who are the same person by the list, and two by what was handed in."""
     names = {id(person): person.name for person in roster.people}
     return {
@@ -129,11 +129,11 @@ def _twice(roster: Roster, people: Mapping[int, set[str]]) -> dict[str, str]:
     }
 
 
-def _named(entry: Entry, person: Person) -> Entry:
+def _add_name(entry: Entry, person: Person) -> Entry:
     return replace(entry, name=person.name or entry.name, platform={**person.platform, **entry.platform})
 
 
-def _absent(person: Person, layout: str, *, numbered: bool) -> Entry:
+def _entry_without_submission(person: Person, layout: str, *, numbered: bool) -> Entry:
     number = _participant(person) if numbered and layout == "moodle" else {}
     return Entry(person.student(layout), "", "", person.name, platform={**person.platform, **number})
 
@@ -153,15 +153,15 @@ def _names(person: Person) -> set[str]:
     """How platforms write a name: words in any order, or without blanks and the last name first, as Canvas does."""
     first, last = person.values.get(columns.FIRST, ""), person.values.get(columns.LAST, "")
     full = person.values.get(columns.FULL, person.name)
-    forms = {_sorted(person.name), _joined(full), _joined(person.name), _joined(last + first), _joined(first + last)}
+    forms = {_sort_parts(person.name), _join(full), _join(person.name), _join(last + first), _join(first + last)}
     words = plain_text(person.name).split()
     forms.add("".join([*words[-1:], *words[:-1]]))
     return forms - {""}
 
 
-def _sorted(name: str) -> str:
+def _sort_parts(name: str) -> str:
     return " ".join(sorted(plain_text(name).split()))
 
 
-def _joined(name: str) -> str:
+def _join(name: str) -> str:
     return plain_text(name).replace(" ", "")

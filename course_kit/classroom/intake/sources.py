@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from contextlib import ExitStack
     from pathlib import Path
 
-    from course_kit.classroom.intake.layouts import Unit
-    from course_kit.classroom.intake.listing import Left, Listing
+    from course_kit.classroom.intake.layouts import HandIn
+    from course_kit.classroom.intake.listing import LeftOut, Listing
     from course_kit.grading.model.exercise import Exercise
 
 
@@ -34,7 +34,7 @@ class OpenedSources:
 
     root: Path  # the folder below which each file lies once it is fetched
     listing: Listing  # everything
-    units: tuple[Unit, ...]  # what each student has control of
+    units: tuple[HandIn, ...]  # what each student has control of
     is_copy: bool  # whether the root is a folder of ours, in which more may be unpacked
     layout: str = ""  # the name of the layout; several, with commas, where downloads have different ones
     left: tuple[tuple[str, str], ...] = ()  # path and reason of what lies beside them
@@ -47,7 +47,7 @@ def open_all(
     """Open what was handed over and find the students' entries."""
     paths = [one for path in paths for one in _downloads(path, exercises, layout)]
     if len(paths) > 1:
-        return _several(paths, workspace, exercises, layout, stack)
+        return _open_several_downloads(paths, workspace, exercises, layout, stack)
     [path] = paths
     download = _open(path, workspace, exercises, stack, copied=False)
     opened = _read_download(path, download, layout, workspace if download.packed else path)
@@ -58,7 +58,7 @@ def open_all(
     return opened
 
 
-def _several(
+def _open_several_downloads(
     paths: Sequence[Path], workspace: Path, exercises: Sequence[Exercise], layout: str, stack: ExitStack
 ) -> OpenedSources:
     make_empty(workspace)
@@ -75,13 +75,13 @@ def _several(
         listing=JoinedListings({name: part.listing for name, part in parts.items()}),
         is_copy=True,
         layout=", ".join(sorted({part.layout for part in parts.values()})),
-        units=_joined([unit for part in parts.values() for unit in part.units], parts, len(exercises)),
+        units=_join_units([unit for part in parts.values() for unit in part.units], parts, len(exercises)),
         left=tuple((f"{name}/{path}", why) for name, part in parts.items() for path, why in part.left),
         lost=tuple((f"{name}/{path}", why) for name, part in parts.items() for path, why in part.lost),
     )
 
 
-def _joined(units: list[Unit], parts: dict[str, OpenedSources], exercises: int) -> tuple[Unit, ...]:
+def _join_units(units: list[HandIn], parts: dict[str, OpenedSources], exercises: int) -> tuple[HandIn, ...]:
     """Entries of all downloads, those of one layout together, so that what is one student's has one identifier."""
     return tuple(
         one
@@ -112,7 +112,7 @@ def _is_folder(path: Path) -> bool:
 def _read_download(path: Path, download: Download, layout: str, root: Path) -> OpenedSources:
     """Find the students' entries of one download, whose files lie below `root` once they are fetched."""
     found = download.listing
-    left: Left = []
+    left: LeftOut = []
     try:
         layout, called, items = _enter_students(download, layout, left)
         metadata = [one for one in items if layout == "gradescope" and one.name == METADATA and one.kind == FILE]
@@ -134,7 +134,7 @@ def _read_download(path: Path, download: Download, layout: str, root: Path) -> O
     return OpenedSources(root, found, tuple(units), is_copy, layout, tuple(left), lost)
 
 
-def _enter_students(download: Download, layout: str, left: Left) -> tuple[str, str, list[Item]]:
+def _enter_students(download: Download, layout: str, left: LeftOut) -> tuple[str, str, list[Item]]:
     """Layout, name and entries of the folder in which the students are."""
     if layout not in (AUTO, *layouts.LAYOUTS):
         raise GradingError(f"There is no layout '{layout}'. Choose one of: {AUTO}, {', '.join(layouts.LAYOUTS)}.")
@@ -199,8 +199,8 @@ def _name_for(path: Path, taken: dict[str, OpenedSources]) -> str:
 
 
 def _read_all(
-    listing: Listing, layout: str, items: list[Item], called: str, left: Left
-) -> Iterator[tuple[Item, Unit | None]]:
+    listing: Listing, layout: str, items: list[Item], called: str, left: LeftOut
+) -> Iterator[tuple[Item, HandIn | None]]:
     if layout == "github" and most_fit(items, lambda item: holds_clones(listing, item)):
         for item in items:
             if holds_clones(listing, item):

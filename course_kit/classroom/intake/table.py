@@ -48,7 +48,7 @@ def format_intake(found: Intake) -> str:
     """The table for a terminal: students only, long cells cut."""
     header = ("student", "exercise", "file", "why", "also handed in")
     body = [
-        (_who(row), row.exercise, row.source or "-", row.why, "; ".join(row.others))
+        (_label_student(row), row.exercise, row.source or "-", row.why, "; ".join(row.others))
         for row in intake_rows(found)
         if row.student
     ]
@@ -60,7 +60,7 @@ def _cells_of(row: Entry) -> tuple[str, ...]:
     return row.student, row.name, row.exercise, row.source, row.why, also, late, row.worry
 
 
-def _who(row: Entry) -> str:
+def _label_student(row: Entry) -> str:
     return f"{row.student} ({row.name})" if row.name and row.name != row.student else row.student
 
 

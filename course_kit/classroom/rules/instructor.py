@@ -55,11 +55,11 @@ class Instructions:
         """The gradebook with lateness, penalties, overrides and comments."""
         exercises = {one.id: one for one in book.exercises}
         stand_ins, missing = self._without_submission(book, exercises)
-        records = [self.adjusted(record, book.exercises) for record in book.records]
+        records = [self.adjust_record(record, book.exercises) for record in book.records]
         everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
-    def adjusted(self, record: GradeRecord, exercises: Sequence[Exercise]) -> GradeRecord:
+    def adjust_record(self, record: GradeRecord, exercises: Sequence[Exercise]) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
         entry = record.entry
         exercise = next(one for one in exercises if one.id == entry.exercise)
@@ -81,7 +81,7 @@ class Instructions:
                 others.append((student, exercise_id))
                 continue
             exercise = exercises[exercise_id]
-            report = engine.unreadable(exercise, "", _NOTHING).to_mapping()
+            report = engine.report_unreadable(exercise, "", _NOTHING).to_mapping()
             who = known.get(student, Entry(student, exercise_id, ""))
             entry = Entry(student, exercise_id, "", who.name, platform=who.platform)
             record = GradeRecord(entry, "", 0, None, report, title=exercise.title)
@@ -113,7 +113,7 @@ def moment_warnings(book: Gradebook) -> Iterator[str]:
     reasons: dict[str, list[str]] = {}
     for record in book.records:
         if record.adjustment.warning:
-            reasons.setdefault(record.adjustment.warning, []).append(record.entry.called)
+            reasons.setdefault(record.adjustment.warning, []).append(record.entry.label)
     for reason, students in reasons.items():
         named = ", ".join(dict.fromkeys(students[:_MOST_NAMED]))
         more = len(students) - _MOST_NAMED

@@ -86,7 +86,7 @@ def read_rows(
     try:
         header = [cell.strip().lower() for cell in next(reader, [])]
         if missing := [column for column in required if column not in header]:
-            mistakes.add(1, f"the column {_and(missing)} is missing; it needs {_and([*required, *optional])}")
+            mistakes.add(1, f"the column {_quote(missing)} is missing; it needs {_quote([*required, *optional])}")
             mistakes.require_none()
         wanted = {column: header.index(column) for column in (*required, *optional) if column in header}
         before = reader.line_num
@@ -124,7 +124,7 @@ def describe_unknown(what: str, name: str, known: Iterable[str]) -> str:
     return f"there is no {what} '{one_line(name)}' here.{did_you_mean(name, list(known))}"
 
 
-def _and(names: Sequence[str]) -> str:
+def _quote(names: Sequence[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)
 
 

@@ -84,7 +84,7 @@ class ActionChannels:
         self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
         self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS, raw=True)
 
-    def ready(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
         return all(client.is_ready() for client in (self.goals, self.results, self.cancels)) and all(
             self._node.count_publishers(f"{self._below}/{topic}") for topic in ("feedback", "status")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.hangs import RESEND_AFTER_S, explain_end, unanswered
+from course_kit.grading.checks.hangs import RESEND_AFTER_S, explain_end, explain_no_answer
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.model.bounds import bound_message
 
@@ -31,23 +31,23 @@ def call_many(
     seen: Evidence,
 ) -> list[Message]:
     """Send all requests, one of each client at a time, and return the responses in their order."""
-    with explain_end(context, seen, exits.of_call):
+    with explain_end(context, seen, exits.explain_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), within_s, step_s=_STEP_S)
-        turn = context.record.sent(seen.sent)
+        turn = context.record.add_sent(seen.sent)
         batch = CallBatch(clients, requests)
         clock = context.clock(batch.lateness)
         for _ in range(2):
             done = context.wait_until(batch.exchange, within_s / 2, step_s=_STEP_S)
             if done or batch.answered < len(requests) * _WORTHWHILE:  # the other half of the time would not do either
                 break
-        spent, answered = clock.fair(), batch.answered
+        spent, answered = clock.fair_s(), batch.answered
     if answered:
-        turn.came(f"{answered} of {len(requests)} responses within {spent:.1f} s")
+        turn.add_received(f"{answered} of {len(requests)} responses within {spent:.1f} s")
     if answered == len(requests) and spent <= within_s:
         return batch.responses
     context.spoil()
     if answered == 0:
-        raise unanswered(context, seen, spent)
+        raise explain_no_answer(context, seen, spent)
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
@@ -79,7 +79,7 @@ class CallBatch:
     def exchange(self) -> bool:
         """Take in what has come and send what may be sent; True when all is answered."""
         now = time.monotonic()
-        for number in [number for number, sent in self._flying.items() if sent.answered()]:
+        for number in [number for number, sent in self._flying.items() if sent.is_answered()]:
             self.responses[number] = bound_message(self._flying.pop(number).response())
             self._late[number % len(self._late)] += now - self._looked
             self._moved = now
@@ -94,5 +94,5 @@ class CallBatch:
     def _send_first_ones_again(self) -> None:
         """Once: the middleware drops a response while the server has not noticed the client, on a loaded machine."""
         for number, sent in self._flying.items():
-            if number < len(self._clients) and sent.sent == 1:
+            if number < len(self._clients) and sent.times_sent == 1:
                 sent.send_again()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import NODE, ExchangeLog
-from course_kit.grading.checks.fair_clock import MOST, FairClock, Recent, State, Used
+from course_kit.grading.checks.fair_clock import MOST, CachedState, FairClock, MachineState, ProcessorUse
 from course_kit.grading.checks.graded_program import GradedProgram, SubmissionEndedError
 from course_kit.grading.checks.grader_node import GraderNode
 from course_kit.grading.sandbox import machine, scheduling
@@ -54,7 +54,7 @@ class CheckContext:
         self._grader_node: GraderNode | None = None
         self.spoiled = False  # the running submission can be asked nothing more
         self._clock: FairClock | None = None
-        self._state = Recent(self._look)
+        self._state = CachedState(self._look)
         self._late_s = 0.0  # by which it may have been noticed late that what was waited for had come
 
     @property
@@ -88,7 +88,7 @@ class CheckContext:
             self.turn_to(program)
         if arguments or program:
             start = f"start {program}".rstrip() + (f" with {' '.join(arguments)}" if arguments else "")
-            self.record.sent(start, "message")
+            self.record.add_sent(start, "message")
         self._grader_node = GraderNode(self.program.start(arguments, files or {}, variables or {}))
 
     def turn_to(self, program: str) -> None:
@@ -122,7 +122,7 @@ class CheckContext:
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""
-        return self._clock is not None and self._clock.past(self.deadline_s)
+        return self._clock is not None and self._clock.has_passed(self.deadline_s)
 
     def require_time(self, evidence: Evidence) -> None:
         """See that there is time left to ask something more, which is in the evidence."""
@@ -154,7 +154,7 @@ class CheckContext:
 
     def has_computed_enough(self) -> bool:
         """Whether the program that was started last has computed for so long that its node should have appeared."""
-        return self.program.computed_since_start(self._state.lately().submission) >= self.job.start_cpu_s
+        return self.program.computed_since_start(self._state.recent_state().submission) >= self.job.start_cpu_s
 
     def wait_until(
         self,
@@ -182,14 +182,14 @@ class CheckContext:
         watched, looked = 0.0, time.monotonic()
         while not condition():
             looked = time.monotonic()
-            if clock.wall() - watched >= _WATCH_S:
-                watched = clock.wall()
+            if clock.wall_s() - watched >= _WATCH_S:
+                watched = clock.wall_s()
                 if of_the_living and not self.program.is_alive():
                     self.spoiled = True
                     raise SubmissionEndedError(self.program.status(), self.job)
-                if of_the_living and clock.past(_LOST_S) and self.program.lost_in():
+                if of_the_living and clock.has_passed(_LOST_S) and self.program.lost_in():
                     return False
-                if clock.past(seconds) or self.time_is_up():
+                if clock.has_passed(seconds) or self.time_is_up():
                     return False
             self.grader_node.spin_once(step_s)
         self._late_s += time.monotonic() - looked
@@ -204,7 +204,7 @@ class CheckContext:
         self.wait_until(is_over, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
         return condition()
 
-    def _look(self) -> State:
-        own = Used(time.process_time(), scheduling.own_waiting())
+    def _look(self) -> MachineState:
+        own = ProcessorUse(time.process_time(), scheduling.own_waiting())
         busy_s = machine.processors_worked() or None
-        return State(self.program.used(), own, busy_s, scheduling.own_waiting(helpers_only=True))
+        return MachineState(self.program.processor_use(), own, busy_s, scheduling.own_waiting(helpers_only=True))

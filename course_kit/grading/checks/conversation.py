@@ -146,14 +146,14 @@ class Conversation:
         node, model, done = self._begin()
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
-            step = steps.next(model, apart=self._apart)
+            step = steps.draw_step(model, apart=self._apart)
             if self._is_lost(step.rule):
                 continue
             all_tried = number > len(rules_of(self.model))
             wall = _WALL_AFTER_ALL if all_tried else _WALL  # of the time after which the program would be ended
-            on_the_wall = clock.wall() > wall * self.context.job.limits.wall_s
+            on_the_wall = clock.wall_s() > wall * self.context.job.limits.wall_s
             talk_s = _TALK_S if number >= steps.round else max(_TALK_S, _TALK_SHARE * self.context.deadline_s)
-            if on_the_wall or (all_tried and clock.past(talk_s)) or self.context.time_is_up():
+            if on_the_wall or (all_tried and clock.has_passed(talk_s)) or self.context.time_is_up():
                 return
             if self._apart and done and done[-1].rule != step.rule:
                 self.context.spoil()
@@ -163,7 +163,7 @@ class Conversation:
                 step.do(node, model)
             except Failed as failed:
                 self._keep(failed, done)
-                if self.context.job.first_failure and self.lost:
+                if self.context.job.first_failure and self.failed_checks:
                     return
                 self.context.spoil()
                 try:
@@ -181,7 +181,7 @@ class Conversation:
             self._keep(failed, done or [step])
 
     @property
-    def lost(self) -> frozenset[str]:
+    def failed_checks(self) -> frozenset[str]:
         """The ids of the checks that are lost."""
         return frozenset(self._failed)
 
@@ -206,9 +206,9 @@ class Conversation:
     def _begin(self) -> tuple[GradedNode, Model, list[Step]]:
         """A program that has just been started, and a model for it."""
         node = GradedNode(self.context)
-        node.meet()
+        node.ensure_running()
         model = self.model()
-        model.lost = self.lost
+        model.lost = self.failed_checks
         model.begin(node)
         self.context.record.clear()
         return node, model, []
@@ -267,13 +267,13 @@ class Conversation:
         clock = self.context.clock()
         shrinks, best, found = False, done, (failed, lost)
         for length in sorted({*(length for length in _TAILS if length < len(done)), len(done)}):
-            if length > 1 and clock.past(_SHRINK_S):
+            if length > 1 and clock.has_passed(_SHRINK_S):
                 break
             if again := self._fails(done[-length:], lost):
                 shrinks, best, found = True, done[-length:], again
                 break
         place = 0
-        while shrinks and place < len(best) - 1 and not clock.past(_SHRINK_S):
+        while shrinks and place < len(best) - 1 and not clock.has_passed(_SHRINK_S):
             shorter = [*best[:place], *best[place + 1 :]]
             if again := self._fails(shorter, lost):
                 best, found = shorter, again

@@ -91,7 +91,7 @@ class WantedEndpoint:
         if self.kind == "service":
             return node.client(self.interface, self.name).is_ready()
         if self.kind == "action":
-            return ActionChannels(node, self.name, self.interface).ready()
+            return ActionChannels(node, self.name, self.interface).is_ready()
         if self.kind == "publisher":
             node.inbox(self.interface, self.name)
             return bool(node.publishers(self.name))
@@ -124,26 +124,26 @@ def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> E
     expected = "; ".join(end.describe() for end in ends)
     node, clock = context.grader_node, context.clock()
 
-    def missing() -> list[WantedEndpoint]:
+    def list_lacks() -> list[WantedEndpoint]:
         return [end for end in ends if not (end.is_ready(node) if end.is_server else end.type in end.types(node))]
 
     def is_decided() -> bool:
-        lacks = missing()
-        has_other_type = clock.wall() > _OTHER_TYPE_S and any(set(end.types(node)) - {end.type} for end in lacks)
+        lacks = list_lacks()
+        has_other_type = clock.wall_s() > _OTHER_TYPE_S and any(set(end.types(node)) - {end.type} for end in lacks)
         return not lacks or has_other_type or has_settled(context, clock)
 
-    with explain_end(context, Evidence("", expected), exceptions.of_start, ENDED):
+    with explain_end(context, Evidence("", expected), exceptions.explain_start, ENDED):
         context.wait_for_start(is_decided)
-    if missing() and not node.nodes():
+    if list_lacks() and not node.nodes():
         context.spoil()
-        raise Failed(Evidence("", expected, "on the graph: no node"), *why_empty(context, missing()[0].name)[::-1])
+        raise Failed(Evidence("", expected, "on the graph: no node"), *why_empty(context, list_lacks()[0].name)[::-1])
     for end in ends:
         if not end.is_server:
             _require_topic(context, end)
         elif not end.is_ready(node):
             raise _not_offered(context, end)
     try:
-        hangs.greet(context)
+        hangs.greet_node(context)
     except SubmissionEndedError as ended:  # one that offers a service and ends at once is no server
         if ended.diagnosis == "start.exit":
             raise Failed(Evidence("", expected, ENDED), ended.message, ended.diagnosis) from None
@@ -152,16 +152,16 @@ def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> E
 
 def has_settled(context: CheckContext, clock: FairClock) -> bool:
     """Whether a node is up and spinning for so long, by a clock of the waiting, that it has made all it will make."""
-    if not clock.past(_SETTLED_S) or not context.grader_node.nodes():
+    if not clock.has_passed(_SETTLED_S) or not context.grader_node.nodes():
         return False
     seen = context.memory.setdefault("seen", context.clock())  # a node is there a moment before what it offers
-    return bool(seen.past(_NODE_S / 2)) and hangs.spins(context)
+    return bool(seen.has_passed(_NODE_S / 2)) and hangs.is_spinning(context)
 
 
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
     """A node of this full name is on the graph, after `ensure` has had the program running."""
     expected = f"a node called {name}"
-    with explain_end(context, Evidence("", expected), exits.of_call, ENDED):
+    with explain_end(context, Evidence("", expected), exits.explain_call, ENDED):
         ensure()
         found = context.wait_until(lambda: name in context.grader_node.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
     if found:
@@ -187,13 +187,13 @@ def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
     """Why no node has appeared, although the program runs."""
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
-    doing = hangs.doing(context)
+    doing = hangs.current_activity(context)
     where = f" It is in {exits.source_line(context.job, doing.own)}." if doing.own else ""
     if context.has_computed_enough():
         computed = f"Your program has computed for {context.job.start_cpu_s:g} s"
         return "limit.time", f"{computed} and no node has appeared.{where}"
     start = f"{min(context.job.limits.start_s, context.deadline_s):g} s"
-    if hangs.computes(context):
+    if hangs.is_computing(context):
         return "limit.time", f"After {start} your program was still computing and no node had appeared.{where}"
     return "start.nothing", f"Your program runs, but no node appeared on the graph within {start}.{where}"
 
@@ -208,7 +208,7 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
     """Why an end is not there of a program that runs: in words, and its diagnosis."""
     if not context.job.files:
         return "Your program started once, but did not offer all of this when it was started again.", None
-    if logged := exceptions.of_logged(context.program.status(fresh=True).stderr, context.job):
+    if logged := exceptions.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]
     verb = _VERBS.get(end.kind, f"offers the {end.kind}")
     return f"No node {verb} {end.name}, which {end.program} has to bring.", None
@@ -224,14 +224,14 @@ def list_names(names: Sequence[str], what: str) -> str:
 
 def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
     """Why nothing came on the topic `missing` within some seconds after a message on the topic `sent`."""
-    seen = hangs.doing(context)
+    seen = hangs.current_activity(context)
     if seen.callback is not None:
         context.spoil()
         where = exits.source_line(context.job, seen.callback)
-        if hangs.computes(context):
+        if hangs.is_computing(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback is blocked in {where}; meanwhile nothing is published."
-    if logged := exceptions.of_logged(context.program.status(fresh=True).stderr, context.job):
+    if logged := exceptions.explain_logged(context.program.status(fresh=True).stderr, context.job):
         context.spoil()
         return logged
     return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."

@@ -33,11 +33,11 @@ class Exchange:
     partner: str = NODE
     steps: list[tuple[float, Arrow]] = field(default_factory=list)
 
-    def came(self, text: str, kind: Kind = "response") -> None:
+    def add_received(self, text: str, kind: Kind = "response") -> None:
         """Keep what the node has sent."""
         self._keep(Arrow(self.partner, GRADER, kind, _cut(text)))
 
-    def missed(self, text: str) -> None:
+    def add_missed(self, text: str) -> None:
         """Keep what should have come and has not."""
         self._keep(Arrow(self.partner, GRADER, "failure", _cut(text)))
 
@@ -76,15 +76,15 @@ class ExchangeLog:
         """All that was sent, in words, as far as it is kept."""
         return (arrow.text for turn in self._turns for _, arrow in turn.steps if arrow.sender == GRADER)
 
-    def sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
+    def add_sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
         """Keep what the grader sends."""
-        turn = self._turn(about, minor=minor)
+        turn = self._exchange_for(about, minor=minor)
         turn.steps.append((time.time(), Arrow(GRADER, turn.partner, kind, _cut(text))))
         return turn
 
-    def came(self, text: str, kind: Kind = "message") -> None:
+    def add_unasked(self, text: str, kind: Kind = "message") -> None:
         """Keep what the node has sent by itself."""
-        self._turn().came(text, kind)
+        self._exchange_for().add_received(text, kind)
 
     def follow(self, told: Callable[[], Iterable[Followed]]) -> None:
         """Have `told` asked for further steps when the check has failed."""
@@ -114,7 +114,7 @@ class ExchangeLog:
             found = [Arrow(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
         return (*found, *_end(found[-1], evidence))
 
-    def _turn(self, about: str = "", *, minor: bool = False) -> Exchange:
+    def _exchange_for(self, about: str = "", *, minor: bool = False) -> Exchange:
         turn = Exchange(about, minor, self.partner)
         if self._looking:
             self._turns.append(turn)

@@ -12,41 +12,41 @@ _RECENT_S = 0.25
 MOST = 0.8  # however busy the machine: after five times the patience a wait is over
 
 
-class Used(NamedTuple):
+class ProcessorUse(NamedTuple):
     """What some threads have had of the machine's processors so far, in seconds."""
 
     cpu_s: float = 0.0  # of computing, all of them together
     waited_s: float = 0.0  # in which the one that suffered most was ready to run and others had the processors
     hidden_s: float = 0.0  # of computing that nobody knows of, at most
 
-    def plus(self, cpu_s: float, waited_s: float, hidden_s: float = 0.0) -> Used:
+    def add_seconds(self, cpu_s: float, waited_s: float, hidden_s: float = 0.0) -> ProcessorUse:
         """The same and more."""
-        return Used(self.cpu_s + cpu_s, self.waited_s + waited_s, self.hidden_s + hidden_s)
+        return ProcessorUse(self.cpu_s + cpu_s, self.waited_s + waited_s, self.hidden_s + hidden_s)
 
 
-class State(NamedTuple):
+class MachineState(NamedTuple):
     """How things stand at one moment."""
 
-    submission: Used
-    grader: Used
+    submission: ProcessorUse
+    grader: ProcessorUse
     busy_s: float | None = None  # seconds the machine's processors have worked for anybody; None where it is not known
-    helpers_waited_s: float = 0.0  # of the threads that bring the grader its messages, as in `Used`
+    helpers_waited_s: float = 0.0  # of the threads that bring the grader its messages, as in `ProcessorUse`
 
 
-class Recent:
+class CachedState:
     """A state that may be some moments old, where asking anew costs more than most waits last."""
 
-    def __init__(self, look: Callable[[], State]) -> None:
+    def __init__(self, look: Callable[[], MachineState]) -> None:
         self._look = look
-        self._value: State | None = None
+        self._value: MachineState | None = None
         self._at = 0.0
 
-    def __call__(self) -> State:
+    def __call__(self) -> MachineState:
         """The state of now."""
         self._value, self._at = self._look(), time.monotonic()
         return self._value
 
-    def lately(self) -> State:
+    def recent_state(self) -> MachineState:
         """The state of now or of a moment ago."""
         if self._value is None or time.monotonic() - self._at >= _RECENT_S:
             return self()
@@ -62,47 +62,47 @@ class FairClock:
     """
 
     def __init__(
-        self, state: Recent, most: float = MOST, share: float = 1.0, lateness: Callable[[], float] | None = None
+        self, state: CachedState, most: float = MOST, share: float = 1.0, lateness: Callable[[], float] | None = None
     ) -> None:
         self._state, self._most = state, most  # how things stand; the largest part of the time that is taken for lost
         self._share = share  # of one processor, which a single thread gets here when nobody else wants any
         # Seconds by which the grader has noticed late what had come: what it waited before that was not lost.
         self._lateness = lateness
         self._began = time.monotonic()
-        self._before = state.lately()
+        self._before = state.recent_state()
         self._counted = (0.0, 0.0)  # seconds on the wall and fair ones, when it was counted last
 
-    def wall(self) -> float:
+    def wall_s(self) -> float:
         """Seconds on the wall."""
         return time.monotonic() - self._began
 
-    def past(self, seconds: float) -> bool:
+    def has_passed(self, seconds: float) -> bool:
         """Whether `seconds` have gone by, fairly counted: which costs a look at each thread, if they can have."""
         wall, fair = self._counted
-        return fair + self.wall() - wall >= seconds and self.fair() >= seconds
+        return fair + self.wall_s() - wall >= seconds and self.fair_s() >= seconds
 
-    def fair(self) -> float:
+    def fair_s(self) -> float:
         """Seconds, fairly counted."""
-        wall = self.wall()
+        wall = self.wall_s()
         now = self._state()
         late = now.grader.waited_s - self._before.grader.waited_s
         if self._lateness is not None:
             late = max(self._lateness(), now.helpers_waited_s - self._before.helpers_waited_s)
         waited = now.submission.waited_s - self._before.submission.waited_s
-        fair = wall - self._lost(wall, now, max(waited, late))
+        fair = wall - self._lost_s(wall, now, max(waited, late))
         self._counted = (wall, fair)
         return fair
 
     def latency(self) -> float:
         """Seconds, fairly counted as soon as there are many: of a quick answer nobody counts what others have taken."""
-        return self.fair() if self.wall() > 1.0 else self.wall()
+        return self.fair_s() if self.wall_s() > 1.0 else self.wall_s()
 
     def grader_lost(self) -> float:
         """Seconds in which others have kept the grader from running: as late it may have noticed something."""
         now = self._state()
-        return self._lost(self.wall(), now, now.grader.waited_s - self._before.grader.waited_s)
+        return self._lost_s(self.wall_s(), now, now.grader.waited_s - self._before.grader.waited_s)
 
-    def _lost(self, wall: float, now: State, waited: float) -> float:
+    def _lost_s(self, wall: float, now: MachineState, waited: float) -> float:
         """How much of the seconds on the wall others have taken away, of those that somebody has waited."""
         before = self._before
         used_s = now.submission.cpu_s - before.submission.cpu_s

@@ -42,7 +42,7 @@ _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's ne
 
 
 @dataclass(frozen=True)
-class Ended:
+class GoalOutcome:
     """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
 
     status: int
@@ -68,7 +68,7 @@ class GradedGoal:
         self._all_heard = False
         self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
-        self._turn = context.record.sent(f"goal for {action}: {in_one_line(message)}")
+        self._turn = context.record.add_sent(f"goal for {action}: {in_one_line(message)}")
         self._cancelling = Exchange()
         context.record.follow(self._feedback_steps)
         for inbox in (self._line.feedback, self._line.statuses):
@@ -78,7 +78,7 @@ class GradedGoal:
     @property
     def answered(self) -> bool:
         """Whether the server has said yes or no."""
-        return self._answer.answered()
+        return self._answer.is_answered()
 
     @property
     def accepted(self) -> bool:
@@ -160,7 +160,7 @@ class GradedGoal:
         not_before_s: float = 0.0,
         breaks: str = "",
         **fields: Any,
-    ) -> Ended:
+    ) -> GoalOutcome:
         """It ends with this status, and a result with these fields.
 
         Args:
@@ -190,7 +190,7 @@ class GradedGoal:
         for path, wanted, got in differences(fields, ended.result):
             why = f"{path} of the result has to be {describe_wanted(wanted)}, and is {got!r}."
             raise Failed(evidence, why, breaks=breaks)
-        if (took_s := self.clock.wall()) < not_before_s:
+        if (took_s := self.clock.wall_s()) < not_before_s:
             evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
             raise Failed(evidence, TOO_SOON, breaks=breaks)
         return ended
@@ -240,10 +240,10 @@ class GradedGoal:
         clock, running = self._context.clock(), self.over_at is None
         answer = self.cancel()
         evidence = Evidence(self.shown, expected)
-        hangs.await_answer(self._context, answer.answered, evidence, ended=goals.of_program)
-        waited_s, late = clock.wall(), clock.past(within_s)
+        hangs.await_answer(self._context, answer.is_answered, evidence, ended=goals.explain_program)
+        waited_s, late = clock.wall_s(), clock.has_passed(within_s)
         agreed = any(bytes(info.goal_id.uuid) == self._id for info in answer.response().goals_canceling)
-        self._cancelling.came("cancelling accepted" if agreed else "cancelling refused")
+        self._cancelling.add_received("cancelling accepted" if agreed else "cancelling refused")
         if agreed and not late:
             return self
         code: str | None
@@ -255,7 +255,7 @@ class GradedGoal:
             why = "Your server refused to cancel the goal, and the goal went on."
         else:
             got = f"an answer after {waited_s:.1f} s, when the goal was over ({status_name(self.statuses[-1][1])})"
-            code = "action.cancel_blocked" if running and clock.past(min(within_s, 0.3)) else None
+            code = "action.cancel_blocked" if running and clock.has_passed(min(within_s, 0.3)) else None
             why = "The goal was over before the request to cancel arrived."
             if code:
                 why = "Your server did not answer the request to cancel before the goal was over."
@@ -264,9 +264,9 @@ class GradedGoal:
     def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
         """Wait until the server has said yes or no."""
         hangs.await_answer(self._context, lambda: self.answered, Evidence(self.shown, expected), seconds)
-        self._turn.came("accepted" if self.accepted else "rejected")
+        self._turn.add_received("accepted" if self.accepted else "rejected")
 
-    def wait_for_end(self, seconds: float, expected: str) -> Ended:
+    def wait_for_end(self, seconds: float, expected: str) -> GoalOutcome:
         """Wait for the result."""
         result = self._result
         if result is None:
@@ -274,18 +274,18 @@ class GradedGoal:
         else:
             result.send_again()
         clock, evidence = self._context.clock(), Evidence(self.shown, expected)
-        with hangs.explain_end(self._context, evidence, goals.of_program, "no result: the program ended"):
+        with hangs.explain_end(self._context, evidence, goals.explain_program, "no result: the program ended"):
             self._context.wait_until(lambda: self._has_come(result), seconds)
-        if result.answered():
+        if result.is_answered():
             response = bound_message(result.response())
-            end = Ended(response.status, response.result)
-            self._turn.came(f"result: {end.name}, {in_one_line(end.result)}")
+            end = GoalOutcome(response.status, response.result)
+            self._turn.add_received(f"result: {end.name}, {in_one_line(end.result)}")
             return end
         self._context.spoil()
-        seconds = min(seconds, clock.fair())
+        seconds = min(seconds, clock.fair_s())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
-        look = partial(hangs.doing, self._context)
-        diagnosis, message = goals.of_silence(look, over, seconds, self.process(), self._context.program.asked_job)
+        look = partial(hangs.current_activity, self._context)
+        diagnosis, message = goals.explain_silence(look, over, seconds, self.process(), self._context.program.asked_job)
         raise Failed(replace(evidence, got=f"no result within {seconds:.1f} s"), message, diagnosis)
 
     def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
@@ -294,13 +294,13 @@ class GradedGoal:
             return self.feedback
         count, clock = -1, self._context.clock()
 
-        def quiet() -> bool:
+        def is_quiet() -> bool:
             nonlocal count, clock
             if count != self._line.feedback.count:
                 count, clock = self._line.feedback.count, self._context.clock()
-            return clock.past(_QUIET_S) and (clock.past(_REPAIRED_S) or complete(self.feedback))
+            return clock.has_passed(_QUIET_S) and (clock.has_passed(_REPAIRED_S) or complete(self.feedback))
 
-        self._context.wait_until(quiet, hangs.ANSWER_S, step_s=_QUIET_S / 2)
+        self._context.wait_until(is_quiet, hangs.ANSWER_S, step_s=_QUIET_S / 2)
         self._all_heard = complete(self.feedback)
         return self.feedback
 
@@ -333,7 +333,7 @@ class GradedGoal:
     def cancel(self) -> SentRequest:
         """Ask the server to cancel it, by an action_msgs/srv/CancelGoal."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
-        self._cancelling = self._context.record.sent("request to cancel the goal")
+        self._cancelling = self._context.record.add_sent("request to cancel the goal")
         return self._line.cancels.send(request)
 
     def process(self) -> ProcessStatus:
@@ -343,19 +343,19 @@ class GradedGoal:
         before = os.path.commonprefix([self._stderr, process.stderr])  # noqa: RUF071 - character by character
         return replace(process, stderr=process.stderr.removeprefix(before))
 
-    def require_status(self, ended: Ended, status: int, evidence: Evidence, breaks: str = "") -> None:
+    def require_status(self, ended: GoalOutcome, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""
         process, job = self.process(), self._context.job
-        cause = goals.of_exception(process, job)
+        cause = goals.explain_goal_exception(process, job)
         if ended.status != status:
-            cause = goals.of_status(ended.name, process, job)
+            cause = goals.explain_status(ended.name, process, job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
     def _has_come(self, result: SentRequest) -> bool:
-        if result.sent == 1 and self.over_at is not None and self.clock.wall() > RESEND_AFTER_S:
+        if result.times_sent == 1 and self.over_at is not None and self.clock.wall_s() > RESEND_AFTER_S:
             result.send_again()
-        return result.answered()
+        return result.is_answered()
 
     def _feedback_steps(self) -> list[Followed]:
         """The first and the last feedback."""
@@ -370,7 +370,7 @@ class GradedGoal:
         return UUID(uuid=list(self._id))
 
     def _nothing_raised(self) -> bool:
-        return goals.of_exception(self.process(), self._context.job) is None
+        return goals.explain_goal_exception(self.process(), self._context.job) is None
 
 
 def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:

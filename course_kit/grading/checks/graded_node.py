@@ -75,18 +75,18 @@ class GradedNode:
         Example:
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
-        self.meet()
+        self.ensure_running()
         end, context = self._end(service), self.context
         message = message_of(end.interface.Request, request, fields)
         sent_text = in_one_line(message)
         evidence = Evidence(sent_text, "an answer")
         context.require_time(evidence)
-        turn = context.record.sent(f"request {service}: {sent_text}", about=sent_text)
+        turn = context.record.add_sent(f"request {service}: {sent_text}", about=sent_text)
         clock = context.latency_clock()
         sent = context.grader_node.client(end.interface, service).send(message)
-        hangs.await_answer(context, sent.answered, evidence, within_s, breaks=breaks)
+        hangs.await_answer(context, sent.is_answered, evidence, within_s, breaks=breaks)
         response = bound_message(sent.response())
-        turn.came(f"response: {in_one_line(response)}")
+        turn.add_received(f"response: {in_one_line(response)}")
         return Answer(sent_text, in_one_line(response), clock.latency(), response)
 
     def call_together(
@@ -107,7 +107,7 @@ class GradedNode:
             >>> for number, answer in enumerate(node.call_together("/add", [{"a": n, "b": 1} for n in range(10)])):
             ...     answer.expect(sum=number + 1)
         """
-        self.meet()
+        self.ensure_running()
         end, node = self._end(service), self.context.grader_node
         messages = [message_of(end.interface.Request, request, {}) for request in requests]
         sent = f"{len(messages)} requests from {at_a_time} clients, at most {at_a_time} unanswered at a time"
@@ -130,13 +130,13 @@ class GradedNode:
         Example:
             >>> node.send("/brightness", 0.7).expect("/lamp", True)
         """
-        self.meet()
+        self.ensure_running()
         interface = self._end(topic, "subscription").interface
         sent = message_of(interface, message, fields)
-        for name in self._published():
+        for name in self._list_published_topics():
             self._heard[name] = self.inbox(name).count
         self._last_sent = f"{topic}: {in_one_line(sent)}"
-        self._turn = self.context.record.sent(self._last_sent, "message")
+        self._turn = self.context.record.add_sent(self._last_sent, "message")
         self.context.grader_node.publisher(interface, topic).publish(sent)
         return self
 
@@ -168,20 +168,20 @@ class GradedNode:
         Example:
             >>> node.send("/voltage", 9.0).expect("/state", "critical")
         """
-        self.meet()
+        self.ensure_running()
         inbox, place, clock = self.inbox(topic), self._heard.setdefault(topic, 0), self.context.clock()
         evidence = Evidence(self._last_sent, f"a message on {topic}")
         with hangs.explain_end(self.context, evidence, breaks=breaks):
             self.context.wait_until(lambda: inbox.count > place, within_s)
         if inbox.count == place:
-            seconds = hangs.describe_seconds(clock.fair(), within_s)
+            seconds = hangs.describe_seconds(clock.fair_s(), within_s)
             got = f"within {seconds} s nothing on {topic}"
-            self._exchange().missed(got)
+            self._exchange().add_missed(got)
             cause = discovery.explain_silent_topic(self.context, self._last_sent.partition(":")[0], topic, seconds)
             raise Failed(replace(evidence, got=got), *cause[::-1], breaks=breaks)
-        message: Message = inbox.since(place)[0]
+        message: Message = inbox.newer_than(place)[0]
         self._heard[topic] = place + 1
-        self._exchange().came(f"{topic}: {in_one_line(message)}", "message")
+        self._exchange().add_received(f"{topic}: {in_one_line(message)}", "message")
         if wanted is None and not fields:
             return message
         found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
@@ -207,20 +207,20 @@ class GradedNode:
         Example:
             >>> node.send("/voltage", 10.2).expect_nothing("/state", why="It is still critical.")
         """
-        self.meet()
-        listened = names or self._published()
+        self.ensure_running()
+        listened = names or self._list_published_topics()
 
-        def extra() -> list[str]:
+        def find_extra_messages() -> list[str]:
             return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
         evidence = Evidence(self._last_sent, f"no message more on {' and '.join(listened)}")
         with hangs.explain_end(self.context, evidence):
             self.context.grader_node.spin_once(0.0)
-            self.context.wait_until(lambda: bool(extra()), seconds)
-        for name in extra():
+            self.context.wait_until(lambda: bool(find_extra_messages()), seconds)
+        for name in find_extra_messages():
             got = f"{name}: {in_one_line(self.inbox(name).messages[-1])}"
             self._heard[name] = self.inbox(name).count
-            self._exchange().came(got, "message")
+            self._exchange().add_received(got, "message")
             said = why or f"Nothing that we sent calls for this message on {name}."
             raise Failed(replace(evidence, got=got), said, breaks=breaks)
 
@@ -241,7 +241,7 @@ class GradedNode:
             >>> node.set(max_speed=0.5).accepted()
             >>> node.set(max_speed=0.5, enabled="yes").refused()
         """
-        self.meet()
+        self.ensure_running()
         wanted = {**(values or {}), **more}
         remote, clock = self.parameters(of), self.context.latency_clock()
         result = remote.set_values(wanted)
@@ -255,7 +255,7 @@ class GradedNode:
             >>> node.get("max_speed")
             {'max_speed': 1.0}
         """
-        self.meet()
+        self.ensure_running()
         return {name: parameter.value for name, parameter in self.parameters(of).values(list(names)).items()}
 
     def parameters(self, of: str = "") -> RemoteParameters:
@@ -279,7 +279,7 @@ class GradedNode:
             >>> goal = node.goal("/count_down", order=3)
             >>> goal.accepted_by().ends("SUCCEEDED", sequence=[3, 2, 1])
         """
-        self.meet()
+        self.ensure_running()
         interface = self._end(action).interface
         return GradedGoal(self.context, action, interface, message_of(interface.Goal, goal, fields))
 
@@ -329,7 +329,7 @@ class GradedNode:
         self.context.launch(words, files, program=program)
         self._heard = self.context.memory.setdefault("heard", {})
         if meets:
-            self.meet()
+            self.ensure_running()
 
     def kill(self, program: str) -> bool:
         """End the process that runs one of the files, at once, while the others run on.
@@ -346,10 +346,10 @@ class GradedNode:
             True
         """
         self.context.turn_to(program)
-        self.context.record.sent(f"kill {program}", "message")
+        self.context.record.add_sent(f"kill {program}", "message")
         return self.context.program.kill(program)
 
-    def meet(self) -> None:
+    def ensure_running(self) -> None:
         """Have a running program whose endpoints are all connected; one that has died or hangs is started again.
 
         Raises:
@@ -361,13 +361,13 @@ class GradedNode:
         self.prepare()
         clock = context.clock()
         evidence = Evidence("", f"a node with {', '.join(end.name for end in self.endpoints)}")
-        with hangs.explain_end(context, evidence, exceptions.of_start, discovery.ENDED):
+        with hangs.explain_end(context, evidence, exceptions.explain_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
             if missing := [end for end in self.endpoints if not end.is_there(context)]:
                 context.spoil()
                 evidence = replace(evidence, got="not all of it is there")
                 raise Failed(evidence, *discovery.explain_missing(context, missing[0]))
-            hangs.greet(context)
+            hangs.greet_node(context)
         context.memory[_MET] = True
 
     def prepare(self) -> None:
@@ -406,7 +406,7 @@ class GradedNode:
         known = ", ".join(end.name for end in self.endpoints)
         raise ValueError(f"exercise.toml has no endpoint {name}; it has {known}")
 
-    def _published(self) -> list[str]:
+    def _list_published_topics(self) -> list[str]:
         return [end.name for end in self.endpoints if end.kind == "publisher"]
 
     def inbox(self, topic: str) -> Any:
@@ -414,7 +414,7 @@ class GradedNode:
         return self.context.grader_node.inbox(self._end(topic).interface, topic)
 
     def _exchange(self) -> Exchange:
-        return self._turn or self.context.record.sent("(nothing)", minor=True)
+        return self._turn or self.context.record.add_sent("(nothing)", minor=True)
 
 
 def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer: Any) -> OfferedService:

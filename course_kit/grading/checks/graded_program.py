@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.fair_clock import Used
+from course_kit.grading.checks.fair_clock import ProcessorUse
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Frame
 from course_kit.grading.model.plain_data import convert_record
@@ -27,7 +27,7 @@ class SubmissionEndedError(Failed):
     """The submission's process has ended while something was expected of it; by itself explained as during a call."""
 
     def __init__(self, process: ProcessStatus, job: Job) -> None:
-        diagnosis, message = exits.of_call(process, job)
+        diagnosis, message = exits.explain_call(process, job)
         super().__init__(Evidence(got="the program has ended"), message, diagnosis)
         self.process = process
 
@@ -39,7 +39,7 @@ class GradedProgram:
         self._supervisor, self._variables, self._lives = supervisor, dict(variables), lives
         self.job = job  # what is graded; of several programs the one that was started last
         self._runs = False
-        self._used = self._used_before = Used()  # in all, and until it was started last
+        self._used = self._used_before = ProcessorUse()  # in all, and until it was started last
         self.asked = ""  # of several that run, the file whose node was asked last
         self.stderr = ""  # what it had written when it was looked at last
 
@@ -96,14 +96,14 @@ class GradedProgram:
         """Kill the process that runs one of its files; False when no process does."""
         return bool(self._ask("kill", program=program)["killed"])
 
-    def used(self) -> Used:
+    def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
         if self._runs:
             process = self.status(fresh=True)
-            self._used = self._used_before.plus(process.cpu_s, process.waited_s, process.hidden_s)
+            self._used = self._used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
         return self._used
 
-    def computed_since_start(self, used: Used) -> float:
+    def computed_since_start(self, used: ProcessorUse) -> float:
         """Seconds of these for which it has computed since it was started last."""
         return used.cpu_s - self._used_before.cpu_s
 

@@ -83,14 +83,14 @@ class OfferedService:
             return
         self.requests.append(bound_message(request))
         self._waiting.append(header)
-        self._record.came(f"request {self.rclpy_service.srv_name}: {in_one_line(self.requests[-1])}", "request")
+        self._record.add_unasked(f"request {self.rclpy_service.srv_name}: {in_one_line(self.requests[-1])}", "request")
         if self.answer is not None:
             self.reply(self.answer)
 
     def reply(self, response: Message) -> None:
         """Answer every request that waits."""
         while self._waiting:
-            self._record.sent(f"response: {in_one_line(response)}", "response")
+            self._record.add_sent(f"response: {in_one_line(response)}", "response")
             self.rclpy_service.send_response(response, self._waiting.popleft())
 
 

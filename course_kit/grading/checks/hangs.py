@@ -12,7 +12,7 @@ from course_kit.grading.checks.context import GRAPH_STEP_S
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exceptions, exits
-from course_kit.grading.diagnosis.tracebacks import Activity, activity
+from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
 from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not comput
 def explain_end(
     context: CheckContext,
     evidence: Evidence,
-    why: Callable[[ProcessStatus, Job], exits.Cause] = exceptions.of_end,
+    why: Callable[[ProcessStatus, Job], exits.Cause] = exceptions.explain_end,
     got: str = "the program ended",
     breaks: str = "",
 ) -> Iterator[None]:
@@ -55,8 +55,8 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     evidence: Evidence,
     seconds: float = ANSWER_S,
     *,
-    ended: Callable[[ProcessStatus, Job], exits.Cause] = exits.of_call,
-    logged: Callable[[str, Job], exits.Cause | None] = exits.of_logged,
+    ended: Callable[[ProcessStatus, Job], exits.Cause] = exits.explain_call,
+    logged: Callable[[str, Job], exits.Cause | None] = exits.explain_logged_exception,
     breaks: str = "",
 ) -> None:
     """Wait until something is answered."""
@@ -65,15 +65,15 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
         if context.wait_until(answered, min(_NUDGE_S, seconds)):
             return
         with context.record.looking_away():  # an executor of several threads tells what a callback has raised when it
-            greet(context)  # has more to do
+            greet_node(context)  # has more to do
         if context.wait_until(answered, seconds - _NUDGE_S):
             return
-    silent = unanswered(context, evidence, clock.fair(), logged)
+    silent = explain_no_answer(context, evidence, clock.fair_s(), logged)
     silent.breaks = breaks
     raise silent
 
 
-def greet(context: CheckContext) -> None:
+def greet_node(context: CheckContext) -> None:
     """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that."""
     node = context.grader_node
     offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
@@ -83,7 +83,7 @@ def greet(context: CheckContext) -> None:
         is_answered(context, client, ListParameters.Request(), _GREET_S)
     else:
         clock = context.clock()
-        context.wait_until(lambda: clock.wall() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
+        context.wait_until(lambda: clock.wall_s() > 0.1, _GREET_S)  # noqa: PLR2004 - seconds
 
 
 def is_answered(context: CheckContext, client: ServiceClient, request: Message, seconds: float) -> bool:
@@ -92,23 +92,23 @@ def is_answered(context: CheckContext, client: ServiceClient, request: Message, 
     sent, clock = client.send(request), context.clock()
 
     def has_come() -> bool:
-        if sent.sent == 1 and clock.wall() > _ASK_AGAIN_S:
+        if sent.times_sent == 1 and clock.wall_s() > _ASK_AGAIN_S:
             sent.send_again()
-        return sent.answered()
+        return sent.is_answered()
 
     return context.wait_until(has_come, seconds)
 
 
-def unanswered(
+def explain_no_answer(
     context: CheckContext,
     evidence: Evidence,
     waited_s: float,
-    logged: Callable[[str, Job], exits.Cause | None] = exits.of_logged,
+    logged: Callable[[str, Job], exits.Cause | None] = exits.explain_logged_exception,
 ) -> Failed:
     """Establish why a program that is still running does not answer."""
     context.spoil()
-    seen = doing(context)
-    busy = computes(context)
+    seen = current_activity(context)
+    busy = is_computing(context)
     evidence = replace(evidence, got=f"no answer within {describe_seconds(waited_s)} s; the program is still running")
     diagnosis, message = _why_silent(context, seen, describe_seconds(waited_s), busy=busy)
     if diagnosis is None and (cause := logged(context.program.status(fresh=True).stderr, context.job)):
@@ -135,28 +135,28 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
         return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
     if seen.spinning and job.facts.awaits:
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
-        return (None if busy else exits.of_future(job)) or ("service.deadlock", text)
+        return (None if busy else exits.explain_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
         where = f" It is in {exits.source_line(job, seen.own)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
 
 
-def computes(context: CheckContext) -> bool:
+def is_computing(context: CheckContext) -> bool:
     """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment."""
     before = context.program.status(fresh=True)
     clock = context.clock()
     with context.after_the_verdict():
-        context.wait_until(lambda: clock.wall() > LOOK_S, LOOK_S)
+        context.wait_until(lambda: clock.wall_s() > LOOK_S, LOOK_S)
     after = context.program.status(fresh=True)
-    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall()
+    return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall_s()
 
 
-def doing(context: CheckContext) -> Activity:
+def current_activity(context: CheckContext) -> Activity:
     """What the submission's threads are doing now; unknown for other than Python source."""
-    return activity(context.program.stacks(), context.job.programs)
+    return read_activity(context.program.stacks(), context.job.programs)
 
 
-def spins(context: CheckContext) -> bool:
+def is_spinning(context: CheckContext) -> bool:
     """Whether an executor is at work, so that the node's making is over."""
-    return context.job.mode != "run" or doing(context).spinning
+    return context.job.mode != "run" or current_activity(context).spinning

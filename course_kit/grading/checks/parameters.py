@@ -83,14 +83,14 @@ class RemoteParameters:
         context, expected = self._context, f"a node called {self.node}"
         clock = context.clock()
 
-        with hangs.explain_end(context, Evidence("", expected), exceptions.of_start, ENDED):
+        with hangs.explain_end(context, Evidence("", expected), exceptions.explain_start, ENDED):
             context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
             if not self.is_ready():
                 raise self._explain_absence(expected)
             clock = context.clock()
             if not hangs.is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
                 evidence = Evidence(_VERBS[0], expected)
-                raise hangs.unanswered(context, evidence, clock.fair(), exceptions.of_logged)
+                raise hangs.explain_no_answer(context, evidence, clock.fair_s(), exceptions.explain_logged)
         return Evidence("", expected, expected)
 
     def _explain_absence(self, expected: str) -> Failed:
@@ -114,12 +114,12 @@ class RemoteParameters:
         context, request = self._context, question.request
         evidence = _evidence(question)
         context.require_time(evidence)
-        turn = context.record.sent(evidence.sent, minor=question.service in _VERBS[:2])
+        turn = context.record.add_sent(evidence.sent, minor=question.service in _VERBS[:2])
         sent = self._clients[question.service].send(request)
-        ended, logged = exceptions.of_end, exceptions.of_logged
-        hangs.await_answer(context, sent.answered, evidence, ended=ended, logged=logged)
+        ended, logged = exceptions.explain_end, exceptions.explain_logged
+        hangs.await_answer(context, sent.is_answered, evidence, ended=ended, logged=logged)
         response = bound_message(sent.response())
-        turn.came(_describe_response(request, response))
+        turn.add_received(_describe_response(request, response))
         return response
 
 

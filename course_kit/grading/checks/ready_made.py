@@ -155,7 +155,7 @@ def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequenc
     """
 
     def talk(node: GradedNode) -> Evidence:
-        return discovery.expect_node(node.context, f"/{name}", node.meet)
+        return discovery.expect_node(node.context, f"/{name}", node.ensure_running)
 
     title = f"The node is called {name}"
     return make_check(talk, check_id="node_name", title=title, points=points, proves=proves, after=after)
@@ -324,7 +324,7 @@ def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack
 
 def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float]) -> Evidence:
     """Messages come on a topic, on average with a period between these bounds; topic.silent where hardly any come."""
-    node.meet()
+    node.ensure_running()
     inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
     found, count = 0.0, max(_FEWEST, inbox.count)
     expected = f"a message on {topic} every {bounds[0]:.3g} to {bounds[1]:.3g} s, on average"
@@ -335,7 +335,7 @@ def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[flo
         found, count = periods[0], inbox.count + 1
         if any(bounds[0] <= period <= bounds[1] for period in periods):
             return Evidence("", expected, f"one every {found:.3g} s")
-        if clock.past(10 * period_s + _SILENT_S):
+        if clock.has_passed(10 * period_s + _SILENT_S):
             break
     why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
     if inbox.count < _FEWEST:

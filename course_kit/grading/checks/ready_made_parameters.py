@@ -41,7 +41,7 @@ def parameter_declared(
     """
 
     def talk(graded: GradedNode) -> Evidence:
-        graded.meet()
+        graded.ensure_running()
         remote = graded.parameters(node)
         names, found = remote.names(), remote.values(list(defaults))
         evidence = Evidence(

@@ -159,7 +159,7 @@ class Steps:
         self._drawn = 0
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
 
-    def next(self, model: Any, *, apart: bool) -> Step:
+    def draw_step(self, model: Any, *, apart: bool) -> Step:
         """The next step; `apart`, all of one rule come one after the other."""
         state = _state_of(model)
         seen = self._seen.get(state)
@@ -185,13 +185,13 @@ class Steps:
             if not isinstance(draw, Draw) or not draw.options:
                 arguments[name] = draw_values(draw, self._rng)
                 continue
-            place = wanted.place if wanted and wanted.argument == name else self._dealt(draw)
+            place = wanted.place if wanted and wanted.argument == name else self._deal_option(draw)
             tried.add(_Option(rule.name, name, place))
             arguments[name] = draw_values(draw.options[place], self._rng)
         tried.add(_Option(rule.name))
         return Step(rule, arguments)
 
-    def _dealt(self, draw: Draw) -> int:
+    def _deal_option(self, draw: Draw) -> int:
         """The place of the next option, as from a hand of cards."""
         hand = self._hands.setdefault(id(draw), [])
         if not hand:

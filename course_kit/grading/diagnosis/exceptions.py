@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+from course_kit.grading.diagnosis.tracebacks import TracebackException, last_exception
 
 if TYPE_CHECKING:
     from course_kit.grading.model.job import Job
@@ -21,18 +21,18 @@ _JUDGES = "_set_parameters_atomically_common"
 INVALID_RESULT = "Callback returned an invalid type"
 
 
-def of_end(process: ProcessStatus, job: Job) -> exits.Cause:
+def explain_end(process: ProcessStatus, job: Job) -> exits.Cause:
     """Why a submission ended that was up."""
-    if cause := exits.of_limit(process, job):
+    if cause := exits.explain_limit(process, job):
         return cause
     if process.notes.get("exit_in_callback"):
         return None, "One of your callbacks ended the whole program (SystemExit)."
-    return of_logged(process.stderr, job) or exits.exited(process)
+    return explain_logged(process.stderr, job) or exits.explain_exit(process)
 
 
-def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
+def explain_start(process: ProcessStatus, job: Job) -> exits.Cause:
     """Why a submission ended before it was up, mistakes with its parameters told apart."""
-    if exits.of_limit(process, job) is None:
+    if exits.explain_limit(process, job) is None:
         if INVALID_RESULT in process.stderr:  # rclpy warns of it, whoever catches the exception that follows
             message = (
                 "Your set-parameters callback also runs on each declaration, and it did not return a "
@@ -40,23 +40,23 @@ def of_start(process: ProcessStatus, job: Job) -> exits.Cause:
             )
             return "parameter.bad_callback", message
         raised = last_exception(process.stderr, job.programs)
-        if raised is not None and (cause := _of_parameters(raised, job)):
+        if raised is not None and (cause := _explain_parameters(raised, job)):
             return cause
-    return exits.of_start(process, job)
+    return exits.explain_start(process, job)
 
 
-def of_logged(stderr: str, job: Job) -> exits.Cause | None:
+def explain_logged(stderr: str, job: Job) -> exits.Cause | None:
     """What the last exception in a program's output means, None without one."""
     raised = last_exception(stderr, job.programs)
     if raised is None:
         return None
-    cause = exits.of_second_spin(raised, job) or _of_parameters(raised, job) or exits.of_field(raised, job)
-    where = exits.in_line(job, raised.own)
+    cause = exits.explain_respin(raised, job) or _explain_parameters(raised, job) or exits.explain_field(raised, job)
+    where = exits.name_line(job, raised.own)
     return cause or (None, f"Your program raised {raised.describe()}{where}, and nothing caught it.")
 
 
-def _of_parameters(raised: Raised, job: Job) -> exits.Cause | None:
-    where = exits.in_line(job, raised.own)
+def _explain_parameters(raised: TracebackException, job: Job) -> exits.Cause | None:
+    where = exits.name_line(job, raised.own)
     if raised.type == "ParameterNotDeclaredException":
         return "parameter.undeclared", f"{raised.text}{where}."
     functions = [frame.function for frame in raised.frames]

@@ -10,8 +10,8 @@ import sys
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from course_kit.grading.diagnosis.tracebacks import Frame, Raised, last_exception
-from course_kit.grading.model.submission import where
+from course_kit.grading.diagnosis.tracebacks import Frame, TracebackException, last_exception
+from course_kit.grading.model.submission import describe_line
 from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
@@ -45,16 +45,16 @@ def source_line(job: Job, place: int | Frame) -> str:
         job = job.for_program(name)
     lines = job.source.split("\n")
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
-    found = f"{job.name}, {where(job.places, line)}" if job.files else where(job.places, line)
+    found = f"{job.name}, {describe_line(job.places, line)}" if job.files else describe_line(job.places, line)
     return f"{found}: {text}" if text else found
 
 
-def in_line(job: Job, frame: Frame | None) -> str:
+def name_line(job: Job, frame: Frame | None) -> str:
     """` in line 12: return response`, to follow on what happened there; nothing where it is not known."""
     return f" in {source_line(job, frame)}" if frame else ""
 
 
-def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
+def explain_limit(process: ProcessStatus, job: Job) -> Cause | None:
     """The limit that ended the submission, if one did."""
     limits = job.limits
     raised = last_exception(process.stderr, job.programs)
@@ -82,24 +82,24 @@ def of_limit(process: ProcessStatus, job: Job) -> Cause | None:
     return (f"limit.{limit}", told[limit]) if limit else None
 
 
-def of_start(process: ProcessStatus, job: Job) -> Cause:
+def explain_start(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended before it could be asked anything."""
-    if cause := of_limit(process, job):
+    if cause := explain_limit(process, job):
         return cause
     if process.notes.get("functions") is not None:
         return "start.nothing", _no_class(process, job)
     raised = last_exception(process.stderr, job.programs)
     if raised is None:
-        return _of_constructor(process) or exited(process)
-    where = in_line(job, raised.own)
+        return _explain_constructor(process) or explain_exit(process)
+    where = name_line(job, raised.own)
     if raised.type in ("ModuleNotFoundError", "ImportError"):
-        return "start.import", f"{raised.describe()}{where}. {_nearest(raised)}".strip()
+        return "start.import", f"{raised.describe()}{where}. {_suggest_module(raised)}".strip()
     if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own):
         return "ros.newer", f"Your program uses `with` for rclpy.init(){where}."
     return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
 
 
-def _of_constructor(process: ProcessStatus) -> Cause | None:
+def _explain_constructor(process: ProcessStatus) -> Cause | None:
     """The class that cannot be made without arguments, if that is what ended the submission."""
     match = _NEEDS_ARGUMENTS.fullmatch(process.stderr.rstrip().rpartition("\n")[2])
     if match is None:
@@ -108,7 +108,7 @@ def _of_constructor(process: ProcessStatus) -> Cause | None:
     return "start.crash", f"Your class is made as {name}(), without arguments, but its __init__ needs {missing}."
 
 
-def exited(process: ProcessStatus) -> Cause:
+def explain_exit(process: ProcessStatus) -> Cause:
     """How it ended, when nothing tells why."""
     if launch := _OF_LAUNCH.findall(process.stderr):
         return "start.crash", f"Your launch file cannot be run: {launch[-1].rstrip('.')}."
@@ -116,12 +116,12 @@ def exited(process: ProcessStatus) -> Cause:
     return "start.exit", f"Your program ended {how} before it could answer anything."
 
 
-def of_call(process: ProcessStatus, job: Job) -> Cause:
+def explain_call(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended while it was handling a call."""
-    return of_limit(process, job) or _of_callback(process, job) or exited(process)
+    return explain_limit(process, job) or _explain_callback(process, job) or explain_exit(process)
 
 
-def _of_callback(process: ProcessStatus, job: Job) -> Cause | None:
+def _explain_callback(process: ProcessStatus, job: Job) -> Cause | None:
     returned = process.notes.get("returned")
     if returned == "None":
         return (
@@ -135,28 +135,28 @@ def _of_callback(process: ProcessStatus, job: Job) -> Cause | None:
         return None, f"Your program ended by signal {_signal_name(process.signal)} while it was handling a request."
     if process.notes.get("exit_in_callback"):
         return "service.exception", "Your callback ended the whole program (SystemExit). The client got no answer."
-    return of_logged(process.stderr, job)
+    return explain_logged_exception(process.stderr, job)
 
 
-def of_logged(stderr: str, job: Job) -> Cause | None:
+def explain_logged_exception(stderr: str, job: Job) -> Cause | None:
     """What the output of a program that is still running says about an exception in its callback."""
     raised = last_exception(stderr, job.programs)
-    return _of_exception(raised, job) if raised is not None else None
+    return _explain_exception(raised, job) if raised is not None else None
 
 
-def _of_exception(raised: Raised, job: Job) -> Cause:
+def _explain_exception(raised: TracebackException, job: Job) -> Cause:
     if raised.frames and raised.frames[-1].function == "send_response" and raised.type == "TypeError":
         return (
             "service.wrong_return",
             "Your callback did not return the response it was given; rclpy refused to send it.",
         )
-    if cause := of_second_spin(raised, job) or of_field(raised, job):
+    if cause := explain_respin(raised, job) or explain_field(raised, job):
         return cause
-    where = in_line(job, raised.own)
+    where = name_line(job, raised.own)
     return "service.exception", f"Your callback raised {raised.describe()}{where}. The client got no answer."
 
 
-def of_second_spin(raised: Raised, job: Job) -> Cause | None:
+def explain_respin(raised: TracebackException, job: Job) -> Cause | None:
     """The callback that spins: rclpy refuses that from 7.1.9 on, and waits for ever before; both is a deadlock."""
     in_callback = any(frame.function == _RUNS_CALLBACKS for frame in raised.frames)
     if raised.text != _SECOND_SPIN or raised.own is None or not in_callback:
@@ -166,7 +166,7 @@ def of_second_spin(raised: Raised, job: Job) -> Cause | None:
     return "service.deadlock", message
 
 
-def of_field(raised: Raised, job: Job) -> Cause | None:
+def explain_field(raised: TracebackException, job: Job) -> Cause | None:
     """The field of a message that refused its value, if that is what was raised."""
     match = _FIELD.search(raised.text)
     if match is None:
@@ -176,7 +176,7 @@ def of_field(raised: Raised, job: Job) -> Cause | None:
     return "field.type", text
 
 
-def of_future(job: Job) -> Cause | None:
+def explain_future(job: Job) -> Cause | None:
     """Why a callback that awaits a Future of the program's own is never resumed, while nothing computes or blocks."""
     if not (job.facts.awaits and job.facts.future):
         return None
@@ -199,7 +199,7 @@ def _no_class(process: ProcessStatus, job: Job) -> str:
     return f"Your program ran to its end without making a node. It defines {found}."
 
 
-def _nearest(raised: Raised) -> str:
+def _suggest_module(raised: TracebackException) -> str:
     if match := _NO_MODULE.search(raised.text):
         wanted = match["module"].partition(".")[0]
         known = {module.name for module in pkgutil.iter_modules()} | set(sys.stdlib_module_names)

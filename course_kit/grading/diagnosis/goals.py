@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis import exits
-from course_kit.grading.diagnosis.tracebacks import Raised, last_exception
+from course_kit.grading.diagnosis.tracebacks import TracebackException, last_exception
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,9 +24,9 @@ _LOOKS = 3  # at what the program does: on a loaded machine one may come out inc
 _VERBS = {"SUCCEED": "succeed()", "ABORT": "abort()", "CANCELED": "canceled()"}
 
 
-def of_program(process: ProcessStatus, job: Job) -> Cause:
+def explain_program(process: ProcessStatus, job: Job) -> Cause:
     """Why a submission ended while a goal was under way."""
-    if cause := exits.of_limit(process, job):
+    if cause := exits.explain_limit(process, job):
         return cause
     raised = last_exception(process.stderr, job.programs)
     if raised is not None and _in_execute(raised):
@@ -36,21 +36,21 @@ def of_program(process: ProcessStatus, job: Job) -> Cause:
                 f"Your execute callback returned {what}; rclpy could not send that as the result, and your node ended."
             )
             return "action.no_result", text
-        return _of_exception(raised, job)
-    return exits.of_call(process, job)
+        return _explain_exception(raised, job)
+    return exits.explain_call(process, job)
 
 
-def of_exception(process: ProcessStatus, job: Job) -> Cause | None:
+def explain_goal_exception(process: ProcessStatus, job: Job) -> Cause | None:
     """What a program that lives on has told about an exception in its execute callback."""
     raised = last_exception(process.stderr, job.programs)
     if raised is None or not _in_execute(raised):
         return None
-    return exits.of_limit(process, job) or _of_exception(raised, job)
+    return exits.explain_limit(process, job) or _explain_exception(raised, job)
 
 
-def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
+def explain_status(name: str, process: ProcessStatus, job: Job) -> Cause:
     """Why a goal that should have ended in another way ended as ABORTED, SUCCEEDED or CANCELED."""
-    if cause := of_exception(process, job):
+    if cause := explain_goal_exception(process, job):
         return cause
     if _NOT_ENDED in process.stderr:
         text = f"Your execute callback returned without saying how the goal ended, so rclpy made it {name}."
@@ -60,15 +60,15 @@ def of_status(name: str, process: ProcessStatus, job: Job) -> Cause:
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 
-def of_silence(look: Callable[[], Activity], over: str, seconds: float, process: ProcessStatus, job: Job) -> Cause:
+def explain_silence(look: Callable[[], Activity], over: str, seconds: float, process: ProcessStatus, job: Job) -> Cause:
     """Why no result came from a program that lives on, whose threads can be looked at."""
     if over:
-        cause = of_exception(process, job)
+        cause = explain_goal_exception(process, job)
         return cause or (None, f"The goal ended as {over}, but its result was never sent.")
     looks = [look() for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
-        if cause := exits.of_future(job):
+        if cause := exits.explain_future(job):
             return cause
         return None, f"The goal was accepted but had not ended {seconds:.1f} s later, and no callback is working on it."
     where = exits.source_line(job, at_work[0])
@@ -80,14 +80,14 @@ def of_silence(look: Callable[[], Activity], over: str, seconds: float, process:
     return "limit.time", f"After {seconds:.1f} s your execute callback was still running, in {where}."
 
 
-def _in_execute(raised: Raised) -> bool:
+def _in_execute(raised: TracebackException) -> bool:
     return any(frame.function == _EXECUTE for frame in raised.frames)
 
 
-def _of_exception(raised: Raised, job: Job) -> Cause:
-    if fault := exits.of_second_spin(raised, job) or exits.of_field(raised, job):
+def _explain_exception(raised: TracebackException, job: Job) -> Cause:
+    if fault := exits.explain_respin(raised, job) or exits.explain_field(raised, job):
         return fault
-    where = exits.in_line(job, raised.own)
+    where = exits.name_line(job, raised.own)
     if match := _TRANSITION.search(raised.text):
         verb = _VERBS.get(match["event"], match["event"])
         text = (

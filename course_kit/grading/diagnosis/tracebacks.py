@@ -31,7 +31,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Raised:
+class TracebackException:
     """An exception as a traceback tells it."""
 
     type: str  # the exception's name without its module
@@ -44,7 +44,7 @@ class Raised:
         return f"{self.type}: {self.text}" if self.text else self.type
 
 
-def last_exception(stderr: str, programs: Collection[str]) -> Raised | None:
+def last_exception(stderr: str, programs: Collection[str]) -> TracebackException | None:
     """The last complete traceback in what programs, by the names of their files, wrote to stderr, or None."""
     lines = stderr.splitlines()
     begins = [number for number, line in enumerate(lines) if _HEADER in line and not _is_ignored(lines, number)]
@@ -57,7 +57,7 @@ def last_exception(stderr: str, programs: Collection[str]) -> Raised | None:
         elif line and not line[0].isspace() and (match := _EXCEPTION.match(line)):
             own = [frame for frame in frames if _is_own(frame, programs)]
             kind = match["type"].rpartition(".")[2]
-            return Raised(kind, (match["text"] or "").strip(), own[-1] if own else None, tuple(frames))
+            return TracebackException(kind, (match["text"] or "").strip(), own[-1] if own else None, tuple(frames))
     return None
 
 
@@ -83,7 +83,7 @@ class Activity:
     own: Frame | None = None  # the learner's own line of any thread, callbacks first
 
 
-def activity(dump: str, programs: Collection[str]) -> Activity:
+def read_activity(dump: str, programs: Collection[str]) -> Activity:
     """Interpret a dump of all threads by faulthandler."""
     spinning, callback, waits, anywhere = False, None, False, None
     stacks = _stacks(dump)

@@ -28,7 +28,7 @@ _DOTS = "..."
 
 def bound_message(message: Message) -> Message:
     """A ROS message in which no text and no sequence is too long; it is changed, not copied."""
-    for name in _growing(_kind(message)):
+    for name in _fields_without_bound(_kind(message)):
         value = getattr(message, name)
         if isinstance(value, str):
             if len(value) > LONGEST_TEXT:
@@ -47,7 +47,7 @@ def _bound_elements(message: Message, name: str) -> None:
     if isinstance(elements, list) and elements:
         if isinstance(elements[0], str):
             setattr(message, name, [text[:LONGEST_TEXT] for text in elements])
-        elif hasattr(elements[0], "get_fields_and_field_types") and _growing(_kind(elements[0])):
+        elif hasattr(elements[0], "get_fields_and_field_types") and _fields_without_bound(_kind(elements[0])):
             for element in elements:
                 bound_message(element)
 
@@ -57,14 +57,14 @@ def _kind(message: Message) -> Any:
 
 
 @lru_cache(maxsize=256)
-def _growing(kind: Message) -> tuple[str, ...]:
+def _fields_without_bound(kind: Message) -> tuple[str, ...]:
     """The fields of a message class that can hold texts or sequences of any length."""
     made = kind()
     names = []
     for name, described in kind.get_fields_and_field_types().items():
         value = getattr(made, name)
         if hasattr(value, "get_fields_and_field_types"):
-            grows = bool(_growing(_kind(value)))
+            grows = bool(_fields_without_bound(_kind(value)))
         else:
             grows = "string" in described or "sequence" in described or ("/" in described and "[" in described)
         if grows:

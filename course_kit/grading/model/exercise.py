@@ -162,8 +162,8 @@ def find_exercises_folder() -> Path:
 def find_exercises(folder: Path | None = None) -> FoundExercises:
     """Where the exercises lie."""
     if folder is not None:
-        return FoundExercises(exercise_folders.within(folder))
-    found = exercise_folders.find()
+        return FoundExercises(exercise_folders.exercises_in_folder(folder))
+    found = exercise_folders.find_exercises()
     if not found.folders and not found.problems:
         find_exercises_folder()
     return found
@@ -199,7 +199,7 @@ def read_exercise(folder: Path) -> Exercise:
         exercise = convert_record({**table, "folder": folder}, Exercise)
         _require_sense(exercise)
     except ValueError as problem:
-        raise _unusable(folder, problem) from problem
+        raise _explain_unusable(folder, problem) from problem
     return exercise
 
 
@@ -208,10 +208,10 @@ def read_exercise_table(folder: Path) -> Record:
     try:
         return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
-        raise _unusable(folder, problem) from problem
+        raise _explain_unusable(folder, problem) from problem
 
 
-def _unusable(folder: Path, problem: Exception) -> GradingError:
+def _explain_unusable(folder: Path, problem: Exception) -> GradingError:
     return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {problem}.")
 
 

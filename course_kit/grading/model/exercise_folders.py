@@ -38,7 +38,7 @@ class FoundExercises:
     @property
     def doubles(self) -> dict[str, str]:
         """By id a sentence for each exercise that is there more than once."""
-        return {name: _double(name, places) for name, places in self.folders.items() if len(places) > 1}
+        return {name: _describe_double(name, places) for name, places in self.folders.items() if len(places) > 1}
 
 
 def course_folder() -> Path | None:
@@ -61,7 +61,7 @@ def in_course(folder: Path, name: str) -> str:
     return (folder / name).relative_to(own.parent).as_posix()
 
 
-def within(folder: Path) -> dict[str, tuple[Path, ...]]:
+def exercises_in_folder(folder: Path) -> dict[str, tuple[Path, ...]]:
     """The exercises in one folder, by their ids."""
     return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
 
@@ -69,23 +69,23 @@ def within(folder: Path) -> dict[str, tuple[Path, ...]]:
 def drills(folder: Path | None = None) -> dict[str, tuple[Path, ...]]:
     """The drills of the course, or of another folder of exercises, by their ids: found only when asked for."""
     own = course_folder() if folder is None else folder
-    return {} if own is None else within(own / DRILLS)
+    return {} if own is None else exercises_in_folder(own / DRILLS)
 
 
-def place(folder: Path) -> Path:
+def path_below(folder: Path) -> Path:
     """Where an exercise lies in a folder of exercises: under its id, or among the drills."""
     return Path(DRILLS, folder.name) if folder.parent.name == DRILLS else Path(folder.name)
 
 
-def find() -> FoundExercises:
+def find_exercises() -> FoundExercises:
     """The course's own exercises and those that were added; a folder that is named twice counts once."""
     own = course_folder()
-    found = {} if own is None else within(own)
+    found = {} if own is None else exercises_in_folder(own)
     problems = []
     for folder in _entries():
         exercises = list(_exercises(folder))
         if not exercises:
-            problems.append(_nothing(folder, VARIABLE))
+            problems.append(_explain_nothing_found(folder, VARIABLE))
         for exercise in exercises:
             known = found.get(exercise.name, ())
             if not any(_is_same(exercise, other) for other in known):
@@ -93,12 +93,12 @@ def find() -> FoundExercises:
     return FoundExercises(found, tuple(problems))
 
 
-def add(folders: Iterable[str]) -> None:
+def add_exercise_folder(folders: Iterable[str]) -> None:
     """Add folders for this process and all that it starts."""
     for named in folders:
         folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept
         if not any(_exercises(folder)):
-            raise GradingError(_nothing(folder, _OPTION))
+            raise GradingError(_explain_nothing_found(folder, _OPTION))
         if os.pathsep in str(folder):
             raise GradingError(f"The name {folder} has a '{os.pathsep}' in it, which divides folders. Rename it.")
         os.environ[VARIABLE] = os.pathsep.join(filter(None, [os.environ.get(VARIABLE, ""), str(folder)]))
@@ -106,11 +106,11 @@ def add(folders: Iterable[str]) -> None:
 
 def interface_path() -> str:
     """COURSE_KIT_INTERFACE_PATH for a learner's programs: with the interfaces that exercises bring with them."""
-    folders = (str(folder / INTERFACES) for places in find().folders.values() for folder in places)
+    folders = (str(folder / INTERFACES) for places in find_exercises().folders.values() for folder in places)
     return path_with(*filter(os.path.isdir, folders))
 
 
-def added() -> list[Path]:
+def added_exercises() -> list[Path]:
     """The folders of all exercises that were added."""
     return [exercise for folder in _entries() for exercise in _exercises(folder)]
 
@@ -140,7 +140,7 @@ def _is_same(one: Path, other: Path) -> bool:
         return one == other
 
 
-def _nothing(folder: Path, named_by: str) -> str:
+def _explain_nothing_found(folder: Path, named_by: str) -> str:
     if not folder.is_absolute():
         return f"{named_by} names the folder {folder}, which counts for nothing. Write its whole path, from / on."
     if not folder.is_dir():
@@ -148,7 +148,7 @@ def _nothing(folder: Path, named_by: str) -> str:
     return f"There is no exercise in {folder}, which {named_by} names: no {TOML}, neither in it nor in a folder in it."
 
 
-def _double(name: str, places: tuple[Path, ...]) -> str:
+def _describe_double(name: str, places: tuple[Path, ...]) -> str:
     return (
         f"There are {len(places)} exercises '{name}': in {' and in '.join(map(str, places))}. Rename one, its folder "
         f"and the id in its {TOML}, or leave one out."

@@ -30,13 +30,13 @@ class Isolation:
     reason: str = ""  # why something of these is missing, for people; empty when all hold
 
     @property
-    def full(self) -> bool:
+    def is_full(self) -> bool:
         """Whether all holds that LIMITS.md promises of a machine which allows namespaces."""
         return self.network and self.processes and self.files and self.syscalls and (self.user or not self.root)
 
     def require(self) -> None:
         """Insist on all of it."""
-        if not self.full:
+        if not self.is_full:
             raise GradingError(
                 "Nothing was graded: --require-isolation asks for full isolation, and this machine "
                 "does not offer it. It "

@@ -36,23 +36,23 @@ def apply_to_this_process(limits: Limits, others: int) -> None:
     """Have the kernel hold this process, and everything it starts, to `limits`."""
     data = (limits.memory_mb + RESERVED_MB) * _MB
     # One second between the signal that ends the program (SIGXCPU) and the one nobody can catch.
-    _lower(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
-    _lower(resource.RLIMIT_DATA, data, data)
+    _lower_limit(resource.RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 1)
+    _lower_limit(resource.RLIMIT_DATA, data, data)
     tasks = limits.tasks + SPARE_TASKS + others
-    _lower(resource.RLIMIT_NPROC, tasks, tasks)
-    _lower(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
-    _lower(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
-    _lower(resource.RLIMIT_CORE, 0, 0)
+    _lower_limit(resource.RLIMIT_NPROC, tasks, tasks)
+    _lower_limit(resource.RLIMIT_FSIZE, limits.file_mb * _MB, limits.file_mb * _MB)
+    _lower_limit(resource.RLIMIT_NOFILE, limits.open_files, limits.open_files)
+    _lower_limit(resource.RLIMIT_CORE, 0, 0)
 
 
 def bound_reader(seconds: float) -> None:
     """Bound this process of the grader, which reads what a submission sends."""
-    _lower(resource.RLIMIT_DATA, _READER_MB * _MB, _READER_MB * _MB)
-    _lower(resource.RLIMIT_CPU, int(seconds) + 1, int(seconds) + 2)
-    _lower(resource.RLIMIT_CORE, 0, 0)
+    _lower_limit(resource.RLIMIT_DATA, _READER_MB * _MB, _READER_MB * _MB)
+    _lower_limit(resource.RLIMIT_CPU, int(seconds) + 1, int(seconds) + 2)
+    _lower_limit(resource.RLIMIT_CORE, 0, 0)
 
 
-def _lower(what: int, soft: int, hard: int) -> None:
+def _lower_limit(what: int, soft: int, hard: int) -> None:
     _, highest = resource.getrlimit(what)
     if highest != resource.RLIM_INFINITY:
         soft, hard = min(soft, highest), min(hard, highest)

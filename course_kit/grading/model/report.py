@@ -78,10 +78,10 @@ class Report:
         """What was reached, in words: `8 of 10 points, passed`; of a drill `solved`."""
         if self.practice:
             return "solved" if self.passed else "not solved yet"
-        return f"{self.score:g} of {in_points(self.max_score)}, {self.standing}"
+        return f"{self.score:g} of {in_points(self.max_score)}, {self.passed_in_words}"
 
     @property
-    def standing(self) -> str:
+    def passed_in_words(self) -> str:
         """Whether it is enough, in words; of a part alone, which one it is."""
         return f"{self.part} alone" if self.part else "passed" if self.passed else "not passed yet"
 

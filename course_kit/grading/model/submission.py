@@ -63,7 +63,7 @@ class Submission:
         if self.fault is None:
             return ""
         line, text, problem = self.fault
-        place = f" in {self.where(line)}: {text}" if line else ""
+        place = f" in {self.describe_line(line)}: {text}" if line else ""
         return f"{problem[:1].upper()}{problem[1:].rstrip('.')}{place}."
 
     @property
@@ -71,12 +71,12 @@ class Submission:
         """What to say of a notebook with several answers."""
         return f"several cells define {self.twice}: the last one counts" if self.twice else ""
 
-    def where(self, line: int) -> str:
+    def describe_line(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""
-        return where(self.places, line)
+        return describe_line(self.places, line)
 
 
-def where(places: tuple[tuple[int, int], ...], line: int) -> str:
+def describe_line(places: tuple[tuple[int, int], ...], line: int) -> str:
     """Where a line of a program stands, `line 12` or `cell 3, line 2`; see `Submission.places`."""
     before = 0
     for cell, lines in places:

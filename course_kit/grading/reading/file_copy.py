@@ -78,7 +78,7 @@ class Copy(Closable):
         self.name += ARCHIVE
         digest = hashlib.sha256()
         with zipfile.ZipFile(self._file, "w") as archive:
-            for path in _listed(folder):
+            for path in _list_submission_files(folder):
                 with open(_open(path), "rb", buffering=0) as source:
                     data = source.read(LARGEST_NOTEBOOK + 1 - self.size)
                 self.size += len(data)
@@ -100,7 +100,7 @@ class Copy(Closable):
             raise _not_read(path, problem) from None
 
 
-def _listed(folder: Path) -> list[Path]:
+def _list_submission_files(folder: Path) -> list[Path]:
     """The files below a folder that may be of a submission, hidden folders and what links lead to left out."""
     found: list[Path] = []
     for place, folders, names in os.walk(folder):

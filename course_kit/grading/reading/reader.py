@@ -127,7 +127,7 @@ class Reader(Closable):
             except (EOFError, ValueError, OSError):  # another program has ended it
                 pass
             else:
-                if self._understood(copy, ended):
+                if self._has_answer(copy, ended):
                     return _summary(copy, answer)
             words = self._said.last_line()
             self.close()
@@ -153,7 +153,7 @@ class Reader(Closable):
                 raise EOFError("the reader hangs")
         return contract.receive_packet(self._line)[0]
 
-    def _understood(self, copy: Copy, ended: Record) -> bool:
+    def _has_answer(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0

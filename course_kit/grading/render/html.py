@@ -29,7 +29,7 @@ _TEMPLATES = Path(__file__).with_name("templates")
 NOTICE_BEGINS, NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown
-# As `Submission.where` words it; what a learner's program says may look like it, and then marks a line too many.
+# As `Submission.describe_line` words it; a learner's program may say the like, and then marks a line too many.
 _PLACE = re.compile(r"(?:\b\w[\w.-]{0,99}\.py, )?\b(?:cell \d{1,6}, )?line \d{1,6}\b")
 
 
@@ -52,7 +52,7 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
     found = []
     for name, one in program.files.items() or [("", program)]:
         for number, text in enumerate(one.source.rstrip("\n").split("\n"), start=1):
-            place = f"{name}, {one.where(number)}" if name else one.where(number)
+            place = f"{name}, {one.describe_line(number)}" if name else one.describe_line(number)
             found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
     return found[:MOST_LINES]
 

@@ -58,7 +58,7 @@ def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> li
     if check.status == "skipped":
         return [*head, *_wrap(check.message, width, indent=len(begin))]
     rows = [("why", check.message), ("we sent", check.sent), ("expected", check.expected), ("we got", check.got)]
-    rows += [*_steps(check), *_beside("graph", in_sentences(check.graph) if check.graph else [])]
+    rows += [*_steps(check), *_name_first_line("graph", in_sentences(check.graph) if check.graph else [])]
     rows += [("hint", check.hint or ""), ("diagnosis", check.diagnosis or "")]
     body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
     return [*head, *body, ""]
@@ -75,10 +75,10 @@ def _steps(check: CheckReport) -> list[tuple[str, str]]:
         return []
     numbers = itertools.count(1)
     lines = [str(step) if step.kind == "note" else f"{next(numbers)}. {step}" for step in steps]
-    return _beside("exchange", lines)
+    return _name_first_line("exchange", lines)
 
 
-def _beside(name: str, lines: list[str]) -> list[tuple[str, str]]:
+def _name_first_line(name: str, lines: list[str]) -> list[tuple[str, str]]:
     return [("" if number else name, line) for number, line in enumerate(lines)]
 
 

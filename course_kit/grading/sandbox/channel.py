@@ -58,11 +58,11 @@ class Channel(Closable):
 
     def receive(self, timeout: float | None = None) -> Record:
         """Wait for one message, at most `timeout` seconds for its beginning."""
-        if not self._ready(timeout):
+        if not self._is_readable(timeout):
             raise TimeoutError(f"no message from the other process within {timeout:g} s")
-        (length,) = _LENGTH.unpack(self._exactly(_LENGTH.size))
+        (length,) = _LENGTH.unpack(self._receive_exactly(_LENGTH.size))
         try:
-            message = json.loads(self._exactly(length)) if length <= _LARGEST else None
+            message = json.loads(self._receive_exactly(length)) if length <= _LARGEST else None
         except (ValueError, RecursionError):
             message = None
         if not isinstance(message, dict):
@@ -91,13 +91,13 @@ class Channel(Closable):
     def __del__(self) -> None:
         self._socket.close()
 
-    def _ready(self, timeout: float | None) -> bool:
+    def _is_readable(self, timeout: float | None) -> bool:
         """Whether something can be read, or the other end has closed, within `timeout` seconds."""
         poll = select.poll()  # unlike select(), good for descriptors past 1023
         poll.register(self._socket, select.POLLIN)
         return bool(poll.poll(None if timeout is None else timeout * 1000))
 
-    def _exactly(self, count: int) -> bytes:
+    def _receive_exactly(self, count: int) -> bytes:
         parts = []
         while count:
             try:

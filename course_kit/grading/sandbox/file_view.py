@@ -124,7 +124,7 @@ def _interpreter() -> list[str]:
     for variable in _SEARCH_PATHS:
         named += _entries(os.environ.get(variable, ""))
     named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
-    named += [os.path.dirname(path) for path in _mapped()]  # noqa: PTH120
+    named += [os.path.dirname(path) for path in _loaded_libraries()]  # noqa: PTH120
     return list(dict.fromkeys(named))
 
 
@@ -132,7 +132,7 @@ def _entries(text: str) -> list[str]:
     return [entry for entry in text.split(os.pathsep) if os.path.isabs(entry)]  # noqa: PTH117
 
 
-def _mapped() -> set[str]:
+def _loaded_libraries() -> set[str]:
     """The files of the libraries that are loaded."""
     with open("/proc/self/maps", encoding="utf-8", errors="surrogateescape") as file:  # noqa: PTH123 - a file of the kernel
         names = {line[line.index("/") :].rstrip("\n") for line in file if "/" in line}
@@ -275,7 +275,7 @@ def _change_root(folder: str) -> None:
     os.chdir("/")
 
 
-def readable(view: FileView) -> Iterator[landlock.Readable]:
+def list_readable(view: FileView) -> Iterator[landlock.ReadableFile]:
     """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry.
 
     Its names may be read, for Python looks for modules in them; so may those in what is masked.
@@ -284,16 +284,16 @@ def readable(view: FileView) -> Iterator[landlock.Readable]:
     """
     for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
-            yield from _around(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
-    yield from (landlock.Readable(f"/dev/{name}") for name in _DEVICES[1:])
-    yield landlock.Readable("/proc")
+            yield from _list_around_masks(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
+    yield from (landlock.ReadableFile(f"/dev/{name}") for name in _DEVICES[1:])
+    yield landlock.ReadableFile("/proc")
 
 
-def _around(path: str, masks: list[str]) -> Iterator[landlock.Readable]:
-    yield landlock.Readable(path, only_names=bool(masks))
+def _list_around_masks(path: str, masks: list[str]) -> Iterator[landlock.ReadableFile]:
+    yield landlock.ReadableFile(path, only_names=bool(masks))
     if not masks:
         return
     with os.scandir(path) as entries:
         for entry in entries:
             if entry.path not in masks and not entry.is_symlink():
-                yield from _around(entry.path, [mask for mask in masks if mask.startswith(f"{entry.path}/")])
+                yield from _list_around_masks(entry.path, [mask for mask in masks if mask.startswith(f"{entry.path}/")])

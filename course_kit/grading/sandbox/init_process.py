@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import memory, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
-from course_kit.grading.sandbox.scheduling import Waiting, last_task
+from course_kit.grading.sandbox.scheduling import WaitTime, last_task
 from course_kit.process import tree
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
+    from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams
 
 FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"
@@ -35,40 +35,40 @@ _MB = 1024 * 1024
 _LONGEST_NAME = 15  # characters that the kernel keeps of a process's name
 
 
-def main(program: Program, cell: Conditions, inside: Streams) -> None:
+def main(program: Program, setup: RunSetup, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
     set_name("grade init")
     die_with_parent()
     adopt_orphans()
-    if cell.isolation.files:
+    if setup.isolation.files:
         try:
-            arrange_files(cell.view, cell.scratch, 2 * cell.limits.file_mb, cell.user)
+            arrange_files(setup.view, setup.scratch, 2 * setup.limits.file_mb, setup.user)
         except OSError as problem:  # it worked when it was tried out: the machine has run out of something
             inside.tell(problem=f"the sandbox cannot be arranged: {problem}")
             return
     child = os.fork()
     if child == 0:
         try:
-            runner.main(program, cell, inside)
+            runner.main(program, setup, inside)
         finally:
             os._exit(FAILED)
     namespaces.forbid_tracing()
     for end in (inside.stdout, inside.stderr, inside.evidence):
         os.close(end)
-    waiting = Waiting(child, with_children=bool(program.command) or program.launches)
-    _Watch(child, cell, inside, waiting, together=program.launches).until_end()
-    if not cell.isolation.processes:
+    waiting = WaitTime(child, with_children=bool(program.command) or program.launches)
+    _Watch(child, setup, inside, waiting, together=program.launches).until_end()
+    if not setup.isolation.processes:
         tree.end_descendants()
     os._exit(0)
 
 
 class _Watch:
-    def __init__(self, child: int, cell: Conditions, inside: Streams, waiting: Waiting, *, together: bool) -> None:
+    def __init__(self, child: int, setup: RunSetup, inside: Streams, waiting: WaitTime, *, together: bool) -> None:
         """Watch a program, or several `together`: the kernel counts the computing of each process alone."""
         self._child = child
         self._together = together
-        self._limits = cell.limits
-        self._own_network = cell.isolation.network
+        self._limits = setup.limits
+        self._own_network = setup.isolation.network
         self._inside = inside
         self._waiting = waiting
         self._root = tree.this_process()
@@ -87,11 +87,11 @@ class _Watch:
             events = dict(poll.poll(_PERIOD_S * 1000))
             ended = self._reap()
             if ended is not None:
-                self._inside.tell(**self._usage(), **_how(ended))
+                self._inside.tell(**self._usage(), **_describe_end(ended))
                 return
             if self._inside.control in events and not self._obey():
                 return
-            if limit := self._exceeded():
+            if limit := self._exceeded_limit():
                 self._inside.tell(**self._usage(), limit=limit)
                 return
 
@@ -114,19 +114,19 @@ class _Watch:
         for wish in wishes.splitlines():
             if wish[:1] in (STACKS, KILL):
                 number = runner.STACKS_SIGNAL if wish[:1] == STACKS else signal.SIGKILL
-                chosen = self._running(wish[1:].decode()) if wish[1:] else [self._child]
+                chosen = self._processes_running(wish[1:].decode()) if wish[1:] else [self._child]
                 found += len(chosen)
                 for process_id in chosen:
                     _send(process_id, number)
         self._inside.tell(**self._usage(), found=found)
         return True
 
-    def _running(self, name: str) -> list[int]:
+    def _processes_running(self, name: str) -> list[int]:
         """The processes that run a file: the one named so, see `runner`, or the Python that was started with it."""
-        return [one for one in self._everything() if one != self._child and _runs(one, name)]
+        return [one for one in self._started_processes() if one != self._child and _runs(one, name)]
 
-    def _exceeded(self) -> str:
-        everything = self._everything()
+    def _exceeded_limit(self) -> str:
+        everything = self._started_processes()
         if len(everything) > self._limits.tasks:  # a program that forks without end outruns any closer look
             return "processes"
         if self._last > _STARTED_AT_ONCE + _STARTED_PER_S * (time.monotonic() - self._began):
@@ -147,7 +147,7 @@ class _Watch:
             return False
         return memory.measure_memory(everything, _PATIENCE_S) + sockets > allowed
 
-    def _everything(self) -> list[int]:
+    def _started_processes(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else."""
         if self._root != 1:
             return tree.descendants_of(self._root)
@@ -157,7 +157,7 @@ class _Watch:
         return self._known
 
     def _usage(self) -> Record:
-        everything = self._everything()
+        everything = self._started_processes()
         usage = tree.measure_usage(everything)
         waited_s = self._waiting.look(everything, usage.tasks)
         own = os.times()  # what watching costs is the submission's: it decides how often there is something to see
@@ -186,7 +186,7 @@ def _runs(process_id: int, name: str) -> bool:
     return False
 
 
-def _how(status: int) -> Record:
+def _describe_end(status: int) -> Record:
     if os.WIFSIGNALED(status):
         number = os.WTERMSIG(status)
         return {"signal": number, **({"limit": "time"} if number == signal.SIGXCPU else {})}

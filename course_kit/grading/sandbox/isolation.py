@@ -46,7 +46,7 @@ def advice_for_root() -> str:
     )
 
 
-def guest(worker: int) -> int:
+def guest_user(worker: int) -> int:
     """The number of a user for the submissions of a worker process, where the grader is root."""
     return _FIRST_GUEST + worker % _GUESTS
 
@@ -57,7 +57,7 @@ class Trial:
     def __init__(self, *, with_guest: bool = True) -> None:
         """Begin; `outcome` has to be asked for, as it cleans up."""
         self._root = os.geteuid() == 0
-        self._user = guest(os.getpid()) if self._root and with_guest else 0
+        self._user = guest_user(os.getpid()) if self._root and with_guest else 0
         self._reader, writer = os.pipe()
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-")
         self._child = fork_child(partial(_try_each, writer, self._folder.name, self._user))

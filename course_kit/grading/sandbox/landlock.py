@@ -32,7 +32,7 @@ _OUTSIDE = 0x3  # abstract sockets and signals, since version 6
 _REFER_SINCE, _TRUNCATE_SINCE, _TCP_SINCE, _IOCTL_SINCE, _OUTSIDE_SINCE = 2, 3, 4, 5, 6
 
 
-class Readable(NamedTuple):
+class ReadableFile(NamedTuple):
     """A file, or a folder with all below it, to read and to run."""
 
     path: str  # its name; nothing is allowed by that of a symbolic link
@@ -48,7 +48,7 @@ def version() -> int:
         return 0
 
 
-def restrict(readable: Iterable[Readable], writable: Iterable[str]) -> None:
+def restrict(readable: Iterable[ReadableFile], writable: Iterable[str]) -> None:
     """Have this process, and all it will start, open nothing but what is listed."""
     kernel = version()
     rights = _FIRST_RIGHTS

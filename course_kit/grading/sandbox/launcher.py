@@ -22,7 +22,7 @@ from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
-from course_kit.grading.sandbox.start_order import Conditions, Program, Streams
+from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams
 from course_kit.process import Closable, tree
 from course_kit.process.fork import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
@@ -59,7 +59,7 @@ class Launcher(Closable):
         with suppress(OSError):  # it has ended; whoever starts a program is told
             self._line.send(_LOAD + json.dumps(interfaces).encode())
 
-    def start(self, program: Program, cell: Conditions, inside: Streams, network: Sequence[int]) -> None:
+    def start(self, program: Program, setup: RunSetup, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over."""
         ours, theirs = socket.socketpair()
         request = Channel(ours)
@@ -67,7 +67,7 @@ class Launcher(Closable):
             descriptors = [theirs.fileno(), *inside.descriptors(), *network]
             socket.send_fds(self._line, [_START], descriptors)
             theirs.close()
-            request.send({"program": program, "cell": cell})
+            request.send({"program": program, "setup": setup})
         except (OSError, ChannelClosedError) as problem:
             raise SandboxStartError(f"a program cannot be started: {problem}") from problem
         finally:
@@ -153,25 +153,25 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
     set_name("grade enter")
     die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
-    program, cell = _receive(descriptors[_REQUEST][0])
+    program, setup = _receive(descriptors[_REQUEST][0])
     try:
         if network := descriptors[_NAMESPACES]:
             namespaces.join(*network)
             for descriptor in network:
                 os.close(descriptor)
-        if cell.isolation.processes:
-            enter_processes(cell.user)
+        if setup.isolation.processes:
+            enter_processes(setup.user)
     except OSError as problem:  # it worked when it was tried out: the machine has run out of something
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
     die_with_parent()  # entering a user namespace has cleared it
-    child = fork_child(partial(init_process.main, program, cell, inside), failed=init_process.FAILED)
+    child = fork_child(partial(init_process.main, program, setup, inside), failed=init_process.FAILED)
     inside.close()
     os.waitpid(child, 0)
 
 
-def _receive(descriptor: int) -> tuple[Program, Conditions]:
+def _receive(descriptor: int) -> tuple[Program, RunSetup]:
     channel = Channel(socket.socket(fileno=descriptor))
     request = channel.receive(_REQUEST_S)
     channel.close()
-    return convert_record(request["program"], Program), convert_record(request["cell"], Conditions)
+    return convert_record(request["program"], Program), convert_record(request["setup"], RunSetup)

@@ -62,11 +62,11 @@ class _TaskRoom(NamedTuple):
 
 def require_machine(promised: Limits) -> None:
     """See that this machine can grade."""
-    if problem := lacking(promised, guest=os.geteuid() == 0):
+    if problem := describe_lacks(promised, guest=os.geteuid() == 0):
         raise GradingError(problem)
 
 
-def lacking(promised: Limits, *, guest: bool) -> str:
+def describe_lacks(promised: Limits, *, guest: bool) -> str:
     """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing."""
     if not sys.platform.startswith("linux"):
         return (
@@ -91,7 +91,7 @@ def raise_soft_limits() -> None:
     """Take for this process, and all it starts, what its user may have anyhow: many systems begin with little."""
     for what, _, _ in (*_RESOURCES, (resource.RLIMIT_NPROC, "", "")):
         soft, hard = resource.getrlimit(what)
-        wanted = min(_known(hard), max(_known(soft), _USUAL_FILES)) if what == resource.RLIMIT_NOFILE else hard
+        wanted = min(_number(hard), max(_number(soft), _USUAL_FILES)) if what == resource.RLIMIT_NOFILE else hard
         with suppress(ValueError, OSError):  # a limit that the kernel reports and does not take
             resource.setrlimit(what, (wanted, hard))
 
@@ -106,7 +106,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
         promised.file_mb * _KB,
     )
     for (what, option, told), least in zip(_RESOURCES, needed, strict=True):
-        allowed = _known(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
+        allowed = _number(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
         if allowed < least:
             yield (
                 f"A process may {told.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
@@ -124,7 +124,7 @@ def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
 
 def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
     """What limits the processes and threads of all gradings together; a limit that nobody reaches is left out."""
-    allowed = _known(resource.getrlimit(resource.RLIMIT_NPROC)[1])
+    allowed = _number(resource.getrlimit(resource.RLIMIT_NPROC)[1])
     if guest:  # of whom there is nothing yet
         yield _TaskRoom(allowed, 0, _OF_A_USER)
     elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
@@ -150,6 +150,6 @@ def _tasks(promised: Limits) -> int:
     return promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
 
 
-def _known(limit: int) -> int:
+def _number(limit: int) -> int:
     """A limit as a number that can be compared."""
     return 2**62 if limit == resource.RLIM_INFINITY else limit

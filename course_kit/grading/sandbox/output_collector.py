@@ -120,7 +120,7 @@ class OutputCollector:
             return "the process that watches the submission was killed, perhaps because the machine is out of memory"
         return ""
 
-    def killed(self) -> bool:
+    def was_killed(self) -> bool:
         """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
         return self._facts.get("signal") == signal.SIGKILL and "limit" not in self._facts
 
@@ -195,10 +195,10 @@ class OutputCollector:
         for line in self._evidence.split(b"\n"):
             if line.startswith(b'{"note"'):
                 with suppress(ValueError, TypeError, KeyError, AttributeError, RecursionError):
-                    self._notes.update(_sound(json.loads(line)["note"]))
+                    self._notes.update(_keep_sound_fields(json.loads(line)["note"]))
 
 
-def _sound(note: Record) -> Record:
+def _keep_sound_fields(note: Record) -> Record:
     """What of a note has the shape the runner gives it: the submission can write here, too."""
     sound: Record = {}
     for name, value in note.items():

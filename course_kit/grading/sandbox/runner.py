@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from types import CodeType
 
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.start_order import Conditions, Streams
+    from course_kit.grading.sandbox.start_order import RunSetup, Streams
     from course_kit.launch.node import ProcessDescription
 
 # What launch files import has to be loaded before the kit's own files disappear.
@@ -53,11 +53,11 @@ _LONGEST_VALUE = 48 * 1024  # characters of all together; the grader keeps 64 kB
 _LONGEST_NAME, _MOST_NAMES = 40, 50
 
 
-def main(program: Program, cell: Conditions, inside: Streams) -> None:
+def main(program: Program, setup: RunSetup, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
     try:
-        evidence = _lock_in(cell, inside)
-        program = _prepare(program, cell)
+        evidence = _lock_in(setup, inside)
+        program = _prepare(program, setup)
     except Exception as problem:  # noqa: BLE001 - all of it is the kit's; it worked when it was tried out
         inside.tell(problem=f"the program could not be started: {problem}")
         return
@@ -85,28 +85,28 @@ def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence:
     _finish(status)
 
 
-def _lock_in(cell: Conditions, inside: Streams) -> int:
+def _lock_in(setup: RunSetup, inside: Streams) -> int:
     """Give up every right and every stream that is not the program's; returns the descriptor for evidence."""
     set_name("submission")
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
-    os.setpriority(os.PRIO_PROCESS, 0, cell.priority)
-    _give_up_rights(cell)
-    cell.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
+    os.setpriority(os.PRIO_PROCESS, 0, setup.priority)
+    _give_up_rights(setup)
+    setup.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
     return _arrange_streams(inside)
 
 
-def _give_up_rights(cell: Conditions) -> None:
+def _give_up_rights(setup: RunSetup) -> None:
     """For good: after this the process, and all it starts, can do no more than the submission may."""
-    if not cell.isolation.files and cell.isolation.landlock:
-        landlock.restrict(file_view.readable(cell.view), (cell.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
-    if cell.user:
-        isolation.become(cell.user)
+    if not setup.isolation.files and setup.isolation.landlock:
+        landlock.restrict(file_view.list_readable(setup.view), (setup.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
+    if setup.user:
+        isolation.become(setup.user)
     namespaces.drop_privileges()
     namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
-    if cell.isolation.syscalls:
-        seccomp.install(processes=cell.isolation.processes, files=cell.isolation.files)
+    if setup.isolation.syscalls:
+        seccomp.install(processes=setup.isolation.processes, files=setup.isolation.files)
     _forget_the_grader()
 
 
@@ -117,10 +117,10 @@ def _forget_the_grader() -> None:
             del sys.modules[name]
 
 
-def _prepare(program: Program, cell: Conditions) -> Program:
+def _prepare(program: Program, setup: RunSetup) -> Program:
     """Lay out all that the program finds when it begins; returns it with the names of its files among its arguments."""
-    folder = cell.scratch
-    variables = {**cell.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
+    folder = setup.scratch
+    variables = {**setup.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
     os.environ.update(variables)
     sys.dont_write_bytecode = True
     tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
@@ -128,7 +128,7 @@ def _prepare(program: Program, cell: Conditions) -> Program:
     program = _with_files(program, Path(folder))
     if not program.command:
         Path(program.name).write_text(program.source, encoding="utf-8", errors="surrogatepass")
-    limits.apply_to_this_process(cell.limits, cell.others)
+    limits.apply_to_this_process(setup.limits, setup.others)
     return program
 
 

@@ -32,7 +32,7 @@ def own_waiting(*, helpers_only: bool = False) -> float:
     return 0.0
 
 
-class Waiting:
+class WaitTime:
     """Adds up for how long others have kept a program from running, from look to look.
 
     Between two looks that is the time of the thread that has waited longest, minus what everything else of the program
@@ -85,7 +85,7 @@ class Waiting:
     def _computed_by_ended_threads(self) -> float:
         """Seconds of threads of the program that have ended since the last look."""
         living = sum(one.computed for one in self._threads.values())
-        before, self._ended = self._ended, max(self._ended, _computed(self._program) - living)  # coarse: it never falls
+        before, self._ended = self._ended, max(self._ended, _cpu_s(self._program) - living)  # coarse: it never falls
         return self._ended - before
 
 
@@ -109,7 +109,7 @@ def _threads(process_id: int) -> dict[str, _Times]:
     return found
 
 
-def _computed(process_id: int) -> float:
+def _cpu_s(process_id: int) -> float:
     """Seconds that a process has computed; the second column, its name, may hold anything."""
     with suppress(OSError, ValueError), open(f"{_PROC}/{process_id}/stat", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
         return sum(map(int, file.read().rpartition(")")[2].split()[_COMPUTED])) / _TICKS

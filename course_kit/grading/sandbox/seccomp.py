@@ -112,13 +112,13 @@ def install(*, processes: bool = True, files: bool = True) -> None:
     machine = os.uname().machine
     if machine not in _AUDIT:
         raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")
-    code = b"".join((*_opening(machine), *_more(machine, processes, files), *_filter(machine)))
+    code = b"".join((*_begin_filter(machine), *_refuse_more(machine, processes, files), *_filter(machine)))
     program = _Program(len(code) // 8, code)
     namespaces.forbid_new_privileges()
     libc.call_prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
 
 
-def _opening(machine: str) -> Iterator[bytes]:
+def _begin_filter(machine: str) -> Iterator[bytes]:
     """Begin with this architecture only, and load the number of the call."""
     yield _load(_ARCHITECTURE)
     yield _instruction(_EQUAL, _AUDIT[machine], 1, 0)
@@ -126,10 +126,10 @@ def _opening(machine: str) -> Iterator[bytes]:
     yield _load(_NUMBER)
 
 
-def _more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
+def _refuse_more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
     """What is missing without namespaces."""
     for number in () if files else _OF_FILES[machine]:
-        yield from _if(_EQUAL, number, _ERRNO)  # error 0: done
+        yield from _test_value(_EQUAL, number, _ERRNO)  # error 0: done
     calls = {_FIRST_ARGUMENT: (), _SECOND_ARGUMENT: ()} if processes else _OF_PROCESSES[machine]
     for argument, numbers in calls.items():
         for number in numbers if argument == _SECOND_ARGUMENT else (_LIMITS[machine], *numbers):
@@ -147,10 +147,10 @@ def _more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
 def _filter(machine: str) -> Iterator[bytes]:
     """The instructions, eight bytes each. Every test that hits returns at once; what passes all is allowed."""
     refuse, unknown = _ERRNO | errno.EPERM, _ERRNO | errno.ENOSYS
-    yield from _if(_AT_LEAST, _X32, unknown)
-    yield from _if(_EQUAL, _CLONE3, unknown)
-    for number in sorted(_refused(machine).values()):
-        yield from _if(_EQUAL, number, refuse)
+    yield from _test_value(_AT_LEAST, _X32, unknown)
+    yield from _test_value(_EQUAL, _CLONE3, unknown)
+    for number in sorted(_refused_calls(machine).values()):
+        yield from _test_value(_EQUAL, number, refuse)
     for number, tests in _by_arguments(machine):
         yield _instruction(_EQUAL, number, 0, len(tests) + 1)
         yield from tests
@@ -158,7 +158,7 @@ def _filter(machine: str) -> Iterator[bytes]:
     yield _return(_ALLOW)
 
 
-def _refused(machine: str) -> dict[str, int]:
+def _refused_calls(machine: str) -> dict[str, int]:
     """The numbers of the system calls that are refused whatever is asked of them."""
     return {**_EVERYWHERE, **{name: numbers[tuple(_AUDIT).index(machine)] for name, numbers in _REFUSED.items()}}
 
@@ -166,26 +166,26 @@ def _refused(machine: str) -> dict[str, int]:
 def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:
     """System calls that are refused for some arguments: the number, and the instructions that find these."""
     refuse = _ERRNO | errno.EPERM
-    yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_if(_BITS, _NAMESPACE_FLAGS, refuse)]
-    yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_any((_TIOCSTI, _TIOCLINUX, *_FILE_FLAGS), refuse)]
-    yield _FCNTL[machine], [_load(_SECOND_ARGUMENT), *_any((_LEASE, _NOTICES), refuse)]
-    shared = [_instruction(_AND, _SHARED_ANONYMOUS), *_if(_EQUAL, _SHARED_ANONYMOUS, refuse)]
+    yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_test_value(_BITS, _NAMESPACE_FLAGS, refuse)]
+    yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_test_any((_TIOCSTI, _TIOCLINUX, *_FILE_FLAGS), refuse)]
+    yield _FCNTL[machine], [_load(_SECOND_ARGUMENT), *_test_any((_LEASE, _NOTICES), refuse)]
+    shared = [_instruction(_AND, _SHARED_ANONYMOUS), *_test_value(_EQUAL, _SHARED_ANONYMOUS, refuse)]
     yield _MMAP[machine], [_load(_FOURTH_ARGUMENT), *shared]
-    sizes = [_load(_THIRD_ARGUMENT), *_any(_BUFFER_SIZES, _DONE)]
+    sizes = [_load(_THIRD_ARGUMENT), *_test_any(_BUFFER_SIZES, _DONE)]
     yield _SETSOCKOPT[machine], [_load(_SECOND_ARGUMENT), _instruction(_EQUAL, _SOL_SOCKET, 0, len(sizes)), *sizes]
     families = [_instruction(_EQUAL, family, len(_FAMILIES) - at) for at, family in enumerate(_FAMILIES)]
     families = [_load(_FIRST_ARGUMENT), *families, _return(_ERRNO | errno.EAFNOSUPPORT)]
-    protocols = [_load(_THIRD_ARGUMENT), *_if(_AT_LEAST, _PROTOCOLS, _ERRNO | errno.EPROTONOSUPPORT)]
+    protocols = [_load(_THIRD_ARGUMENT), *_test_value(_AT_LEAST, _PROTOCOLS, _ERRNO | errno.EPROTONOSUPPORT)]
     for call in (_SOCKET[machine], _SOCKETPAIR[machine]):
         yield call, [*families, *protocols]
 
 
-def _any(values: Iterable[int], result: int) -> Iterator[bytes]:
+def _test_any(values: Iterable[int], result: int) -> Iterator[bytes]:
     for value in values:
-        yield from _if(_EQUAL, value, result)
+        yield from _test_value(_EQUAL, value, result)
 
 
-def _if(test: int, value: int, result: int) -> Iterator[bytes]:
+def _test_value(test: int, value: int, result: int) -> Iterator[bytes]:
     yield _instruction(test, value, 0, 1)
     yield _return(result)
 

@@ -49,7 +49,7 @@ class Program:
 
 
 @dataclass
-class Conditions:
+class RunSetup:
     """Under which conditions a program runs."""
 
     limits: Limits  # what it may use
@@ -91,10 +91,10 @@ class Streams:
                 setattr(self, name, -1)
 
 
-def conditions_of(job: Job, variables: Mapping[str, str], view: FileView) -> Conditions:
-    """The conditions."""
+def run_setup(job: Job, variables: Mapping[str, str], view: FileView) -> RunSetup:
+    """The setup for a job, with these variables and files."""
     user = _user(job)
-    return Conditions(
+    return RunSetup(
         limits=job.limits,
         isolation=job.isolation,
         scratch=job.scratch,

@@ -21,7 +21,7 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
-from course_kit.grading.sandbox.start_order import Conditions, Program, Streams, conditions_of, program_of
+from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams, program_of, run_setup
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
 from course_kit.process.libc import die_with_parent, make_memory_file
@@ -185,8 +185,8 @@ class Supervisor:
         job = self._job.for_program(message["program"]) if self._job.files else self._job
         program = program_of(job, arguments, message["files"])
         variables = {**message["variables"], **self._network.variables, "ROS_DOMAIN_ID": str(domain)}
-        cell = conditions_of(job, variables, self._view)
-        self._sandbox = Sandbox(program, cell, self._launcher, self._network.descriptors)
+        setup = run_setup(job, variables, self._view)
+        self._sandbox = Sandbox(program, setup, self._launcher, self._network.descriptors)
         self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
         self._lives[0] = True
         return {"domain": domain}
@@ -290,7 +290,7 @@ class Supervisor:
         self._sandbox.streams.close()
 
     def _stop(self) -> None:
-        if self._collector is not None and self._collector.killed():
+        if self._collector is not None and self._collector.was_killed():
             self._again = True
             if memory.count_oom_kills() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
@@ -304,15 +304,15 @@ class Supervisor:
 class Sandbox:
     """One running submission."""
 
-    def __init__(self, program: Program, cell: Conditions, launcher: Launcher, network: Sequence[int] = ()) -> None:
+    def __init__(self, program: Program, setup: RunSetup, launcher: Launcher, network: Sequence[int] = ()) -> None:
         """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
         self._launcher = launcher
-        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=cell.scratch or None)
-        if cell.user:
-            os.chown(self._folder, cell.user, cell.user)
+        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=setup.scratch or None)
+        if setup.user:
+            os.chown(self._folder, setup.user, setup.user)
         self.streams, inside = _pipes()
         try:
-            launcher.start(program, replace(cell, scratch=self._folder), inside, network)
+            launcher.start(program, replace(setup, scratch=self._folder), inside, network)
         finally:
             inside.close()
 

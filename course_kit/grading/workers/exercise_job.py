@@ -86,7 +86,7 @@ def checks_of(exercise: Exercise, seed: int) -> list[Check]:
 
 def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:
     """The real paths of files and folders that the submissions of an exercise may not see."""
-    exercises = exercise_folders.added()
+    exercises = exercise_folders.added_exercises()
     found = [folder.resolve() for folder in (exercise.folder, *exercises)]
     found += files_beside(exercise.solution, exercise.grader)
     for folder in exercises:

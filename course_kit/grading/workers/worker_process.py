@@ -103,7 +103,7 @@ def _work_apart(channel: Channel, starter: Launcher, others: Sequence[Closable],
 def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> None:
     """Grade job after job, until ChannelClosedError ends it."""
     found = common.isolation
-    user = isolation.guest(os.getpid()) if found.user else 0
+    user = isolation.guest_user(os.getpid()) if found.user else 0
     loaded: set[tuple[str, str]] = set()
     network = Network()
     channel.send({"isolation": found, "process": os.getpid()})
@@ -133,7 +133,7 @@ def _prepare(job: Job) -> set[tuple[str, str]]:
 
 
 def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, network: Network) -> GradingOutcome:
-    problem = needs.lacking(job.limits, guest=job.user != 0)
+    problem = needs.describe_lacks(job.limits, guest=job.user != 0)
     try:
         if not problem:
             return Supervisor(job, starter, view, network, channel).run(grader_process.main)

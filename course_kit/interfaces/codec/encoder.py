@@ -108,7 +108,7 @@ class Decoder(CodeWriter):
         primitive, count = field.type.primitive, field.type.size
         values = self.variable("a")
         if primitive is None:
-            self._each(field, values, str(count))
+            self._decode_each(field, values, str(count))
             return values
         size = count * primitive.size
         self.put(f"{size}s", size, primitive.size, values)
@@ -128,7 +128,7 @@ class Decoder(CodeWriter):
         if field.type.primitive:
             self._primitives(field.type.primitive, length, values)
         else:
-            self._each(field, values, length)
+            self._decode_each(field, values, length)
         return values
 
     def _primitives(self, primitive: Primitive, length: str, values: str) -> None:
@@ -143,7 +143,7 @@ class Decoder(CodeWriter):
         self.emit("o = e")
         self.settle(min(primitive.size, 4))
 
-    def _each(self, field: MessageField, values: str, count: str) -> None:
+    def _decode_each(self, field: MessageField, values: str, count: str) -> None:
         self.flush()
         self.emit(f"{values} = []")
         self.emit(f"for _ in range({count}):")
@@ -279,7 +279,7 @@ class Encoder(CodeWriter):
             self.emit(f"b += encode_strings(require_count({value}, {count}))")
             self.settle(1)
         elif primitive is None:
-            self._each(field, f"require_count({value}, {count})")
+            self._encode_each(field, f"require_count({value}, {count})")
         elif primitive.idl == "octet":
             self.put(f"{count}s", count, 1, f"encode_octets({value}, {count})")
         elif primitive.idl == "boolean":
@@ -303,7 +303,7 @@ class Encoder(CodeWriter):
             self.emit(f"if len({values}): b += encode_strings({values})")
             self.settle(1)
         else:
-            self._each(field, values)
+            self._encode_each(field, values)
 
     def _primitives(self, primitive: Primitive, values: str) -> None:
         if primitive.idl == "octet":
@@ -324,7 +324,7 @@ class Encoder(CodeWriter):
             self.emit(f"    k = len(b) + {primitive.size} * len({values}) & 7; b = bytearray(k)")
         self.settle(min(primitive.size, 4))
 
-    def _each(self, field: MessageField, values: str) -> None:
+    def _encode_each(self, field: MessageField, values: str) -> None:
         self.flush()
         value = self.variable("x")
         self.emit(f"for {value} in {values}:")

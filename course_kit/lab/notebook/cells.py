@@ -98,7 +98,7 @@ class Notebook:
             from course_kit.ros import compat
 
             self.watch_output()
-            self._patches.set(warnings, "showwarning", self._warned(warnings.showwarning))
+            self._patches.set(warnings, "showwarning", self._route_warnings(warnings.showwarning))
             if found.has(compat.LOG_LINES):
                 self._capture_logs()
             self._show_nodes_by_name()
@@ -141,11 +141,11 @@ class Notebook:
         for name in _STREAMS:
             stream = getattr(sys, name)
             if getattr(stream.write, "notebook", None) is not self:
-                stream.write = self._routed(name, stream.write)
+                stream.write = self._route_writes(name, stream.write)
         if getattr(builtins.input, "notebook", None) is not self:  # ipykernel replaces it for each cell, too
-            builtins.input = self._asking(builtins.input)
+            builtins.input = self._guard_input(builtins.input)
 
-    def _routed(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
+    def _route_writes(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
         def routed(text: str) -> Any:
             if not self._attached:
                 return write(text)
@@ -161,7 +161,7 @@ class Notebook:
         routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
         return routed
 
-    def _asking(self, ask: Callable[..., str]) -> Callable[..., str]:
+    def _guard_input(self, ask: Callable[..., str]) -> Callable[..., str]:
         """`input`, which no callback can wait for: the notebook shows no box to type in, and every node stands."""
 
         def asking(*prompt: object) -> str:
@@ -180,7 +180,7 @@ class Notebook:
 
         self._patches.set(rcutils_logger, "_rclpy", _LogCapture(rcutils_logger._rclpy, self._output))  # noqa: SLF001
 
-    def _warned(self, show: Callable[..., None]) -> Callable[..., None]:
+    def _route_warnings(self, show: Callable[..., None]) -> Callable[..., None]:
         """Warnings of rclpy without the place in rclpy, which is not where the learner went wrong."""
 
         def warned(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:

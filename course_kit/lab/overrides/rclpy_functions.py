@@ -70,7 +70,7 @@ def _check_await(lab: Engine, future: Future) -> None:
 
 def _held_back(lab: Engine, future: Future) -> Client | ActionClient | None:
     """Whose answer a future is, if the running callback's own group keeps it from being taken."""
-    turn = lab.turn()
+    turn = lab.callback_run()
     if turn is None or turn.node is None:
         return None
     clients: list[Any] = [*turn.node.clients, *(one for one in turn.node.waitables if isinstance(one, ActionClient))]
@@ -79,7 +79,7 @@ def _held_back(lab: Engine, future: Future) -> Client | ActionClient | None:
 
 def _excludes(lab: Engine, client: Client | ActionClient) -> bool:
     """Whether no answer for a client can be taken while the running callback lasts, in any executor."""
-    turn = lab.turn()
+    turn = lab.callback_run()
     group = turn.entity.callback_group if turn is not None and turn.entity is not None else None
     return isinstance(group, MutuallyExclusiveCallbackGroup) and client.callback_group is group
 
@@ -108,7 +108,7 @@ def _guard_context(patches: Patches, lab: Engine) -> None:
         lab.note(f"rclpy.init(): ROS is already running in this notebook; {rest}")
 
     def end(original: Any, name: str, context: Context | None, options: dict[str, Any]) -> None:
-        turn = lab.turn()
+        turn = lab.callback_run()
         if context is not None:
             original(context=context, **options)
         elif (lab.in_callback() or lab.in_execution()) and turn is not None and turn.node is not None:

@@ -125,7 +125,7 @@ class ActionHooks:
             server: ActionServer, node: Node, action_type: ActionType, action_name: str, *arguments: Any, **options: Any
         ) -> None:
             initialise(server, node, action_type, action_name, *arguments, **options)
-            setattr(server, _WHERE, self._where(node, action_name, action_type))
+            setattr(server, _WHERE, self._describe_action(node, action_name, action_type))
 
         def send_result_seen(server: ActionServer, request_header: Any, future: Future) -> None:
             for identifier, known in list(server._result_futures.items()):  # noqa: SLF001
@@ -202,12 +202,12 @@ class ActionHooks:
             return
         where: Where | None = vars(entity).get(_WHERE)
         if where is None and isinstance(entity, ActionClient):
-            where = self._where(entity._node, entity._action_name, entity._action_type)  # noqa: SLF001
+            where = self._describe_action(entity._node, entity._action_name, entity._action_type)  # noqa: SLF001
             setattr(entity, _WHERE, where)
         if where is not None:  # a server that was made before there was anything to report to
             self._hooks.events.emit(kind, where, value, number, at)
 
-    def _where(self, node: Node, action_name: str, action_type: ActionType) -> Where:
+    def _describe_action(self, node: Node, action_name: str, action_type: ActionType) -> Where:
         name = node.get_fully_qualified_name()
         return (self._hooks.aliases.get(name, name), full_action_name(node, action_name), type_name(action_type))
 
@@ -230,13 +230,13 @@ def hook_execution(patches: Patches, hooks: MessageHooks) -> None:
         server: ActionServer, execute_callback: Callable[..., Any], goal_handle: ServerGoalHandle
     ) -> None:
         where = where_of(server)
-        seen = _reported(execute_callback, where, hooks.spans) if hooks.events and where else execute_callback
+        seen = _report_execution(execute_callback, where, hooks.spans) if hooks.events and where else execute_callback
         await execute_goal(server, seen, goal_handle)
 
     patches.set(ActionServer, "_execute_goal", execute_goal_seen)
 
 
-def _reported(callback: Callable[..., Any], where: Where, spans: CallbackSpans) -> Callable[..., Any]:
+def _report_execution(callback: Callable[..., Any], where: Where, spans: CallbackSpans) -> Callable[..., Any]:
     if inspect.iscoroutinefunction(callback):
 
         @functools.wraps(callback)

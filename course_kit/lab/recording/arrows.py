@@ -171,7 +171,7 @@ class _Goal:
     def overlaps(self, other: _Goal) -> bool:
         return self.events[0].at <= other.events[-1].at and other.events[0].at <= self.events[-1].at
 
-    def of(self, kind: str, server: str) -> list[Event]:
+    def events_of(self, kind: str, server: str) -> list[Event]:
         """Events of a kind as a server has reported them; as the client has, of a server that reports nothing."""
         if server == UNSEEN:
             return [one for one in self.events if one.kind == _AS_CLIENT_SAW_IT[kind]]
@@ -198,8 +198,8 @@ def _number(goals: list[_Goal]) -> None:
 
 
 def _draw(goal: _Goal, server: str) -> list[Timed]:
-    steps = _ask(goal, server) + _answers(goal, server) + _feedback(goal, server) + _cancelling(goal, server)
-    for event in goal.of("result_sent", server)[:1]:
+    steps = _ask(goal, server) + _answers(goal, server) + _feedback(goal, server) + _draw_cancelling(goal, server)
+    for event in goal.events_of("result_sent", server)[:1]:
         text = f"{event.value['status']}, {describe_message(event.value['result'])}"
         steps.append(((event.at, 3), Arrow(server, goal.client, "result", text, goal.channel)))
     return steps
@@ -215,10 +215,10 @@ def _ask(goal: _Goal, server: str) -> list[Timed]:
 
 
 def _answers(goal: _Goal, server: str) -> list[Timed]:
-    seen = goal.of("goal_answered", server)
+    seen = goal.events_of("goal_answered", server)
     if seen:
         # A server's report of a rejection is made when it has been sent; the client may have reported it before.
-        at = min(one.at for one in [*seen, *goal.of("goal_answered", UNSEEN)])
+        at = min(one.at for one in [*seen, *goal.events_of("goal_answered", UNSEEN)])
         text = "accepted" if seen[0].value["accepted"] else "rejected"
         return [((at, 1), Arrow(server, goal.client, "goal response", text, goal.channel))]
     asked = [one for one in goal.events if one.kind in {"goal_sent", "goal_received"}]
@@ -230,7 +230,7 @@ def _answers(goal: _Goal, server: str) -> list[Timed]:
 def _feedback(goal: _Goal, server: str) -> list[Timed]:
     breaks = [one.at for one in goal.events if one.kind.startswith("cancel")]
     runs: list[list[Event]] = [[]]
-    for event in goal.of("feedback_sent", server):
+    for event in goal.events_of("feedback_sent", server):
         if runs[-1] and any(runs[-1][-1].at < at < event.at for at in breaks):
             runs.append([])
         runs[-1].append(event)
@@ -244,7 +244,7 @@ def _fold(goal: _Goal, server: str, run: list[Event]) -> list[Timed]:
     return [((at, 2), Arrow(server, goal.client, "feedback", text, goal.channel)) for at, text in texts]
 
 
-def _cancelling(goal: _Goal, server: str) -> list[Timed]:
+def _draw_cancelling(goal: _Goal, server: str) -> list[Timed]:
     sent = [one for one in goal.events if one.kind == "cancel_sent"]
     received = [one for one in goal.events if one.kind == "cancel_received" and one.node == server]
     asking = [one.node for one in sent] or [UNSEEN] * len(received)
@@ -252,7 +252,7 @@ def _cancelling(goal: _Goal, server: str) -> list[Timed]:
         ((event.at, 0), Arrow(client, server, "cancel request", "", goal.channel))
         for client, event in zip(asking, sent or received, strict=True)
     ]
-    for client, event in zip(asking, goal.of("cancel_answered", server), strict=False):
+    for client, event in zip(asking, goal.events_of("cancel_answered", server), strict=False):
         text = "accepted" if event.value["accepted"] else "refused"
         drawn.append(((event.at, 1), Arrow(server, client, "cancel response", text, goal.channel)))
     return drawn

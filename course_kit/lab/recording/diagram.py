@@ -43,7 +43,7 @@ class Diagram:
         """The diagram as HTML: the drawing, a slider to go through it step by step, and the steps in words."""
         names = {name: short_name(name) for name in self.participants}
         steps = [(arrow, _line(_label(arrow))) for arrow in self.arrows]
-        missing = self._missing() if self.left_out else ""
+        missing = self._describe_left_out() if self.left_out else ""
         if missing:
             first = next(iter(names))
             steps.insert(0, (Arrow(first, first, "note", missing), missing))
@@ -63,7 +63,7 @@ class Diagram:
         """The diagram in numbered lines of at most 80 columns."""
         if not self.arrows:
             return _EMPTY
-        lines = [self._missing()] if self.left_out else []
+        lines = [self._describe_left_out()] if self.left_out else []
         digits = len(str(len(self.arrows)))
         for number, arrow in enumerate(self.arrows, 1):
             said = f"{number:>{digits}}. {_ends(arrow)}  {_line(_label(arrow))}"
@@ -83,7 +83,7 @@ class Diagram:
         count = len(self.arrows)
         return f"{count} {'message' if count == 1 else 'messages'} between {names}."
 
-    def _missing(self) -> str:
+    def _describe_left_out(self) -> str:
         return f"{self.left_out} earlier {'line is' if self.left_out == 1 else 'lines are'} left out."
 
 

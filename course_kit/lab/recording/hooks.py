@@ -75,7 +75,7 @@ class CallbackSpans:
         self._count = 0
         self._counting = threading.Lock()
 
-    def around(self, work: Work, where: Where, what: str) -> Work:
+    def report_work(self, work: Work, where: Where, what: str) -> Work:
         """The same work, reported while it runs."""
         if not self._events or is_of_every_node(where[1]):
             return work
@@ -143,7 +143,7 @@ class MessageHooks:
         self.on_delivery: set[Callable[[Subscription], None]] = set()
         self.spans = CallbackSpans(events)
 
-    def where(self, entity: Any) -> Where:
+    def identify(self, entity: Any) -> Where:
         """The node, the full name and the type of a client, service, publisher or subscription."""
         known: Where | None = vars(entity).get(_WHERE)
         if known is None:
@@ -167,13 +167,13 @@ class MessageHooks:
                 return call_async(client, request)
             before = time.monotonic_ns()  # the answer may be here before `call_async` returns
             future = call_async(client, request)
-            self.events.emit("request_sent", self.where(client), request, _sequence_of(client, future), before)
+            self.events.emit("request_sent", self.identify(client), request, _sequence_of(client, future), before)
             return future
 
         def publish_seen(publisher: Publisher, message: Message) -> None:
             kind: Any = publisher.msg_type  # a class, which its type in rclpy does not say
             if self.events and not isinstance(message, bytes) and isinstance(message, kind):
-                where = self.where(publisher)
+                where = self.identify(publisher)
                 if where[1] not in _SILENT_TOPICS:
                     self.events.emit("published", where, message)
             publish(publisher, message)
@@ -225,7 +225,7 @@ class MessageHooks:
                 self.on_failure(service, sequence, error)
                 raise
 
-        return self._reported(answer, service, "service")
+        return self._report_callback(answer, service, "service")
 
     def take_client(self, executor: Executor, client: Client) -> Work | None:
         """Take an answer and return the work of handing it to whoever waits, as `Executor._take_client` does."""
@@ -271,7 +271,7 @@ class MessageHooks:
                 for told in tuple(self.on_delivery):
                     told(subscription)
 
-        return self._reported(deliver, subscription, "topic")
+        return self._report_callback(deliver, subscription, "topic")
 
     def take_timer(self, executor: Executor, timer: Timer, work: Work | None) -> Work | None:
         """What `Executor._take_timer` has returned, reported while it runs."""
@@ -284,23 +284,23 @@ class MessageHooks:
             setattr(timer, _NODE, node)
         if not node or is_hidden(node):  # the lab's own
             return work
-        return self.spans.around(work, (node, getattr(timer.callback, "__name__", "timer"), ""), "timer")
+        return self.spans.report_work(work, (node, getattr(timer.callback, "__name__", "timer"), ""), "timer")
 
-    def _reported(self, work: Work, entity: Any, what: str) -> Work:
+    def _report_callback(self, work: Work, entity: Any, what: str) -> Work:
         """The work, reported while it runs, unless it is that of the lab itself or of ROS."""
         if not self.events:
             return work
         try:
-            where = self.where(entity)
+            where = self.identify(entity)
         except InvalidHandle:
             return work
         own = where[0] in self.aliases.values()
-        return work if own or where[1] in _SILENT_TOPICS else self.spans.around(work, where, what)
+        return work if own or where[1] in _SILENT_TOPICS else self.spans.report_work(work, where, what)
 
     def _emit(self, kind: Any, entity: Any, message: object, sequence: int) -> None:
         if self.events:
             try:
-                where = self.where(entity)
+                where = self.identify(entity)
             except InvalidHandle:
                 return
             if where[1] not in _SILENT_TOPICS:

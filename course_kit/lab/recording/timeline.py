@@ -33,7 +33,7 @@ _SENT = {sent: taken for taken, (sent, _) in _TAKEN_IN.items()}
 
 
 @dataclass
-class Busy:
+class CallbackSpan:
     """A thread inside a callback, without a pause."""
 
     lane: str
@@ -52,10 +52,10 @@ class MessageWait(NamedTuple):
     end: int | None
 
 
-def busy_times(events: Iterable[Event], own_process: int) -> list[Busy]:
+def busy_times(events: Iterable[Event], own_process: int) -> list[CallbackSpan]:
     """What each thread was busy with, in the order of time."""
-    open_spans: dict[tuple[int, int], Busy] = {}
-    found: list[Busy] = []
+    open_spans: dict[tuple[int, int], CallbackSpan] = {}
+    found: list[CallbackSpan] = []
     lanes: dict[tuple[int, int], str] = {}
     for event in events:
         if event.kind not in SPAN_KINDS:
@@ -68,7 +68,7 @@ def busy_times(events: Iterable[Event], own_process: int) -> list[Busy]:
             continue
         lane = _lane(event, own_process, lanes)
         label = _WORDS[event.value["what"]].format(event.channel)
-        open_spans[key] = Busy(lane, short_name(event.node), label, event.at)
+        open_spans[key] = CallbackSpan(lane, short_name(event.node), label, event.at)
         found.append(open_spans[key])
     return found
 
@@ -90,7 +90,7 @@ def _lane(event: Event, own_process: int, lanes: dict[tuple[int, int], str]) -> 
     return lanes[key]
 
 
-def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> list[MessageWait]:
+def waiting_times(events: Iterable[Event], busy: Sequence[CallbackSpan], least: int) -> list[MessageWait]:
     """What was never taken in, or waited for a thread that was busy."""
     sent: dict[tuple[str, str, int], Event] = {}
     found = []
@@ -99,13 +99,13 @@ def waiting_times(events: Iterable[Event], busy: Sequence[Busy], least: int) -> 
             sent[_SENT[event.kind], event.channel, event.sequence] = event
         elif event.kind in _TAKEN_IN:
             before = sent.pop((event.kind, event.channel, event.sequence), None)
-            if before is not None and _blocked(event.node, before.at, event.at, busy) >= least:
+            if before is not None and _blocked_time(event.node, before.at, event.at, busy) >= least:
                 found.append(MessageWait(_label(event.kind, event.channel), before.at, event.at))
     found += [MessageWait(_label(kind, channel), event.at, None) for (kind, channel, _), event in sent.items()]
     return sorted(found, key=lambda one: one.begin)
 
 
-def _blocked(node: str, begin: int, end: int, busy: Sequence[Busy]) -> int:
+def _blocked_time(node: str, begin: int, end: int, busy: Sequence[CallbackSpan]) -> int:
     """For how long of a time a node was inside a callback."""
     own = [one for one in busy if one.node == short_name(node)]
     return sum(max(0, min(end, one.end or end) - max(begin, one.begin)) for one in own)
@@ -147,9 +147,9 @@ class Timeline:
     """Time lines that a notebook displays."""
 
     def __init__(self, events: Sequence[Event], spans: Sequence[Event]) -> None:
-        self.busy: list[Busy] = busy_times(spans, os.getpid())[-_DRAWN:]
+        self.busy: list[CallbackSpan] = busy_times(spans, os.getpid())[-_DRAWN:]
         self.waiting: list[MessageWait] = waiting_times(events, self.busy, _WAIT_SHOWN)
-        both: list[Busy | MessageWait] = [*self.busy, *self.waiting]
+        both: list[CallbackSpan | MessageWait] = [*self.busy, *self.waiting]
         ends = [one.end for one in both if one.end is not None]
         begins = [one.begin for one in both]
         self._begin = min(begins, default=0)
@@ -171,7 +171,7 @@ class Timeline:
         lines = []
         for lane in self.lanes:
             lines.append(lane)
-            said = [_said(one) for one in self.busy if one.lane == lane]
+            said = [_describe_callback(one) for one in self.busy if one.lane == lane]
             lines += [f"    {text}" for text in dict.fromkeys(said)]
         if self.waiting:
             lines.append("waiting to be handled")
@@ -208,11 +208,11 @@ class Timeline:
         for one in self.busy:
             if one.lane == lane:
                 kind = "failed" if one.failed else "busy"
-                said = self._words(_said(one), one)
-                found.append(self._bar(kind, one, _short(one), _TOP + _LANE * number, said))
-        return _apart(found)
+                said = self._words(_describe_callback(one), one)
+                found.append(self._bar(kind, one, _label_callback(one), _TOP + _LANE * number, said))
+        return _keep_texts_apart(found)
 
-    def _bar(self, kind: str, one: Busy | MessageWait, text: str, y: int, words: str) -> TimelineBar:
+    def _bar(self, kind: str, one: CallbackSpan | MessageWait, text: str, y: int, words: str) -> TimelineBar:
         begin = self._x(one.begin)
         end = self._x(self._begin + self._length if one.end is None else one.end)
         room = len(text) * _CHARACTER
@@ -224,7 +224,7 @@ class Timeline:
     def _x(self, at: int) -> int:
         return round(_LEFT + _LENGTH * (at - self._begin) / self._length)
 
-    def _words(self, said: str, one: Busy | MessageWait) -> str:
+    def _words(self, said: str, one: CallbackSpan | MessageWait) -> str:
         begin = _time(one.begin - self._begin)
         return f"{said}: from {begin} on" if one.end is None else f"{said}: {begin} to {_time(one.end - self._begin)}"
 
@@ -236,7 +236,7 @@ class Timeline:
         return said + (f" {waits} message{' is' if waits == 1 else 's are'} not handled." if waits else "")
 
 
-def _apart(bars: list[TimelineBar]) -> list[TimelineBar]:
+def _keep_texts_apart(bars: list[TimelineBar]) -> list[TimelineBar]:
     """The bars of a thread; a text that would lie on a longer bar's is left to its tooltip."""
     taken: list[tuple[float, float]] = []
     texts: dict[TimelineBar, str] = {}
@@ -250,11 +250,11 @@ def _apart(bars: list[TimelineBar]) -> list[TimelineBar]:
     return [bar._replace(text=texts.get(bar, "")) for bar in bars]
 
 
-def _short(one: Busy) -> str:
+def _label_callback(one: CallbackSpan) -> str:
     return f"{one.node} {one.label}" + (" ✗" if one.failed else " …" if one.end is None else "")
 
 
-def _said(one: Busy) -> str:
+def _describe_callback(one: CallbackSpan) -> str:
     return f"{one.node} {one.label}" + (
         ", and fails" if one.failed else ", and has not ended" if one.end is None else ""
     )

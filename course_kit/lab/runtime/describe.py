@@ -20,7 +20,7 @@ def describe_node(node: Node) -> str:
     return "\n    ".join([f"{short_name(name)} ({type(node).__name__})", *lines])
 
 
-def _is_of_ros(use: graph.Use) -> bool:
+def _is_of_ros(use: graph.ChannelUse) -> bool:
     if is_hidden(use.channel) or is_of_ros(use.channel):
         return True
     return use.role == graph.SERVES and is_of_every_node(use.channel)

@@ -21,7 +21,7 @@ from course_kit.lab.recording.hooks import MessageHooks
 from course_kit.lab.runtime import execution, nodes
 from course_kit.lab.runtime.describe import actions_of
 from course_kit.lab.runtime.executor import ExecutorThread, LabExecutor
-from course_kit.lab.runtime.failures import Failures, Turn, where_is
+from course_kit.lab.runtime.failures import CallbackRun, Failures, where_is
 from course_kit.lab.runtime.nodes import Nodes
 from course_kit.ros import compat
 
@@ -73,7 +73,7 @@ class Engine:
             execution.keep_replies(patches)
         self.nodes.watch(patches)
         if self.found.has(compat.RECORDING):
-            self.hooks.on_failure = lambda *failed: self.failures.request_failed(self.executor.turn, *failed)
+            self.hooks.on_failure = lambda *failed: self.failures.request_failed(self.executor.callback_run, *failed)
             self.hooks.hook_sending(patches)
             self.hooks.hook_taking(patches, LabExecutor)
         if self.found.has(compat.DEFAULT_CONTEXT):
@@ -105,12 +105,12 @@ class Engine:
         return self.executor_thread.is_current_thread()
 
     def in_execution(self) -> bool:
-        return self.executions.current() is not None
+        return self.executions.find_by_thread() is not None
 
-    def turn(self) -> Turn | None:
+    def callback_run(self) -> CallbackRun | None:
         """The callback that is running on this thread, or the lab's."""
-        running = self.executions.current()
-        return self.executor.turn if running is None else execution.turn_of(running)
+        running = self.executions.find_by_thread()
+        return self.executor.callback_run if running is None else execution.callback_of(running)
 
     def not_in_callback(self, what: str) -> None:
         if self.in_callback():
@@ -127,7 +127,7 @@ class Engine:
         except CallbackStopped:
             raise
         except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
-            self.failures.callback_crashed(error, Turn(None, None, begun))
+            self.failures.callback_crashed(error, CallbackRun(None, None, begun))
 
     def note(self, text: str) -> None:
         """Tell the learner something in the notebook; a program is left alone."""
@@ -148,7 +148,7 @@ class Engine:
         return nodes.end_strays(lambda node: id(node) not in ids)
 
     def stop_soon(self, node: Node) -> None:
-        running = self.executions.current()
+        running = self.executions.find_by_thread()
         if running is None:
             self.nodes.stop_soon(node)
         else:
@@ -159,7 +159,7 @@ class Engine:
             return busy
         for live in self.nodes:
             serving = [one for one in live.node.services if one.service_name == service]
-            if any(one is unfinished for one in serving for unfinished in self.executor.unfinished()):
+            if any(one is unfinished for one in serving for unfinished in self.executor.unfinished_entities()):
                 return f"A callback of {live.node.get_name()} for this service has not finished: it awaits something."
             if serving:
                 return (
@@ -176,9 +176,9 @@ class Engine:
             return busy
         for live in self.nodes:
             if action in actions_of(live.node):
-                running = self.executions.of(live.node)
+                running = self.executions.find_by_node(live.node)
                 if running is not None and running.thread is not None:
-                    return f"{self._still_in(execution.turn_of(running), running.thread.ident or 0)}."
+                    return f"{self._still_in(execution.callback_of(running), running.thread.ident or 0)}."
                 if running is None:  # a server may have no execute callback, or begin with the goal later
                     return f"{live.node.get_name()} has not ended the goal, and no execute callback is running."
                 return f"{live.node.get_name()} has not finished the goal: its execute callback awaits something."
@@ -188,12 +188,12 @@ class Engine:
         )
 
     def _busy(self) -> str:
-        turn = self.executor.turn
+        turn = self.executor.callback_run
         if turn is None or turn.entity is None:
             return ""
         return f"{self._still_in(turn, self.executor_thread.thread_id)}; while a callback runs, no other does."
 
-    def _still_in(self, turn: Turn, thread_id: int) -> str:
+    def _still_in(self, turn: CallbackRun, thread_id: int) -> str:
         callback = turn.callback if turn.entity is None else getattr(turn.entity, "callback", None)
         name = getattr(callback, "__name__", "a callback")
         at = where_is(sys._current_frames().get(thread_id), self.locate)  # noqa: SLF001 - the documented way to look

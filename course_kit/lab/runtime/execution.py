@@ -22,7 +22,7 @@ from rclpy.task import Future
 
 from course_kit.lab.errors import CallbackStopped
 from course_kit.lab.recording.hooks import WrongResultError
-from course_kit.lab.runtime.failures import Turn
+from course_kit.lab.runtime.failures import CallbackRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
@@ -134,11 +134,11 @@ class Execution:
             return
         self._news = news = Future()
 
-        def came(_: object) -> None:
+        def go_on(_: object) -> None:
             if not news.done():
                 self._go_on()
 
-        awaited.add_done_callback(came)
+        awaited.add_done_callback(go_on)
         if not self.stopped:
             yield from news.__await__()
 
@@ -167,11 +167,11 @@ class Executions:
             for function in execution.afterwards:
                 self._executor.create_task(function)
 
-    def current(self) -> Execution | None:
+    def find_by_thread(self) -> Execution | None:
         thread = threading.current_thread()
         return next((one for one in list(self._running) if one.thread is thread), None)
 
-    def of(self, node: Node) -> Execution | None:
+    def find_by_node(self, node: Node) -> Execution | None:
         return next((one for one in list(self._running) if one.node is node), None)
 
     def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
@@ -183,9 +183,9 @@ class Executions:
         return [thread for thread in threads if thread is not threading.current_thread()]
 
 
-def turn_of(execution: Execution) -> Turn:
+def callback_of(execution: Execution) -> CallbackRun:
     """An execution as the callback that is running."""
-    return Turn(None, execution.node, execution.begun, execution.callback)
+    return CallbackRun(None, execution.node, execution.begun, execution.callback)
 
 
 def keep_replies(patches: Patches) -> None:
@@ -199,14 +199,16 @@ def _hold(patches: Patches, owner: Any, method: str, lock: AbstractContextManage
     original = getattr(owner, method)
 
     @functools.wraps(original)
-    def held(*arguments: Any, **options: Any) -> Any:
+    def call_locked(*arguments: Any, **options: Any) -> Any:
         with lock:
             return original(*arguments, **options)
 
-    patches.set(owner, method, held)
+    patches.set(owner, method, call_locked)
 
 
-def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[BaseException, Turn], None]) -> None:
+def execute_apart(
+    patches: Patches, executions: Executions, crashed: Callable[[BaseException, CallbackRun], None]
+) -> None:
     """Have goals executed by `executions`, and `crashed` told of what raises."""
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
@@ -222,7 +224,7 @@ def execute_apart(patches: Patches, executions: Executions, crashed: Callable[[B
             except CallbackStopped:
                 raise
             except BaseException as error:  # noqa: BLE001 - whatever the learner's code raises
-                crashed(error, Turn(None, node, begun, execute_callback))
+                crashed(error, CallbackRun(None, node, begun, execute_callback))
                 if handle.is_active:
                     handle.abort()
                 return server.action_type.Result()

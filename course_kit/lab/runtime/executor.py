@@ -27,7 +27,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from course_kit.lab.errors import CallbackStopped, DeadlockError, NoAnswerError
 from course_kit.lab.runtime.describe import is_alive
-from course_kit.lab.runtime.failures import Turn
+from course_kit.lab.runtime.failures import CallbackRun
 from course_kit.ros import compat
 
 if TYPE_CHECKING:
@@ -53,15 +53,15 @@ class LabExecutor(Executor):
 
     def __init__(self, context: Context, failures: Failures) -> None:
         super().__init__(context=context)
-        self._running: Turn | None = None
-        self._begun: dict[Task, Turn] = {}  # what has not ended, by its task, oldest first
+        self._running: CallbackRun | None = None
+        self._begun: dict[Task, CallbackRun] = {}  # what has not ended, by its task, oldest first
         self._waiting: list[Task] = []  # what waits inside its callback while others run, outermost first
         self.turned = threading.Event()
         self._failures = failures
         self._stop = threading.Event()
 
     @property
-    def turn(self) -> Turn | None:
+    def callback_run(self) -> CallbackRun | None:
         if self._running is not None and self._running.entity is None:
             for task, turn in list(self._begun.items()):
                 if turn.entity is not None and task.executing() and task not in self._waiting:
@@ -107,7 +107,7 @@ class LabExecutor(Executor):
         except (TimeoutException, ConditionReachedException):
             return
         handler, entity, node = found
-        self._run_handler(handler, Turn(entity, node, time.monotonic()))
+        self._run_handler(handler, CallbackRun(entity, node, time.monotonic()))
 
     def _spin_safely(self, timeout: float | None = None) -> None:
         try:
@@ -117,10 +117,10 @@ class LabExecutor(Executor):
         except (InvalidHandle, CallbackStopped):  # destroyed while it was waited on; or the callback had just ended
             pass
         except Exception as error:  # noqa: BLE001 - nothing may end this thread but `request_stop`
-            self._failures.callback_crashed(error, Turn(None, None, 0.0))
+            self._failures.callback_crashed(error, CallbackRun(None, None, 0.0))
             self._stop.wait(_BREATH)
 
-    def _run_handler(self, handler: Task, turn: Turn) -> None:
+    def _run_handler(self, handler: Task, turn: CallbackRun) -> None:
         self._running = turn
         self._begun.setdefault(handler, turn)
         raised: BaseException | None = None
@@ -137,7 +137,7 @@ class LabExecutor(Executor):
             ended = self._begun.pop(task)
             self._tell(task.exception() if task.done() else None, ended)
 
-    def _drop_broken(self, error: BaseException, turn: Turn) -> None:
+    def _drop_broken(self, error: BaseException, turn: CallbackRun) -> None:
         """What rclpy's tasks do not catch has broken the callback, and the task that went on with it."""
         broken = [task for task in self._begun if task.executing() and task not in self._waiting]
         if broken:
@@ -152,11 +152,11 @@ class LabExecutor(Executor):
         self.turned.clear()
         self.turned.wait(timeout)
 
-    def unfinished(self) -> list[Any]:
+    def unfinished_entities(self) -> list[Any]:
         """What the callbacks were called for that have begun and not ended, because they run or await something."""
         return [turn.entity for turn in list(self._begun.values())]
 
-    def _tell(self, error: BaseException | None, turn: Turn) -> None:
+    def _tell(self, error: BaseException | None, turn: CallbackRun) -> None:
         if error is not None and not isinstance(error, (InvalidHandle, CallbackStopped)):
             self._failures.callback_crashed(error, turn)
 

@@ -68,7 +68,7 @@ _GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belon
 }
 
 
-class Turn(NamedTuple):
+class CallbackRun(NamedTuple):
     """The callback that is running."""
 
     entity: Any
@@ -160,7 +160,7 @@ class Failures:
         self._last_crash = (None, 0)
         self.latest.clear()
 
-    def callback_crashed(self, error: BaseException, turn: Turn) -> None:
+    def callback_crashed(self, error: BaseException, turn: CallbackRun) -> None:
         """Say what went wrong in a callback, in three lines; the same error over and over is said three times."""
         if getattr(error, _SHOWN, False):
             return
@@ -181,12 +181,12 @@ class Failures:
             ending += " (This keeps happening and will not be shown again.)"
         self._output.put(crash.text(ending), "stderr")
 
-    def request_failed(self, turn: Turn | None, service: Service, sequence: int, error: BaseException) -> None:
+    def request_failed(self, turn: CallbackRun | None, service: Service, sequence: int, error: BaseException) -> None:
         """Give the one who waits for this answer an error, if it is a client in this lab."""
         if turn is not None:  # before its caller goes on, so that the two are shown in this order
-            self.callback_crashed(error, Turn(service, turn.node, turn.since))
+            self.callback_crashed(error, CallbackRun(service, turn.node, turn.since))
         crash = examine(error, service, None, self._locate)
-        owner = short_name(self._hooks.where(service)[0])
+        owner = short_name(self._hooks.identify(service)[0])
         place = f" ({crash.place})" if crash.place else ""
         text = f"{owner} sent no response: {crash.callback or 'its callback'} {crash.error}{place}"
         found = [_pending(client, service.service_name, sequence) for client in list(self._hooks.clients)]
@@ -204,7 +204,7 @@ def _pending(client: Client, service: str, sequence: int) -> Future | None:
     return None
 
 
-def _consequence(error: BaseException, turn: Turn) -> str:
+def _consequence(error: BaseException, turn: CallbackRun) -> str:
     if turn.follows:
         return turn.follows
     if isinstance(error, DeadlockError):

@@ -136,8 +136,8 @@ class Neighbours:
 
     def node_started(self) -> None:
         """A node was started: say what another notebook, or a script of this one, offers as well."""
-        for name, role in list(self._doubled()):
-            for node in self._offering(name, role):
+        for name, role in list(self._find_doubled()):
+            for node in self._list_offering(name, role):
                 self._tell(node, f"{name} is also offered by {{}}: both answer every request.")
 
     def _tell(self, node: str, sentence: str) -> None:
@@ -148,7 +148,7 @@ class Neighbours:
         elif title := next((other.title for other in self.others() if node in other.nodes), ""):
             self._lab.note(f"{sentence.format(f'{shown} of {title}')} {_REMEDY}")
 
-    def _doubled(self) -> Iterable[tuple[str, graph.Role]]:
+    def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
         own: dict[tuple[str, graph.Role], int] = {}
         for live in self._lab.nodes:
             for name, role in _offered_by(live):
@@ -157,7 +157,7 @@ class Neighbours:
             if self._node.count_services(name if role == graph.SERVES else f"{name}{_GOALS}") > count:
                 yield name, role
 
-    def _offering(self, name: str, role: graph.Role) -> list[str]:
+    def _list_offering(self, name: str, role: graph.Role) -> list[str]:
         own = {live.name for live in self._lab.nodes} | self._lab.own_names
         found = [one for one in sorted(set(graph.node_names(self._node)) - own) if self._offers(one, role, name)]
         return found or sorted(own & {node for other in self.others() for node in other.nodes})

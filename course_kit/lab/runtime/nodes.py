@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
-from course_kit.lab.clients import HIDDEN_NAME, incompatible
+from course_kit.lab.clients import HIDDEN_NAME, is_type_conflict
 from course_kit.lab.errors import LabError
 from course_kit.lab.runtime.describe import channels_of, is_alive
 from course_kit.lab.runtime.failures import without_self
@@ -49,7 +49,7 @@ class LiveNode:
     def precedes(self, node_class: type, arguments: tuple[object, ...]) -> bool:
         if not self.same_class(node_class):
             return False
-        return self.node_class is not node_class or _equal(self.arguments, arguments)
+        return self.node_class is not node_class or _is_equal(self.arguments, arguments)
 
 
 class Nodes:
@@ -108,7 +108,7 @@ class Nodes:
                 raise LabError(_no_super(node_class)) from error
             if isinstance(error, TypeError) and not made and (missing := without_self(node_class, "__init__")):
                 raise LabError(f"{error}: {missing}") from None
-            if incompatible(error):
+            if is_type_conflict(error):
                 raise LabError(self._other_type(node_class, error)) from error
             raise
         finally:
@@ -145,7 +145,7 @@ class Nodes:
             self._destroy(nodes)
 
         if not self._executor_thread.run_between_callbacks(end, _BETWEEN_CALLBACKS):
-            turn = self._executor_thread.executor.turn
+            turn = self._executor_thread.executor.callback_run
             if turn is not None and (turn.node is None or turn.node in nodes):
                 self._executor_thread.stop_callback()
             end()
@@ -218,7 +218,7 @@ def _destroy_actions(node: Node) -> None:
                 waitable.destroy()
 
 
-def _equal(mine: tuple[object, ...], other: tuple[object, ...]) -> bool:
+def _is_equal(mine: tuple[object, ...], other: tuple[object, ...]) -> bool:
     try:
         return bool(mine == other)
     except Exception:  # noqa: BLE001 - arrays and other values whose comparison is no truth value

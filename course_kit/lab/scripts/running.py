@@ -217,7 +217,7 @@ class Scripts:
     def _end_line(self) -> None:
         """Show what has no line end and, now that nobody is left to write it, will get none."""
         with self._lock:
-            for line in self._text.rest():
+            for line in self._text.take_rest():
                 self._say(line)
 
     def _take_report(self, line: str) -> None:

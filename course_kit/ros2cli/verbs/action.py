@@ -54,7 +54,7 @@ def _info(options: Namespace, session: Session) -> None:
     name = checked_name(options.action_name)
     graph = graph_of(options, session)
     print(f"Action: {name}")
-    for title, nodes in (("clients", graph.on(name, SENDS_GOALS)), ("servers", graph.on(name, RUNS))):
+    for title, nodes in (("clients", graph.nodes_on(name, SENDS_GOALS)), ("servers", graph.nodes_on(name, RUNS))):
         print(f"Action {title}: {len(nodes)}")
         if not options.count:
             for node, types in sorted(nodes.items()):

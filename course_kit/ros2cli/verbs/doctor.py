@@ -53,7 +53,7 @@ def _start(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.daemon import DaemonSocket, ask_daemon
 
     environment.apply_settings()
-    if DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
+    if DaemonSocket.for_settings().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0):
         print("The daemon is already running")
     elif ask_daemon(_PATIENCE):
         print("The daemon has been started")
@@ -73,5 +73,5 @@ def _status(options: Namespace, session: Session) -> None:
     from course_kit.ros2cli.daemon import DaemonSocket
 
     environment.apply_settings()
-    running = DaemonSocket.here().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
+    running = DaemonSocket.for_settings().ask({"do": "graph", "patience": _PATIENCE}, _PATIENCE + 1.0)
     print("The daemon is running" if running else "The daemon is not running")

@@ -87,14 +87,14 @@ def _proto(options: Namespace, session: Session) -> None:
     del session
     from course_kit.ros2cli.text import to_yaml
 
-    interface = _found(options.type, interfaces.get_type)
+    interface = _find_interface(options.type, interfaces.get_type)
     part = getattr(interface, "Request", None) or getattr(interface, "Goal", None) or interface
     quote = "" if options.no_quotes else '"'
     text = to_yaml(part()) if part.get_fields_and_field_types() else ""
     print(f"{quote}{text}{quote}")
 
 
-def _found(name: str, find: Callable[[str], T]) -> T:
+def _find_interface(name: str, find: Callable[[str], T]) -> T:
     """What `find` knows of any interface, msg, srv or action."""
     try:
         return find(name)
@@ -108,7 +108,7 @@ def _found(name: str, find: Callable[[str], T]) -> T:
 
 def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[str]:
     """The lines of an interface's text."""
-    text = _found(name, interfaces.text_of).rstrip("\n")
+    text = _find_interface(name, interfaces.text_of).rstrip("\n")
     yield from _lines(text, name.partition("/")[0], comments, inner_comments, "")
 
 

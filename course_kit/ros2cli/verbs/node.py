@@ -65,5 +65,5 @@ def _info(options: Namespace, session: Session) -> None:
     print(name)
     for title, role in _SECTIONS.items():
         print(f"  {title}:")
-        names = visible_names(graph.of(name, role), hidden_too=options.include_hidden)
+        names = visible_names(graph.channels_of(name, role), hidden_too=options.include_hidden)
         print(*[f"    {one}: {', '.join(types)}" for one, types in names.items()], sep="\n")

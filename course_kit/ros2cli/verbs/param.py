@@ -95,7 +95,7 @@ def _list(options: Namespace, session: Session) -> None:
 
 
 def _get(options: Namespace, session: Session) -> None:
-    value = _client(options, session).declared(options.parameter_name)
+    value = _client(options, session).require_declared(options.parameter_name)
     if value.type == 0:
         print("None" if options.hide_type else "Parameter not set.")
         return
@@ -111,7 +111,7 @@ def _set(options: Namespace, session: Session) -> None:
 
 def _delete(options: Namespace, session: Session) -> None:
     client = _client(options, session)
-    client.declared(options.parameter_name)
+    client.require_declared(options.parameter_name)
     (result,) = client.ask(parameters.set_each([parameters.to_message(options.parameter_name, None)]))
     _report(result, "Deleted parameter successfully", "Deleting parameter failed")
 
@@ -129,7 +129,7 @@ def _report(result: Message, done: str, failed: str) -> None:
 def _describe(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     for name in options.parameter_names:
-        client.declared(name)
+        client.require_declared(name)
     for descriptor in client.ask(parameters.ask_descriptors(options.parameter_names)):
         print(f"Parameter name: {descriptor.name}")
         print(f"  Type: {_type_in_words(descriptor)}")

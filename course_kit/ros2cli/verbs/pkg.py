@@ -46,7 +46,7 @@ def _prefix(options: Namespace, session: Session) -> None:
     name = options.package_name
     found = executables.package_prefix(name)
     if found is None:
-        raise CommandError(_unknown(name))
+        raise CommandError(_explain_unknown_package(name))
     print(found / "share" / name if options.share else found)
 
 
@@ -54,14 +54,14 @@ def _executables(options: Namespace, session: Session) -> None:
     del session
     named = options.package_name
     if named is not None and named not in executables.find_packages() and not executables.list_executables(named):
-        raise CommandError(_unknown(named))
+        raise CommandError(_explain_unknown_package(named))
     for package in executables.find_packages() if named is None else [named]:
         place = executables.package_prefix(package)
         for program in executables.list_executables(package):
             print(f"{place}/{program}" if options.full_path else f"{package} {program}")
 
 
-def _unknown(name: str) -> str:
+def _explain_unknown_package(name: str) -> str:
     if name in _packages():
         return f"Package '{name}' contains only interfaces: it is one of Python's packages and has no programs."
     return f"Package not found: {name}.{did_you_mean(name, _packages())}"

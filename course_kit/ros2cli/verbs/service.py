@@ -95,7 +95,7 @@ def _echo(options: Namespace, session: Session) -> None:
     info = type(event().info)
     words = {getattr(info, word): word for word in _KINDS}
     while True:
-        message = listener.next().message
+        message = listener.next_message().message
         if options.csv:
             print(to_csv(message, layout), flush=True)
             continue

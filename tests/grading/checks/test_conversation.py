@@ -38,12 +38,12 @@ class StandIn:
         self.asked, self.starts = [], self.starts + 1
 
     def ask(self, what: str) -> list[str]:
-        self.record.sent(what)
+        self.record.add_sent(what)
         self.asked.append(what)
         return self.asked
 
     def clock(self) -> Any:
-        return SimpleNamespace(wall=lambda: 0.0, past=lambda _: False)
+        return SimpleNamespace(wall_s=lambda: 0.0, has_passed=lambda _: False)
 
     def time_is_up(self) -> bool:
         return False

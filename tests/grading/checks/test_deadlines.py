@@ -84,7 +84,7 @@ def send(context: CheckContext) -> GradedGoal:
 
 
 def cancel(context: CheckContext) -> None:
-    assert not context.wait_until(send(context).cancel().answered, ANSWER_S)
+    assert not context.wait_until(send(context).cancel().is_answered, ANSWER_S)
 
 
 # Each asks the silent node for something, and how long it would wait by itself.
@@ -114,7 +114,7 @@ def test_no_verb_waits_beyond_the_deadline(context: CheckContext, verb: str) -> 
         try:
             ask(context)
         finally:
-            spent.append(clock.fair())
+            spent.append(clock.fair_s())
         return EVIDENCE
 
     (result,) = run_all([Check("one", "One", 1.0, (), DEADLINE_S, one)], context)

@@ -26,7 +26,7 @@ def lines(record: ExchangeLog, evidence: Evidence) -> list[str]:
 
 def test_an_unanswered_request_ends_at_what_came_instead() -> None:
     record = ExchangeLog()
-    record.sent("request /add: a=1", about="a=1")
+    record.add_sent("request /add: a=1", about="a=1")
     assert lines(record, Evidence("a=1", "sum=2", "no answer within 5 s")) == [
         "grader -> your node: request /add: a=1",
         "your node --x grader: no answer within 5 s",
@@ -37,7 +37,7 @@ def test_an_unanswered_request_ends_at_what_came_instead() -> None:
 def test_a_long_exchange_says_what_is_left_out() -> None:
     record = ExchangeLog()
     for number in range(10):
-        record.sent(f"request {number}").came(f"response {number}")
+        record.add_sent(f"request {number}").add_received(f"response {number}")
     told = lines(record, Evidence(got="x"))
     assert told[0] == "(12 earlier steps left out)"
     assert told[1:3] == ["grader -> your node: request 6", "your node -> grader: response 6"]
@@ -46,19 +46,19 @@ def test_a_long_exchange_says_what_is_left_out() -> None:
 
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
     record = ExchangeLog()
-    turn = record.sent("goal")
+    turn = record.add_sent("goal")
     record.follow(lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))])
-    record.sent("cancel").missed("nothing came")
+    record.add_sent("cancel").add_missed("nothing came")
     assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
 
 
 def test_the_next_check_begins_empty_and_tidying_up_is_not_kept() -> None:
     record = ExchangeLog()
-    late = record.sent("request")
+    late = record.add_sent("request")
     record.clear()
-    late.came("too late")
+    late.add_received("too late")
     with record.looking_away():
-        record.sent("put back")
+        record.add_sent("put back")
     assert record.steps(Evidence("", "e", "g")) == ()
 
 

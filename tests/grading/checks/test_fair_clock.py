@@ -10,7 +10,7 @@ from std_msgs.msg import Float64
 
 from course_kit.grading.checks import call_batch, fair_clock
 from course_kit.grading.checks.call_batch import CallBatch
-from course_kit.grading.checks.fair_clock import FairClock, Recent, State, Used
+from course_kit.grading.checks.fair_clock import CachedState, FairClock, MachineState, ProcessorUse
 
 
 class Time:
@@ -31,60 +31,60 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     return made
 
 
-def look(**values: Any) -> State:
+def look(**values: Any) -> MachineState:
     """A state by its figures that are not 0: of the submission (`hidden` among them) and of the grader."""
-    submission = Used(values.get("computed", 0.0), values.get("waited", 0.0), values.get("hidden", 0.0))
-    grader = Used(values.get("grader_computed", 0.0), values.get("grader_waited", 0.0))
-    return State(submission, grader, values.get("busy"))
+    submission = ProcessorUse(values.get("computed", 0.0), values.get("waited", 0.0), values.get("hidden", 0.0))
+    grader = ProcessorUse(values.get("grader_computed", 0.0), values.get("grader_waited", 0.0))
+    return MachineState(submission, grader, values.get("busy"))
 
 
 def test_waiting_for_a_processor_is_not_counted(clock: Time) -> None:
     states = [look(waited=2.0, grader_waited=5.0)]
-    fair = FairClock(Recent(lambda: states[-1]))
+    fair = FairClock(CachedState(lambda: states[-1]))
     clock.now += 4.0
-    assert fair.fair() == 4.0
+    assert fair.fair_s() == 4.0
     states.append(look(waited=3.0, grader_waited=5.0))
-    assert fair.fair() == 3.0
+    assert fair.fair_s() == 3.0
     states.append(look(waited=3.0, grader_waited=6.5))
-    assert fair.fair() == 2.5
+    assert fair.fair_s() == 2.5
     assert fair.grader_lost() == 1.5
-    assert not fair.past(2.6)
-    assert fair.past(2.4)
+    assert not fair.has_passed(2.6)
+    assert fair.has_passed(2.4)
 
 
 def test_what_the_grader_has_waited_while_nothing_had_come_is_not_taken_off(clock: Time) -> None:
     states = [look()]
-    fair = FairClock(Recent(lambda: states[-1]), lateness=lambda: 0.2)
+    fair = FairClock(CachedState(lambda: states[-1]), lateness=lambda: 0.2)
     clock.now += 4.0
     states.append(look(grader_waited=3.0))
-    assert fair.fair() == pytest.approx(3.8)
+    assert fair.fair_s() == pytest.approx(3.8)
 
 
 def test_what_nobody_knows_of_counts_as_the_submissions_own(clock: Time) -> None:
     states = [look(busy=10.0)]
-    fair = FairClock(Recent(lambda: states[-1]))
+    fair = FairClock(CachedState(lambda: states[-1]))
     clock.now += 4.0
     states.append(look(grader_waited=3.0, busy=18.0))
-    assert fair.fair() == 1.0
+    assert fair.fair_s() == 1.0
     states.append(look(grader_waited=3.0, hidden=6.0, busy=18.0))
-    assert fair.fair() == 2.0
+    assert fair.fair_s() == 2.0
 
 
 def test_threads_are_counted_only_when_the_time_can_be_up(clock: Time) -> None:
     waited, counts = [0.0], []
 
-    def count() -> State:
+    def count() -> MachineState:
         counts.append(clock.now)
         return look(waited=waited[-1])
 
-    fair = FairClock(Recent(count))
+    fair = FairClock(CachedState(count))
     counts.clear()
     for _ in range(10):
         clock.now += 1.0
         waited.append(waited[-1] + 0.5)
-        if fair.past(4.0):
+        if fair.has_passed(4.0):
             break
-    assert fair.wall() == 8.0
+    assert fair.wall_s() == 8.0
     assert counts == [104.0, 106.0, 107.0, 108.0]
 
 
@@ -111,15 +111,15 @@ def test_only_what_others_have_taken_is_not_counted(
     after: dict[str, float], share: float, fair: float, clock: Time
 ) -> None:
     states = [look(busy=0.0 if "busy" in after else None)]
-    counted = FairClock(Recent(lambda: states[-1]), share=share)
+    counted = FairClock(CachedState(lambda: states[-1]), share=share)
     clock.now += 10.0
     states.append(look(**after))
-    assert counted.fair() == pytest.approx(fair)
+    assert counted.fair_s() == pytest.approx(fair)
 
 
 def test_only_the_client_that_suffered_most_was_kept_waiting(clock: Time) -> None:
     """A server that answers one after the other gets no time for each answer that was noticed late."""
-    sent = [SimpleNamespace(answered=lambda: False, sent=2) for _ in range(4)]
+    sent = [SimpleNamespace(is_answered=lambda: False, times_sent=2) for _ in range(4)]
     clients = [SimpleNamespace(send=lambda _, one=one: one) for one in sent]
     batch = CallBatch(clients, [None] * 4)  # type: ignore[arg-type, list-item]
     assert not batch.exchange()
@@ -128,7 +128,7 @@ def test_only_the_client_that_suffered_most_was_kept_waiting(clock: Time) -> Non
     assert batch.lateness() == 0.0
     for one in sent:
         clock.now += 0.5
-        one.answered, one.response = lambda: True, Float64
+        one.is_answered, one.response = lambda: True, Float64
         batch.exchange()
     assert batch.answered == 4
     assert batch.lateness() == 0.5

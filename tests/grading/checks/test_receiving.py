@@ -66,7 +66,7 @@ def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: gra
     turn(peer, grader_node, lambda: all(client.is_ready() for client in clients))
     for client in clients:  # from then on the server knows them, and loses nothing
         known = client.send(AddTwoInts.Request())
-        turn(peer, grader_node, known.answered)
+        turn(peer, grader_node, known.is_answered)
     batch = CallBatch(clients, [AddTwoInts.Request(a=number, b=1000) for number in range(CALLS)])
     turn(peer, grader_node, batch.exchange)
     assert [response.sum for response in batch.responses] == [number + 1000 for number in range(CALLS)]

@@ -43,7 +43,7 @@ class Counter(Model):
 def talk(model: Any, seed: int, count: int) -> list[tuple[str, Step]]:
     steps, done = Steps(rules_of(type(model)), random.Random(seed)), []  # noqa: S311
     for _ in range(count):
-        step = steps.next(model, apart=False)
+        step = steps.draw_step(model, apart=False)
         done.append((getattr(model, "state", ""), step))
         step.do(None, model)  # type: ignore[arg-type] - a model that needs no node
     return done

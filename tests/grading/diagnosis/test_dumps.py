@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.diagnosis.tracebacks import activity
+from course_kit.grading.diagnosis.tracebacks import read_activity
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
 from course_kit.grading.sandbox.start_order import Streams
 
@@ -47,7 +47,7 @@ def test_a_note_of_the_program_is_no_dump(written: tuple[OutputCollector, int]) 
     os.write(writer, b'{"note": {"returned": "Thread 0x1"}}\n')
     process.take("evidence")
     assert not process.has_whole_dump()
-    assert not activity(process.stacks(), ("answer.py",)).known
+    assert not read_activity(process.stacks(), ("answer.py",)).known
 
 
 def test_forgetting_starts_anew(written: tuple[OutputCollector, int]) -> None:

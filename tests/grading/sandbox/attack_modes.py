@@ -104,7 +104,7 @@ def _grade_each(
     handle: launcher.Launcher,
 ) -> None:
     for program, source in programs.items():
-        user = isolation.guest(os.getpid()) if found.user else 0
+        user = isolation.guest_user(os.getpid()) if found.user else 0
         job = (of_command if mode == COMMAND else of_program)(*asked, source)
         job = replace(job, isolation=found, user=user)
         sys.stdout.flush()
@@ -163,8 +163,8 @@ def become_nobody() -> None:
 
 def refuse_namespaces(more: dict[str, int]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
-    numbers_of = seccomp._refused
+    numbers_of = seccomp._refused_calls
     known = numbers_of(os.uname().machine)
-    seccomp._refused = lambda _: {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    seccomp._refused_calls = lambda _: {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
     seccomp.install()
-    seccomp._refused = numbers_of
+    seccomp._refused_calls = numbers_of

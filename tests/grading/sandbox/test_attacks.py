@@ -86,7 +86,7 @@ def test_attack_is_held_or_admitted(attack: str, mode: str, outcomes: Outcomes) 
     if won:  # only where LIMITS.md says so: something that would hold it is not to be had there
         assert admitted, won
         assert not any(getattr(found, kind) for kind in admitted), won
-    if found.full:
+    if found.is_full:
         assert not won
         assert {result["status"] for result in outcome["results"]} <= {"failed", "skipped"}
 
@@ -106,4 +106,4 @@ def test_everything_is_isolated_where_namespaces_are_allowed(outcomes: Outcomes)
     if restricted.exists() and restricted.read_text().strip() == "1":
         assert outcomes[attack_modes.USER]["isolation"].reason
         return
-    assert outcomes[attack_modes.USER]["isolation"].full, outcomes[attack_modes.USER]["isolation"].describe()
+    assert outcomes[attack_modes.USER]["isolation"].is_full, outcomes[attack_modes.USER]["isolation"].describe()

@@ -101,7 +101,7 @@ def test_landlock_shows_nothing_masked_by_any_name(places: Path) -> None:
     if not landlock.version():
         assert not isolation_status().landlock
         return
-    rules = list(file_view.readable(view_of(places)))
+    rules = list(file_view.list_readable(view_of(places)))
     read = inside(lambda: landlock.restrict(rules, ()), places, processes=False)
     assert set(read) == set(PATHS)
     assert all(names == ["lib/library.py", "lib64/library.py"] for names in read.values())

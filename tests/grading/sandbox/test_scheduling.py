@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.sandbox import scheduling
-from course_kit.grading.sandbox.scheduling import Waiting
+from course_kit.grading.sandbox.scheduling import WaitTime
 from course_kit.process import tree
 from tests.waiting import wait_until
 
@@ -28,7 +28,7 @@ BUSY_CHILDREN = (
 
 
 class MadeUpProc:
-    """A /proc with what `Waiting` reads in it, in seconds."""
+    """A /proc with what `WaitTime` reads in it, in seconds."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -68,7 +68,7 @@ def proc(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MadeUpProc:
 
 
 def test_a_thread_that_others_keep_from_running_has_waited(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
+    waiting = WaitTime(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(1.0, 1.0), helper=(0.0, 0.0))
     assert waiting.look([PROGRAM], 2) == pytest.approx(1.0)
     proc.threads(PROGRAM, main=(1.5, 1.0), helper=(0.0, 0.5))  # now another one
@@ -78,14 +78,14 @@ def test_a_thread_that_others_keep_from_running_has_waited(proc: MadeUpProc) -> 
 
 
 def test_threads_that_stand_in_each_others_way_have_not_waited(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
+    waiting = WaitTime(PROGRAM, with_children=False)
     proc.threads(PROGRAM, **{f"t{number}": (1.0, 3.0) for number in range(4)})
     assert waiting.look([PROGRAM], 4) == 0.0
 
 
 def test_a_program_whose_children_have_the_processors_has_not_waited(proc: MadeUpProc) -> None:
     clock = Clock()
-    waiting = Waiting(PROGRAM, with_children=False, clock=clock, processors=2)
+    waiting = WaitTime(PROGRAM, with_children=False, clock=clock, processors=2)
     proc.threads(PROGRAM, main=(0.2, 3.0))
     proc.process(CHILD, 2.0)
     proc.process(OTHER_CHILD, 2.0)
@@ -95,14 +95,14 @@ def test_a_program_whose_children_have_the_processors_has_not_waited(proc: MadeU
 
 def test_children_wait_for_nothing_that_counts(proc: MadeUpProc) -> None:
     for with_children, seconds in ((False, 0.0), (True, 3.0)):
-        waiting = Waiting(PROGRAM, with_children=with_children)
+        waiting = WaitTime(PROGRAM, with_children=with_children)
         proc.threads(PROGRAM, main=(0.0, 0.0))
         proc.threads(CHILD, only=(0.0, 3.0))
         assert waiting.look([PROGRAM, CHILD], 2) == pytest.approx(seconds)
 
 
 def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc) -> None:
-    waiting = Waiting(PROGRAM, with_children=False)
+    waiting = WaitTime(PROGRAM, with_children=False)
     proc.threads(PROGRAM, main=(0.0, 2.0))
     proc.process(PROGRAM, 2.0)
     assert waiting.look([PROGRAM], 1) == pytest.approx(0.0)
@@ -110,7 +110,7 @@ def test_what_has_ended_has_computed_all_the_same(proc: MadeUpProc) -> None:
 
 def test_while_children_may_have_had_the_processors_unseen_nothing_counts(proc: MadeUpProc) -> None:
     clock = Clock()
-    waiting = Waiting(PROGRAM, with_children=True, clock=clock, processors=2)
+    waiting = WaitTime(PROGRAM, with_children=True, clock=clock, processors=2)
     proc.threads(PROGRAM, main=(0.0, 1.0))
     proc.process(CHILD, 0.0)
     assert waiting.look([PROGRAM, CHILD], 20) == pytest.approx(1.0)
@@ -146,12 +146,12 @@ def start() -> Iterator[Callable[[str], int]]:
 
 
 def seconds_of(program: int) -> float:
-    return scheduling._computed(program)
+    return scheduling._cpu_s(program)
 
 
 def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[str], int]) -> None:
     program, _ = start(BUSY), [start(BUSY) for _ in range(2)]
-    waiting = Waiting(program, with_children=False)
+    waiting = WaitTime(program, with_children=False)
     waiting.look([program], 1)
     began, before = time.monotonic(), waiting.seconds
     wait_until(lambda: waiting.look([program], 1) - before > 1.0, "a second of waiting")
@@ -161,7 +161,7 @@ def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[st
 def test_a_real_program_that_sleeps_has_not_however_busy_its_children_are(start: Callable[[str], int]) -> None:
     program = start(BUSY_CHILDREN)
     wait_until(lambda: len(tree.descendants_of(program)) == 12, "the children")
-    waiting = Waiting(program, with_children=False)
+    waiting = WaitTime(program, with_children=False)
 
     def busy() -> float:
         everything = [program, *tree.descendants_of(program)]
