@@ -271,13 +271,15 @@ class Node(ExecuteProcess):
             arguments += ["-p", f"{given}:={_write_as_yaml(value)}"]
         whose = f"{namespace.rstrip('/')}/{name}" if name is not None and namespace else "/**"
         for parameters in self._parameters:
-            arguments += self._words_of(parameters, whose, context, temporary)
+            arguments += self._parameter_words(parameters, whose, context, temporary)
         pairs = [(as_text(old, context), as_text(new, context)) for old, new in self._remappings]
         for old, new in pairs:  # of two for one name the first counts
             arguments += ["-r", f"{old}:={new}"]
         return arguments
 
-    def _words_of(self, parameters: object, whose: str, context: LaunchContext, temporary: list[Path]) -> list[str]:
+    def _parameter_words(
+        self, parameters: object, whose: str, context: LaunchContext, temporary: list[Path]
+    ) -> list[str]:
         if isinstance(parameters, Mapping):
             values = values_of(parameters, context)
             text = yaml.safe_dump({whose: {"ros__parameters": values}}, default_flow_style=False)
