@@ -1,6 +1,6 @@
 """Which tests the usual run leaves to `./course test --all`, and which ones a quick run leaves out, too.
 
-The beginning of a test's id is enough. CONTRIBUTING says which usual test notices what a weekly one is there for.
+The beginning of a test's id is enough. Above weekly ones: what was broken on purpose, and which usual test noticed.
 """
 
 from __future__ import annotations
@@ -13,17 +13,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 WEEKLY = (
+    # The made proof set lacked its wrong program: the other kinds in authoring/test_new_exercise.py.
     "tests/authoring/test_new_exercise.py::test_what_is_made_is_proven_by_its_own_set[parameters]",
     "tests/authoring/test_new_exercise.py::test_what_is_made_is_proven_by_its_own_set[topic]",
+    # The score of a program was not compared: authoring/test_leaks.py, test_carried_exercises.py.
     "tests/authoring/test_release.py::test_no_program_in_it_scores",
+    # Dark ink was as dark as its paper: browser/test_class_page.py at 400 pixels in the dark.
     "tests/browser/test_class_page.py::test_three_hundred_students_on_a_page_that_anybody_can_read[1400-light]",
     "tests/browser/test_class_page.py::test_what_it_leads_to_can_be_read_by_anybody_too[comparison-1400-light]",
     "tests/browser/test_class_page.py::test_what_it_leads_to_can_be_read_by_anybody_too[report-1400-light]",
+    # The page did not scroll to the heading: browser/test_report_card.py in JupyterLab.
     "tests/browser/test_mistakes_and_neighbours.py::test_a_link_lands_at_its_heading_at_the_first_click_in_notebook_7",
+    # A record was cut short, a page without a record stayed: classroom/test_resume.py.
     "tests/classroom/test_interrupted_runs.py::test_killed_at_twenty_random_moments",
+    # A worker that died was not tried again: classroom/test_class_command.py.
     "tests/classroom/test_killed_roles.py",
     "tests/graders/test_move_robot.py::test_attach_grades_a_robot",
+    # What starving programs compute counted as lost: grading/checks/test_fair_clock.py.
     "tests/grading/checks/test_fairness.py",
+    # Texts of messages were not cut: grading/test_bounds.py.
     "tests/grading/checks/test_sending_attacks.py::test_writing_without_end",
     "tests/grading/checks/test_sending_attacks.py::test_service_answers_of_8_mb",
     "tests/grading/checks/test_sending_attacks.py::test_long_names_and_reasons",
@@ -31,8 +39,10 @@ WEEKLY = (
     "tests/grading/checks/test_sending_attacks.py::test_feedback_without_end",
     "tests/grading/checks/test_sending_attacks.py::test_a_status_line_that_is_no_text",
     "tests/grading/sandbox/test_hostile.py::test_a_flood_of_notes",
+    # The reader could take all memory: each file of grading/test_reading_attacks.py.
     "tests/grading/test_reading_attacks.py::test_the_rest_of_a_class_is_graded",
     "tests/presentation/test_present_command.py::test_two_at_a_time",
+    # The wheel lacked style sheets: test_hatch_build.py.
     "tests/test_wheel.py",
 )
 # The folders with the files that compute the longest. Those of each are spread over the first part of a run, among
