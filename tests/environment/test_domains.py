@@ -64,7 +64,7 @@ class Remembered(Leases):
         before = len(self._given)
         for _ in range(domains.FIRST, domains.LAST + 1):
             with suppress(domains.NoDomainError):
-                self.exclusive()
+                self.lease_exclusive()
         rest = {lease.domain_id for lease in self._given[before:]}
         self.release(before)
         return rest

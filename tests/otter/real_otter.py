@@ -107,11 +107,11 @@ def cases(exercise: Corpus) -> list[Case]:
             path.write_text(text, encoding="utf-8")
             return grading.grade(exercise.exercise.id, path, seed=_SEED, worker=worker).score
 
-        solution = exercise.of("solution")[0].text()
+        solution = exercise.of_kind("solution")[0].text()
         full = worth(solution)
-        wrong = ((one.name, one.text(), worth(one.text())) for one in exercise.of("broken"))
+        wrong = ((one.name, one.text(), worth(one.text())) for one in exercise.of_kind("broken"))
         in_part = next(((name, text, points) for name, text, points in wrong if _LITTLE * full < points < full))
-        starter = next(one.text() for one in exercise.of("starter") if one.path.suffix == ".py")
+        starter = next(one.text() for one in exercise.of_kind("starter") if one.path.suffix == ".py")
         return [
             Case("the solution", (solution,), full),
             Case("the solution in two cells", _halves(solution), full),
