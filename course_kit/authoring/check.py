@@ -48,19 +48,19 @@ def check_proofs(
     began = time.monotonic()
     chosen = tuple(corpus.load_corpus(name, root) for name in exercises or corpus.all_exercises(root))
     drawn = secrets.randbits(30) if seed is None else seed
-    with Gradings([one.exercise for one in chosen], workers) as pool:
+    with Gradings([cases.exercise for cases in chosen], workers) as pool:
         reports = grade_corpora(pool, chosen, drawn)
-    found = [fault for one in chosen for fault in rules.find_faults(one, reports)]
+    found = [fault for cases in chosen for fault in rules.find_faults(cases, reports)]
     if not exercises:
-        found += rules.codes_without_submission({one.name for each in chosen for one in each.submissions})
+        found += rules.codes_without_submission({proof.name for each in chosen for proof in each.submissions})
     return ProofOutcome(chosen, drawn, reports, tuple(found), time.monotonic() - began)
 
 
 def grade_corpora(pool: Gradings, chosen: Sequence[Corpus], seed: int) -> dict[ProofSubmission, Report]:
     """Grade all submissions of these sets, and tell on stderr how far it is."""
-    wanted = [(one, _seed_for(one, each, seed)) for each in chosen for one in _longest_first(each)]
+    wanted = [(item, _seed_for(item, each, seed)) for each in chosen for item in _longest_first(each)]
     reports: dict[ProofSubmission, Report] = {}
-    for submission, report in pool.grade_all((one, pool.request_for(one, drawn)) for one, drawn in wanted):
+    for submission, report in pool.grade_all((item, pool.request_for(item, drawn)) for item, drawn in wanted):
         reports[submission] = report
         if len(reports) % _EACH == 0 or len(reports) == len(wanted):
             what = f"{submission.exercise} {submission.kind} {submission.name}: {in_points(report.score)}"
@@ -73,22 +73,22 @@ def _seed_for(submission: ProofSubmission, sets: Corpus, drawn: int) -> int:
     return next(seed for seed in (submission.seed, sets.exercise.seed, drawn) if seed is not None)
 
 
-def _longest_first(one: Corpus) -> list[ProofSubmission]:
+def _longest_first(cases: Corpus) -> list[ProofSubmission]:
     """Right programs go through all checks, and limits are reached slowly: what begins late is waited for alone."""
     slow = ("starter", "solution", "variant")
-    return sorted(one.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
+    return sorted(cases.submissions, key=lambda each: each.kind not in slow and not each.name.startswith("limit."))
 
 
 def describe_outcome(found: ProofOutcome) -> Iterator[str]:
     """How many submissions there are, what does not hold, and a summary, in lines."""
-    width = max(len(one.exercise.id) for one in found.sets)
+    width = max(len(cases.exercise.id) for cases in found.sets)
     heads = [*_KINDS, "checks", "sentences"]
     yield "  ".join([f"{'exercise':<{width}}", *heads])
-    for one in found.sets:
-        checks = {check.id for each in one.of_kind("solution") for check in found.reports[each].checks}
-        counts = [*(len(one.of_kind(kind)) for kind in _KINDS.values()), len(checks), len(one.exercise.sentences)]
+    for cases in found.sets:
+        checks = {check.id for each in cases.of_kind("solution") for check in found.reports[each].checks}
+        counts = [*(len(cases.of_kind(kind)) for kind in _KINDS.values()), len(checks), len(cases.exercise.sentences)]
         cells = (f"{count or '-':>{len(head)}}" for count, head in zip(counts, heads, strict=True))
-        yield "  ".join([f"{one.exercise.id:<{width}}", *cells])
+        yield "  ".join([f"{cases.exercise.id:<{width}}", *cells])
     if found.faults:
         yield from ("", "What does not hold:")
     for fault in found.faults:

@@ -69,7 +69,7 @@ class Corpus:
 
     def of_kind(self, kind: str) -> tuple[ProofSubmission, ...]:
         """Those of one kind."""
-        return tuple(one for one in self.submissions if one.kind == kind)
+        return tuple(submission for submission in self.submissions if submission.kind == kind)
 
 
 def all_exercises(root: Path) -> list[str]:
@@ -102,16 +102,16 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
     correct, broken, table = folders_of(exercise, root)
     right = [("solution", exercise.solution.name, exercise.solution)] if exercise.solution.exists() else []
     right += [("variant", path.stem, path) for path in sorted(correct.glob("*" if exercise.files else "*.py"))]
-    found += [ProofSubmission(exercise.id, *one, files=_files(exercise, one[-1])) for one in right]
+    found += [ProofSubmission(exercise.id, *entry, files=_files(exercise, entry[-1])) for entry in right]
     slips, breaks = _slips(exercise, correct, table)
     for path in sorted(broken.glob("*.py")):
         found.append(ProofSubmission(exercise.id, "broken", path.stem, path, breaks=breaks.pop(path.stem, ())))
     if breaks:
         raise GradingError(f"{broken} has no {next(iter(breaks))}.py, though [broken] says what it breaks.")
     found += slips
-    for one in found:
-        if one.changes:
-            one.texts()
+    for entry in found:
+        if entry.changes:
+            entry.texts()
     return Corpus(exercise, tuple(found))
 
 

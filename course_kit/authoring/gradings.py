@@ -28,9 +28,9 @@ class Gradings(Closable):
     """The pool, and what reads programs for it. Use it in a `with` statement."""
 
     def __init__(self, exercises: Sequence[Exercise], workers: int | None = None) -> None:
-        for one in exercises:
-            needs.require_machine(one.limits)
-        self._exercises = {one.id: one for one in exercises}
+        for exercise in exercises:
+            needs.require_machine(exercise.limits)
+        self._exercises = {exercise.id: exercise for exercise in exercises}
         self._folder = tempfile.TemporaryDirectory(prefix="course-kit-gradings-")
         self._reader = Reader()
         self._pool = pool.start_pool(exercises, workers)

@@ -121,7 +121,7 @@ def describe_edition(planned: EditionPlan) -> Iterator[str]:
 
 
 def _describe_leaks(found: Sequence[Leak]) -> str:
-    lines = "\n".join(f"  {one_line(one.file)}, for {one.exercise}: {one.why}" for one in found)
+    lines = "\n".join(f"  {one_line(leak.file)}, for {leak.exercise}: {leak.why}" for leak in found)
     return (
         f"no student edition was made: there are answers in it.\n{lines}\n"
         f"Take them out, or name their files among the instructor's in {_LIST}; then run this again."

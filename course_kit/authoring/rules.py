@@ -45,14 +45,14 @@ def judge_starter(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofS
         yield "there is no starter."
     rungs = {hint.text for hint in sets.exercise.hints}
     seen = set()
-    for one in sets.of_kind("starter"):
-        report = reports[one]
+    for proof in sets.of_kind("starter"):
+        report = reports[proof]
         failed = [check for check in report.checks if check.status == "failed"]
         seen.add(tuple((check.id, check.status, check.diagnosis) for check in report.checks))
         if exit_code(report) != 1 or not failed:
-            yield one, f"it should be graded and not passed, and is: {describe_report(report)}"
+            yield proof, f"it should be graded and not passed, and is: {describe_report(report)}"
         elif failed[0].hint not in rungs:
-            yield one, f"its first failed check, {failed[0].id}, has no hint from the ladder in exercise.toml."
+            yield proof, f"its first failed check, {failed[0].id}, has no hint from the ladder in exercise.toml."
     if len(seen) > 1:
         yield "the starter program and the starter notebook get different verdicts."
 
@@ -79,36 +79,36 @@ def judge_broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSu
 
     Beside an exercise of another folder it may have any name, and then loses points.
     """
-    for one in sets.of_kind("broken"):
-        report = reports[one]
+    for proof in sets.of_kind("broken"):
+        report = reports[proof]
         got = {check.diagnosis for check in report.checks if check.status == "failed"}
-        is_code = one.name in catalogue.catalogue()
+        is_code = proof.name in catalogue.catalogue()
         if not is_code and not _is_added(sets):
-            yield one, "it is named after a code that diagnoses.toml does not have."
-        elif is_code and got != {one.name}:
-            yield one, f"it should get this code alone, and gets: {describe_report(report)}"
+            yield proof, "it is named after a code that diagnoses.toml does not have."
+        elif is_code and got != {proof.name}:
+            yield proof, f"it should get this code alone, and gets: {describe_report(report)}"
         elif report.score >= report.max_score:
-            yield one, "it gets full marks."
-        yield from ((one, text) for text in _poor_feedback(report))
+            yield proof, "it gets full marks."
+        yield from ((proof, text) for text in _poor_feedback(report))
 
 
 def judge_slips(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each slip fails the checks it is listed with, with those diagnoses, and no other."""
-    for one in sets.of_kind("slip"):
-        report = reports[one]
+    for proof in sets.of_kind("slip"):
+        report = reports[proof]
         failed = [check for check in report.checks if check.status in ("failed", "error")]
-        if {(check.id, check.diagnosis) for check in failed} != one.failed:
-            wanted = ", ".join(f"{check} ({code or 'no code'})" for check, code in sorted(one.failed, key=str))
-            yield one, f"it should fail {wanted}, and gets: {describe_report(report)}"
-        elif one.says not in " ".join(check.message for check in failed):
-            yield one, f"a message should say '{one.says}', and this is said: {describe_report(report)}"
-        yield from ((one, text) for text in _poor_feedback(report))
+        if {(check.id, check.diagnosis) for check in failed} != proof.failed:
+            wanted = ", ".join(f"{check} ({code or 'no code'})" for check, code in sorted(proof.failed, key=str))
+            yield proof, f"it should fail {wanted}, and gets: {describe_report(report)}"
+        elif proof.says not in " ".join(check.message for check in failed):
+            yield proof, f"a message should say '{proof.says}', and this is said: {describe_report(report)}"
+        yield from ((proof, text) for text in _poor_feedback(report))
 
 
 def judge_checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each check can fail: some submission turns it red."""
-    red = {check.id for one in sets.submissions for check in reports[one].checks if check.status == "failed"}
-    known = {check.id: None for one in sets.of_kind("solution") for check in reports[one].checks}
+    red = {check.id for proof in sets.submissions for check in reports[proof].checks if check.status == "failed"}
+    known = {check.id: None for proof in sets.of_kind("solution") for check in reports[proof].checks}
     yield from (f"no submission makes the check '{check}' fail." for check in known if check not in red)
 
 
@@ -136,19 +136,19 @@ def find_faults(sets: Corpus, reports: Reports) -> list[Fault]:
     found = []
     for name, rule in RULES.items():
         for said in rule(sets, reports):
-            one, text = said if isinstance(said, tuple) else (None, said)
-            where = _describe_submission(one, sets.exercise) if one is not None else ""
+            proof, text = said if isinstance(said, tuple) else (None, said)
+            where = _describe_submission(proof, sets.exercise) if proof is not None else ""
             found.append(Fault(sets.exercise.id, name, where, text))
     return found
 
 
-def _describe_submission(one: ProofSubmission, exercise: Exercise) -> str:
+def _describe_submission(proof: ProofSubmission, exercise: Exercise) -> str:
     """A submission in words: of files that share their name with another the folder, of a slip the file that has it."""
     if not exercise_folders.is_added(exercise.folder):
-        return f"{one.kind} {one.name}"
-    path = one.told_in or one.path
+        return f"{proof.kind} {proof.name}"
+    path = proof.told_in or proof.path
     place = path.relative_to(exercise.folder) if path.is_relative_to(exercise.folder) else path
-    return f"slip {one.name} ({place})" if one.told_in is not None else f"{one.kind} {place}"
+    return f"slip {proof.name} ({place})" if proof.told_in is not None else f"{proof.kind} {place}"
 
 
 def codes_without_submission(names: set[str]) -> list[Fault]:
@@ -169,13 +169,13 @@ def describe_report(report: Report) -> str:
 
 
 def _not_full_marks(right: tuple[ProofSubmission, ...], reports: Reports) -> Iterator[tuple[ProofSubmission, str]]:
-    for one in right:
-        report = reports[one]
+    for proof in right:
+        report = reports[proof]
         full = all(check.status == "passed" for check in report.checks) and report.status == "graded"
         if not (full and report.passed and report.score == report.max_score):
-            yield one, f"it should get full marks, and gets: {describe_report(report)}"
+            yield proof, f"it should get full marks, and gets: {describe_report(report)}"
         elif sum(check.max_points for check in report.checks) != report.max_score:
-            yield one, f"the points of its checks do not add up to {report.max_score:g}."
+            yield proof, f"the points of its checks do not add up to {report.max_score:g}."
 
 
 def _poor_feedback(report: Report) -> Iterator[str]:
@@ -197,41 +197,47 @@ def checks_of(exercise: Exercise, seed: int | None = None) -> Sequence[Check]:
 
 def find_sentence_faults(exercise: Exercise, checks: Sequence[Check]) -> list[str]:
     """What does not fit between the sentences of a task and the checks of its grader."""
-    known = {one.id for one in exercise.sentences}
+    known = {sentence.id for sentence in exercise.sentences}
     found = [
-        f"the check '{one.id}' names the sentence '{name}', which exercise.toml does not have."
-        for one in checks
-        for name in one.proves
+        f"the check '{check.id}' names the sentence '{name}', which exercise.toml does not have."
+        for check in checks
+        for name in check.proves
         if name not in known
     ]
-    found += [f"no sentence of the task says what the check '{one.id}' tests." for one in checks if not one.proves]
-    named = {name for one in checks for name in one.proves}
     found += [
-        f"no check tests the sentence '{one.id}'."
-        for one in exercise.sentences
-        if not one.freedom and one.id not in named
+        f"no sentence of the task says what the check '{check.id}' tests." for check in checks if not check.proves
+    ]
+    named = {name for check in checks for name in check.proves}
+    found += [
+        f"no check tests the sentence '{sentence.id}'."
+        for sentence in exercise.sentences
+        if not sentence.freedom and sentence.id not in named
     ]
     return found
 
 
 def find_unproven(sets: Corpus, reports: Reports) -> Iterator[str]:
     """The sentences that nothing proves, and what submissions break that no sentence is."""
-    known = {one.id for one in sets.exercise.sentences}
+    known = {sentence.id for sentence in sets.exercise.sentences}
     yield from (
-        f"{one.kind} {one.name} breaks the sentence '{name}', which exercise.toml does not have."
-        for one in sets.submissions
-        for name in one.breaks
+        f"{proof.kind} {proof.name} breaks the sentence '{name}', which exercise.toml does not have."
+        for proof in sets.submissions
+        for name in proof.breaks
         if name not in known
     )
-    checks = {seed: checks_of(sets.exercise, seed) for seed in {one.seed for one in sets.submissions} | {None}}
-    right = {_name(one) for one in sets.submissions if _is_right(one) and reports[one].score >= reports[one].max_score}
+    checks = {seed: checks_of(sets.exercise, seed) for seed in {proof.seed for proof in sets.submissions} | {None}}
+    right = {
+        _name(proof)
+        for proof in sets.submissions
+        if _is_right(proof) and reports[proof].score >= reports[proof].max_score
+    }
     for sentence in sets.exercise.sentences:
-        own = {seed: [one.id for one in made if sentence.id in one.proves] for seed, made in checks.items()}
+        own = {seed: [check.id for check in made if sentence.id in check.proves] for seed, made in checks.items()}
         red = any(
-            check.status == "failed" and check.id in own[one.seed]
-            for one in sets.submissions
-            if sentence.id in one.breaks
-            for check in reports[one].checks
+            check.status == "failed" and check.id in own[proof.seed]
+            for proof in sets.submissions
+            if sentence.id in proof.breaks
+            for check in reports[proof].checks
         )
         if sentence.freedom and sentence.freedom not in right:
             yield (

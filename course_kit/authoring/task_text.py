@@ -36,9 +36,9 @@ def group_by_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
     """The sentences by the notebook's cell in which they stand."""
     cells: dict[str, list[Sentence]] = {}
     cell = ""
-    for one in sentences:
-        cell = one.cell or cell
-        cells.setdefault(cell, []).append(one)
+    for sentence in sentences:
+        cell = sentence.cell or cell
+        cells.setdefault(cell, []).append(sentence)
     return cells
 
 
@@ -46,11 +46,11 @@ def sentences_of(exercise: Exercise, file: str) -> Sequence[Sentence]:
     """What stands in a starter: of several each has its own cell, and the launch file all that no program has."""
     if not exercise.files:
         return exercise.sentences
-    cells, own = group_by_cell(exercise.sentences), {one.partition(".")[0] for one in exercise.files}
+    cells, own = group_by_cell(exercise.sentences), {name.partition(".")[0] for name in exercise.files}
     if file != exercise.launch_file:
         return cells[file.partition(".")[0]]
     own.remove(file.partition(".")[0])
-    return [one for cell, sentences in cells.items() if cell not in own for one in sentences]
+    return [sentence for cell, sentences in cells.items() if cell not in own for sentence in sentences]
 
 
 def fill_starter(text: str, exercise: Exercise, file: str = "") -> str:
@@ -93,10 +93,10 @@ def replace_block(text: str, block: str, where: str) -> str:
 def _group_rows(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
     table = 0
 
-    def kind(one: Sentence) -> tuple[bool, int]:
+    def kind(sentence: Sentence) -> tuple[bool, int]:
         nonlocal table
-        table += one.is_row and bool(one.heading)
-        return one.is_row, table if one.is_row else 0
+        table += sentence.is_row and bool(sentence.heading)
+        return sentence.is_row, table if sentence.is_row else 0
 
     for (rows, _), group in itertools.groupby(sentences, kind):
         yield rows, list(group)
@@ -104,11 +104,11 @@ def _group_rows(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sent
 
 def _items(sentences: Iterable[Sentence], width: int) -> Iterable[str]:
     items: list[list[str]] = []
-    for one in sentences:
-        if one.heading or not items:
-            bold = one.heading if width else f"**{one.heading}**"
-            items.append([bold] if one.heading else [])
-        items[-1].append(one.text)
+    for sentence in sentences:
+        if sentence.heading or not items:
+            bold = sentence.heading if width else f"**{sentence.heading}**"
+            items.append([bold] if sentence.heading else [])
+        items[-1].append(sentence.text)
     for words in items:
         text = "- " + " ".join(words)
         if width:

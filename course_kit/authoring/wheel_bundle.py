@@ -57,7 +57,7 @@ class LockedPackage:
     def line(self, *, with_marker: bool = True) -> str:
         """The package as an installer reads it."""
         marker = f" ; {self.marker}" if self.marker and with_marker else ""
-        return " \\\n    ".join([f"{self.name}=={self.version}{marker}", *(f"--hash={one}" for one in self.hashes)])
+        return " \\\n    ".join([f"{self.name}=={self.version}{marker}", *(f"--hash={sha}" for sha in self.hashes)])
 
 
 def _holds(marker: str, python: str, micro: int, system: str) -> bool:
@@ -140,7 +140,7 @@ def _batches(wanted: Sequence[LockedPackage]) -> Iterator[list[LockedPackage]]:
 def _download(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
     with tempfile.TemporaryDirectory() as work:
         requirements = Path(work, "requirements.txt")
-        requirements.write_text("".join(f"{one.line(with_marker=False)}\n" for one in wanted), encoding="utf-8")
+        requirements.write_text("".join(f"{package.line(with_marker=False)}\n" for package in wanted), encoding="utf-8")
         command = [
             *(sys.executable, "-c", _PIP, "download", "--disable-pip-version-check", "--quiet"),
             *("--no-deps", "--require-hashes", "--requirement", str(requirements)),
@@ -167,6 +167,6 @@ def _kind_of_wheels(python: str) -> list[str]:
     abis = dict.fromkeys(tag.abi for tag in cpython_tags(version, platforms=["any"]))
     return [
         *("--implementation", "cp", "--python-version", python),
-        *(f"--platform={one}" for one in platforms),
-        *(f"--abi={one}" for one in abis),
+        *(f"--platform={tag}" for tag in platforms),
+        *(f"--abi={abi}" for abi in abis),
     ]

@@ -141,10 +141,10 @@ class ClassGrading:
         exercise = first.exercise
         if exercise.id not in self._versions:
             self._versions[exercise.id] = versions_of(exercise)
-        for one in group:
-            own, same_as = (report, "") if one is first else (one.own_report(report, first), first.entry.student)
-            record = replace(one.record(own), versions=self._versions[exercise.id], same_as=same_as)
-            self._records.keep(record, render_page(own, one.entry.name or one.entry.student, one.text))
+        for twin in group:
+            own, same_as = (report, "") if twin is first else (twin.own_report(report, first), first.entry.student)
+            record = replace(twin.record(own), versions=self._versions[exercise.id], same_as=same_as)
+            self._records.keep(record, render_page(own, twin.entry.name or twin.entry.student, twin.text))
             self.done.append(record)
             self._progress.count_result(record)
 

@@ -134,7 +134,7 @@ class GradeRecord:
 
     def to_json(self) -> str:
         """The record as one JSON document."""
-        stored = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "adjustment"}
+        stored = {part.name: getattr(self, part.name) for part in fields(self) if part.name != "adjustment"}
         stored["entry"] = vars(self.entry)
         return make_encodable(json.dumps({"format_version": FORMAT_VERSION, **stored}, indent=1, ensure_ascii=False))
 
@@ -266,7 +266,7 @@ class Gradebook:
     @property
     def names(self) -> dict[str, str]:
         """The names of those without a submission, by student."""
-        return {one.student: one.name for one in self.others if one.name}
+        return {other.student: other.name for other in self.others if other.name}
 
     @property
     def students(self) -> list[str]:

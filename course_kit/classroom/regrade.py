@@ -43,9 +43,9 @@ class GradeChange:
         """`robot_name: failed -> passed` for each check that came out otherwise."""
         old, new = _statuses(self.before), _statuses(self.after)
         return [
-            f"{one}: {old.get(one, 'absent')} -> {new.get(one, 'absent')}"
-            for one in dict.fromkeys((*old, *new))
-            if old.get(one) != new.get(one)
+            f"{key}: {old.get(key, 'absent')} -> {new.get(key, 'absent')}"
+            for key in dict.fromkeys((*old, *new))
+            if old.get(key) != new.get(key)
         ]
 
     @property
@@ -78,9 +78,9 @@ class Regrade:
         self._run = run
         self._out = out = run.plan.out
         self._progress = progress
-        self._exercises = {one.id: one for one in book.exercises}
+        self._exercises = {exercise.id: exercise for exercise in book.exercises}
         # A score for nothing handed in stays.
-        self._chosen = [one for one in book.records if one.entry.source and one.entry.exercise in exercises]
+        self._chosen = [record for record in book.records if record.entry.source and record.entry.exercise in exercises]
         self._records = RecordFolder(out)
         self._staging = RecordFolder(out / STAGING)
         self._new: list[GradeRecord] = []
@@ -135,10 +135,10 @@ class Regrade:
 
     def _take_stock(self, stops: Callable[[], int]) -> list[list[ClassSubmission]]:
         """Read what is graded again; identical ones together."""
-        now = {one.id: versions_of(one) for one in self._exercises.values()}
+        now = {exercise.id: versions_of(exercise) for exercise in self._exercises.values()}
         found = ((record, self._find_staged(record, now)) for record in self._chosen)
         with Reader(lambda: stops() > 0, memory=self._run.reader.memory) as reader:
-            ready, groups = submissions.sort_out((self._read(one, reader, staged), staged) for one, staged in found)
+            ready, groups = submissions.sort_out((self._read(old, reader, staged), staged) for old, staged in found)
         self._new += [staged for _, staged in ready]
         self._progress.begin(len(self._chosen), self._new)
         return groups
@@ -170,6 +170,6 @@ def graded_otherwise(book: Gradebook) -> dict[str, int]:
     found = {}
     for exercise in book.exercises:
         now = versions_of(exercise)
-        others = [one for one in book.records_of(exercise.id) if one.entry.source and one.versions != now]
+        others = [record for record in book.records_of(exercise.id) if record.entry.source and record.versions != now]
         found.update({exercise.id: len(others)} if others else {})
     return found

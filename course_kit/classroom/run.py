@@ -61,10 +61,10 @@ def open_class(plan: Plan, stops: Callable[[], int] = lambda: 0) -> ClassRun:
     records = RecordFolder(plan.out)
     seed = _choose_seed(plan, records)
     reader = Reader(lambda: stops() > 0)
-    graded_now = {one.id for one in plan.exercises}
+    graded_now = {exercise.id for exercise in plan.exercises}
     earlier = tuple(record for record in records if record.entry.exercise not in graded_now)
     graded_earlier = sorted({record.entry.exercise for record in earlier})
-    exercises = (*plan.exercises, *(run_folder.exercise_of(plan.out, one) for one in graded_earlier))
+    exercises = (*plan.exercises, *(run_folder.exercise_of(plan.out, name) for name in graded_earlier))
     instructions = instructor.read_instructions(plan.out, exercises)
     try:
         intake = collecting.collect_submissions(
@@ -91,7 +91,7 @@ def _choose_seed(plan: Plan, records: RecordFolder) -> int:
         )
     if before is not None and plan.seed not in (None, before):
         raise GradingError(f"The earlier run used the seed {before}. Leave --seed out to continue it.")
-    return next(one for one in (before, plan.seed, secrets.randbits(31)) if one is not None)
+    return next(seed for seed in (before, plan.seed, secrets.randbits(31)) if seed is not None)
 
 
 @dataclass
@@ -150,7 +150,9 @@ class ClassRun:
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
         self._records.remove_pages_alone()
-        for path in self._records.list_stray_records(self.intake.entries, [one.id for one in self.plan.exercises]):
+        for path in self._records.list_stray_records(
+            self.intake.entries, [exercise.id for exercise in self.plan.exercises]
+        ):
             record = self._records.supersede(path)
             whose = record.entry.label if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")
@@ -162,32 +164,32 @@ class ClassRun:
             ready, groups = submissions.sort_out((self._read(entry, known), known) for entry, known in found)
         here = {entry.student for entry in self.intake.entries}
         kept = []
-        for one, known in ready:
-            record = one.kept_record(known)
+        for submission, known in ready:
+            record = submission.kept_record(known)
             kept.append(record if record.same_as in here else replace(record, same_as=""))
             if kept[-1] != known:
                 self._records.keep(kept[-1])
         return kept, groups
 
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
-        exercise = next(one for one in self.plan.exercises if one.id == entry.exercise)
+        exercise = next(exercise for exercise in self.plan.exercises if exercise.id == entry.exercise)
         own = self.plan.seeds.find(entry.student) if self.plan.seeds else None
-        seed = next(one for one in (own, exercise.seed, self.seed) if one is not None)
+        seed = next(number for number in (own, exercise.seed, self.seed) if number is not None)
         return submissions.read_submission(entry, self.intake.root, exercise, seed, self.reader, known=known)
 
     def _gradebook(self, done: list[GradeRecord]) -> Gradebook:
         fit, earlier = self.intake.roster, self.earlier
-        records = sorted([*done, *earlier], key=lambda one: (one.entry.student, one.entry.exercise))
-        there = {(one.entry.student, one.entry.exercise) for one in records}
+        records = sorted([*done, *earlier], key=lambda record: (record.entry.student, record.entry.exercise))
+        there = {(record.entry.student, record.entry.exercise) for record in records}
         missing = dict.fromkeys(self.intake.missing)
         if earlier:  # somebody who handed in one week's exercise and not the other's
-            students = dict.fromkeys([*(one.entry.student for one in records), *(one for one, _ in missing)])
-            missing |= dict.fromkeys((student, one.id) for student in students for one in self.exercises)
+            students = dict.fromkeys([*(record.entry.student for record in records), *(name for name, _ in missing)])
+            missing |= dict.fromkeys((student, exercise.id) for student in students for exercise in self.exercises)
         book = Gradebook(
-            exercises=tuple(sorted(self.exercises, key=lambda one: one.order)),
+            exercises=tuple(sorted(self.exercises, key=lambda exercise: exercise.order)),
             records=tuple(records),
             missing=tuple(pair for pair in missing if pair not in there),
-            earlier=frozenset(one.entry.exercise for one in earlier),
+            earlier=frozenset(record.entry.exercise for record in earlier),
             left=self.intake.left,
             layout=self.intake.layout,
             seed=self.seed,
@@ -197,7 +199,7 @@ class ClassRun:
             odd=self.intake.odd,
             dropped=self.intake.dropped,
             others=self.intake.others,
-            absent=tuple((one.student, one.name) for one in fit.absent) if fit else (),
+            absent=tuple((person.student, person.name) for person in fit.absent) if fit else (),
             unknown=fit.unknown if fit else (),
             canvas_assignments=fit.roster.canvas_assignments if fit else (),
         )
@@ -220,7 +222,7 @@ def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake
 
 def stored_gradebook(out: Path) -> Gradebook:
     """The results in a folder, without what was handed in."""
-    records = tuple(sorted(RecordFolder(out), key=lambda one: (one.entry.student, one.entry.exercise)))
+    records = tuple(sorted(RecordFolder(out), key=lambda record: (record.entry.student, record.entry.exercise)))
     if not records:
         raise GradingError(f"{out} holds no results of a class. Name the folder that --out named.")
     exercises = (run_folder.exercise_of(out, name) for name in {record.entry.exercise for record in records})

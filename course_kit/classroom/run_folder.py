@@ -32,7 +32,11 @@ _LONGEST = 1000  # bytes
 
 def write_note(out: Path, seed: int, exercises: Iterable[Exercise]) -> None:
     """Note a run."""
-    added = {one.id: str(one.folder.resolve()) for one in exercises if exercise_folders.is_added(one.folder)}
+    added = {
+        exercise.id: str(exercise.folder.resolve())
+        for exercise in exercises
+        if exercise_folders.is_added(exercise.folder)
+    }
     noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": {**_noted_folders(out), **added}}
     write_atomically(out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 

@@ -88,7 +88,7 @@ class ClassSubmission:
             report,
             submission=self.entry.source,
             checks=tuple(
-                replace(one, message=undo(one.message), told=undo(one.told), got=undo(one.got)) for one in report.checks
+                replace(old, message=undo(old.message), told=undo(old.told), got=undo(old.got)) for old in report.checks
             ),
             stdout=undo(report.stdout),
             stderr=undo(report.stderr),
@@ -115,11 +115,11 @@ def sort_out(
     ready: list[tuple[ClassSubmission, GradeRecord]] = []
     groups: dict[tuple[str, str, int], list[ClassSubmission]] = {}
     try:
-        for one, known in read:
-            if known is not None and one.has_result(known):
-                ready.append((one, known))
+        for submission, known in read:
+            if known is not None and submission.has_result(known):
+                ready.append((submission, known))
             else:
-                groups.setdefault(one.key, []).append(one)
+                groups.setdefault(submission.key, []).append(submission)
     except ReadingStoppedError:
         groups = {}
     return ready, sorted(groups.values(), key=lambda group: not group[0].may_last)
@@ -132,11 +132,11 @@ def read_submission(  # noqa: PLR0913 - what a submission is read for
     path = root / entry.source
     try:
         with Copy(path, several=bool(exercise.files)) as copy:
-            one = ClassSubmission(entry, exercise, seed, copy.digest, copy.size)
-            if known is not None and one.has_result(known):
-                return one
+            submission = ClassSubmission(entry, exercise, seed, copy.digest, copy.size)
+            if known is not None and submission.has_result(known):
+                return submission
             text = reader.read(copy, exercise)
-            return replace(one, text=text, size=len(text.source.encode(errors="replace")))
+            return replace(submission, text=text, size=len(text.source.encode(errors="replace")))
     except UnreadableError as problem:
         if not os.path.lexists(path):
             gone = f"{path.name} is no longer there: it was removed while the class was graded."

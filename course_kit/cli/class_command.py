@@ -119,19 +119,19 @@ def _run(options: argparse.Namespace) -> int:
     from course_kit.grading import GradingError, advice_for_root, isolation_status, require_machine
     from course_kit.grading.model.exercise import load_exercise
 
-    chosen = {one: load_exercise(one) for one in options.exercise}
+    chosen = {name: load_exercise(name) for name in options.exercise}
     if options.out.exists() and not options.out.is_dir():
         raise GradingError(f"{options.out} is a file. Give --out a folder for the results.")
     if options.again and not options.resume:
         raise GradingError("--again works on the results of an earlier run. Add --resume.")
-    if unknown := [one for one in options.again if one not in chosen]:
+    if unknown := [name for name in options.again if name not in chosen]:
         raise GradingError(f"--again has {', '.join(unknown)}, and --exercise does not. Give it to both.")
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
     if not options.scheduler:
         note(advice_for_root())
-        for one in chosen.values():
-            require_machine(one.limits)
+        for exercise in chosen.values():
+            require_machine(exercise.limits)
         if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
             isolation_status().require()
     with ExitStack() as ends:
@@ -151,7 +151,7 @@ def _plan(options: argparse.Namespace, exercises: Iterable[Exercise]) -> Plan:
         sources=tuple(options.submissions),
         roster=roster.read_roster(options.roster) if options.roster else None,
         out=options.out,
-        exercises=tuple(sorted(exercises, key=lambda one: one.order)),
+        exercises=tuple(sorted(exercises, key=lambda exercise: exercise.order)),
         seed=options.seed,
         seeds=seeds.read_seeds(options.seeds) if options.seeds else None,
         layout=options.layout,
@@ -182,11 +182,11 @@ def _grade(options: argparse.Namespace, plan: Plan, early: Graders | None) -> in
                 f"{count_of(grading.gone, 'result')} moved to {plan.out / SUPERSEDED}: the submission is no longer "
                 f"there: {first_of(grading.gone, '; ')}."
             )
-        for one in plan.exercises:
-            if practised := _students_with_practice_seed(book, one, plan.seeds):
+        for exercise in plan.exercises:
+            if practised := _students_with_practice_seed(book, exercise, plan.seeds):
                 note(
-                    f"{one.id}: {count_of(practised, 'submission')} graded with the practice questions "
-                    f"(seed {one.seed}), whose answers every student has. "
+                    f"{exercise.id}: {count_of(practised, 'submission')} graded with the practice questions "
+                    f"(seed {exercise.seed}), whose answers every student has. "
                     "For a grade that counts, give each student a seed: --seeds."
                 )
         return _finish(book, options)
@@ -197,7 +197,7 @@ def _students_with_practice_seed(book: Gradebook, exercise: Exercise, seeds: See
     graded = [record.entry for record in book.records if record.entry.exercise == exercise.id]
     if exercise.seed is None:
         return []
-    return [one.student for one in graded if (seeds and seeds.find(one.student)) in (None, exercise.seed)]
+    return [entry.student for entry in graded if (seeds and seeds.find(entry.student)) in (None, exercise.seed)]
 
 
 def _dry_run(plan: Plan) -> int:
@@ -347,7 +347,7 @@ def _of_roster(fit: RosterFit, called: Mapping[str, str]) -> Iterator[str]:
     total = len(fit.roster.people)
     yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
     if fit.absent:
-        yield f"Not handed in: {first_of([one.name or one.student for one in fit.absent])}."
+        yield f"Not handed in: {first_of([person.name or person.student for person in fit.absent])}."
     if fit.unknown:
         unknown = [f"{called.get(who, who)} ({why})" for who, why in fit.unknown]
         yield f"Not matched with {fit.roster.called}: {first_of(unknown)}."
@@ -358,7 +358,7 @@ def _of_canvas(roster: Roster, exercises: Iterable[Exercise]) -> Iterator[str]:
     from course_kit.classroom.exports.tables import CANVAS, canvas_assignment
 
     named = roster.canvas_assignments
-    absent = [one.id for one in exercises if named and not canvas_assignment(one, named)]
+    absent = [exercise.id for exercise in exercises if named and not canvas_assignment(exercise, named)]
     if absent:
         yield (
             f"{roster.called} has no assignment for {', '.join(absent)}, or more than one, so {CANVAS} adds a new "

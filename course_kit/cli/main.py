@@ -71,8 +71,8 @@ def build_parser() -> argparse.ArgumentParser:
 
     doctor = verbs.add_parser("doctor", help="check this machine and suggest fixes")
     doctor.set_defaults(run=_doctor)
-    for one in _with_commands(parser):
-        one.add_argument(
+    for command in _with_commands(parser):
+        command.add_argument(
             _EXERCISES,
             metavar="DIR",
             help="also use the exercises in DIR, or the exercise DIR; repeatable. COURSE_EXERCISES does the same",

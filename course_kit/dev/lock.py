@@ -90,8 +90,8 @@ def resolve_lock(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[s
     return {
         "uv": compiled(None, [_UV], within=everything),
         "pip": compiled(None, [_PIP], within=everything),
-        "course": [one for one in course if one.name != "numpy"],
-        "numpy": [one for one in course if one.name == "numpy"],
+        "course": [package for package in course if package.name != "numpy"],
+        "numpy": [package for package in course if package.name == "numpy"],
         "numpy-1": compiled(None, _NUMPY_1),
         **extras,
         "test-ros": _subtract_packages(extras["ros"], extras["test-ros"]),
@@ -138,8 +138,10 @@ def _compile(  # noqa: PLR0913 - what uv is asked
 
 def _subtract_packages(base: Sequence[LockedPackage], packages: Sequence[LockedPackage]) -> list[LockedPackage]:
     """Those that `base` does not install; its markers may say the same in other words."""
-    known = {(one.name, one.version, place) for one in base for place in _places(one)}
-    return [one for one in packages if {(one.name, one.version, place) for place in _places(one)} - known]
+    known = {(locked.name, locked.version, place) for locked in base for place in _places(locked)}
+    return [
+        locked for locked in packages if {(locked.name, locked.version, place) for place in _places(locked)} - known
+    ]
 
 
 def _places(package: LockedPackage) -> list[tuple[str, str]]:

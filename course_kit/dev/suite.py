@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> int:
     if root is None:
         return refuse("the tests belong to the course's folder; run ./course test there.")
     os.chdir(root)
-    size = next((one for one in (QUICK, ALL) if one in arguments), "")
+    size = next((option for option in (QUICK, ALL) if option in arguments), "")
     chosen = [argument for argument in arguments if argument not in (QUICK, ALL)]
     try:
         chromium = None if size == QUICK else find_or_install_browser()

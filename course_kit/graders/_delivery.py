@@ -59,7 +59,7 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     node.ensure_running()
     for name, values in wanted.items():
         found = node.parameters(name).values(list(values))
-        read = {key: one.value for key, one in found.items()}
+        read = {key: setting.value for key, setting in found.items()}
         evidence = Evidence(f"get_parameters of {name}", describe_values(values), describe_values(read))
         for key, value in values.items():
             kind = found[key].type
@@ -83,14 +83,14 @@ def expect_state(node: GradedNode, why: str, **wanted: Any) -> float:
     place = inbox.count
 
     def find_fitting_messages() -> list[Any]:
-        return [one for one in inbox.newer_than(place) if not list(differences(wanted, one))]
+        return [message for message in inbox.newer_than(place) if not list(differences(wanted, message))]
 
     context.wait_until(lambda: bool(find_fitting_messages()), SHOWN_S)
     seen = inbox.newer_than(place)
     sent, expected = context.record.last_exchange()[0], f"{STATE}: {describe_wanted(wanted)}"
     silent = f"The node battery published nothing on {STATE} for a second."
     require(seen, Evidence(sent, expected, f"nothing on {STATE}"), silent, "topic.silent")
-    in_range = all(-CLOSE < one.percentage < 1.0 + CLOSE for one in seen)
+    in_range = all(-CLOSE < state.percentage < 1.0 + CLOSE for state in seen)
     require(find_fitting_messages() and in_range, Evidence(sent, expected, f"{STATE}: {in_one_line(seen[-1])}"), why)
     return float(find_fitting_messages()[0].percentage)
 
@@ -127,7 +127,7 @@ def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> Grade
     """A goal that is accepted; the carrier asks for the door, which says nothing as long as nobody replies."""
     before, door.answer = len(door.requests), None
     goal = node.goal(DELIVER, room=room).accepted_by()
-    asked = node.context.wait_until(lambda: any(one.data for one in list(door.requests)[before:]), PATIENCE_S)
+    asked = node.context.wait_until(lambda: any(request.data for request in list(door.requests)[before:]), PATIENCE_S)
     evidence = Evidence(goal.shown, f"a request for {OPEN} with data=true", "none")
     require(asked, evidence, "The node carrier did not ask for the door.")
     return goal
@@ -183,8 +183,8 @@ def require_said(node: GradedNode, goal: GradedGoal, topic: str, wanted: float) 
     """What comes on a topic becomes right within half a second, or a moment later."""
     inbox = node.inbox(topic)
     place = inbox.count
-    node.context.wait_until(lambda: any(abs(one.data - wanted) < NEAR_M for one in inbox.newer_than(place)), SHOWN_S)
-    got = [one.data for one in inbox.newer_than(place)[-1:]]
+    node.context.wait_until(lambda: any(abs(seen.data - wanted) < NEAR_M for seen in inbox.newer_than(place)), SHOWN_S)
+    got = [seen.data for seen in inbox.newer_than(place)[-1:]]
     evidence = Evidence(goal.shown, f"{topic}: {wanted:.2f}", f"{topic}: {got or 'nothing'}")
     require(got and abs(got[0] - wanted) < NEAR_M, evidence, f"{topic} says something else than the results of goals.")
 

@@ -103,9 +103,9 @@ def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reacti
     return Reaction((limited, *fields[1:]), _ratio(limited, settings.wheel_diameter / 2.0))
 
 
-def same_reaction(one: Reaction, two: Reaction) -> bool:
+def same_reaction(mine: Reaction, two: Reaction) -> bool:
     """Whether two reactions are the same, but for digits that do not count."""
-    return all(_is_close(a, b) for a, b in zip((*one.fields, one.wheel), (*two.fields, two.wheel), strict=True))
+    return all(_is_close(a, b) for a, b in zip((*mine.fields, mine.wheel), (*two.fields, two.wheel), strict=True))
 
 
 def cause_of(
@@ -113,7 +113,7 @@ def cause_of(
 ) -> tuple[bool, str | None, str]:
     """What is wrong with a reaction to a command: whether /wheel_speed alone is, the diagnosis, and a sentence."""
     right = right_reaction(settings, fields)
-    names = [name for name, one, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _is_close(one, two)]
+    names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _is_close(mine, two)]
     if not settings.enabled:
         if names:
             return (
@@ -178,13 +178,13 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
     return ""
 
 
-def _ratio(one: float, other: float) -> float:
+def _ratio(number: float, other: float) -> float:
     """A quotient; NaN where there is none: the settings are a stranger's."""
-    return one / other if other else math.nan
+    return number / other if other else math.nan
 
 
-def _is_close(one: float, other: float) -> bool:
-    return math.isclose(one, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(one) and math.isnan(other))
+def _is_close(mine: float, other: float) -> bool:
+    return math.isclose(mine, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(mine) and math.isnan(other))
 
 
 def twist_of(fields: list[float]) -> Twist:
@@ -323,7 +323,7 @@ class LimiterSteps(Model):
         """Why a reaction is wrong, and whose points that costs."""
         now = self.settings
         for values in itertools.product(
-            *zip(*(vars(one).values() for one in (now, self.seen, self.start)), strict=True)
+            *zip(*(vars(state).values() for state in (now, self.seen, self.start)), strict=True)
         ):
             old = LimiterSettings(*values)
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
@@ -396,7 +396,7 @@ class LimiterSteps(Model):
 
         def fits() -> bool:
             wanted = (self.settings.robot_name, self.settings.max_velocity)
-            return any(read_status(str(one.data)) == wanted for one in inbox.newer_than(asked))
+            return any(read_status(str(status.data)) == wanted for status in inbox.newer_than(asked))
 
         if context.wait_until(fits, _LINE_S + _ACTS_S):
             context.record.add_unasked(f"{STATUS}: {str(inbox.messages[-1].data)!r}")

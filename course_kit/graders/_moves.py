@@ -164,7 +164,7 @@ def describe_end(ended: GoalOutcome) -> str:
 
 def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) -> float:
     """How far from its target the robot was at the last feedback so far, or until then; endless without feedback."""
-    heard = [one.feedback for one in goal.feedback if one.came_s <= at_s]
+    heard = [message.feedback for message in goal.feedback if message.came_s <= at_s]
     return math.dist(place_of(heard[-1].position), target) if heard else math.inf
 
 
@@ -285,18 +285,18 @@ def require_truth(move: Move) -> None:
         evidence = Evidence(move.goal.shown, expected, found)
         why = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
         raise Failed(evidence, why, "action.feedback_not_monotonic")
-    for one in heard:
-        _require_on_the_way(move, one.feedback)
+    for state in heard:
+        _require_on_the_way(move, state.feedback)
     if long and arrived:
         _require_from_begin_to_end(move, heard, expected)
     if long:
-        for one in heard:
-            _require_own_part(move, one.feedback)
+        for state in heard:
+            _require_own_part(move, state.feedback)
 
 
 def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
     """The first two messages between which progress falls or the distance left grows; empty when there are none."""
-    values = [one.feedback for one in feedback]
+    values = [message.feedback for message in feedback]
     for value in values:
         if not -_ROUNDING <= value.progress <= 1.0 + _ROUNDING:
             return f"progress={value.progress!r}, which is not between 0 and 1"
@@ -405,7 +405,7 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
 
 def _last_seen(move: Move) -> ArenaPoint | None:
     """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
-    seen = [place_of(one.feedback.position) for one in move.goal.feedback]
+    seen = [place_of(message.feedback.position) for message in move.goal.feedback]
     on_the_way = (place for place in reversed(seen) if distance_beside(move.begin, move.target, place) <= BESIDE)
     return next(on_the_way, None)
 

@@ -221,22 +221,22 @@ def carrier_feedback(node: GradedNode) -> None:
     """carrier.py alone: feedback tells the phase, the way that is left, and the battery."""
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
     robot.wait_in_vain(node)
-    early, metres = [one.feedback for one in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
+    early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
     robot.open_door(node)
     robot.require_arrival(node, goal, "hall")
     messages = goal.wait_for_last_feedback(
-        lambda many: any(one.feedback.distance_remaining < robot.END_M for one in many)
+        lambda many: any(seen.feedback.distance_remaining < robot.END_M for seen in many)
     )
-    heard = [one.feedback for one in messages]
-    left, driving = [one.distance_remaining for one in heard], [one for one in heard if one.phase == robot.DRIVING]
+    heard = [seen.feedback for seen in messages]
+    left, driving = [seen.distance_remaining for seen in heard], [seen for seen in heard if seen.phase == robot.DRIVING]
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
-    asks = early and all(one.phase == robot.DOOR for one in early)
+    asks = early and all(seen.phase == robot.DOOR for seen in early)
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
         (len(driving) >= 5 * metres / robot.ALONE_MPS, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
-        (all(abs(one.battery - robot.CHARGE) < CLOSE for one in heard), f"battery={robot.CHARGE}, as {STATE} said"),
+        (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in heard), f"battery={robot.CHARGE}, as {STATE} said"),
     ):
         robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
 
@@ -267,7 +267,7 @@ def carrier_one_goal(node: GradedNode) -> None:
     goal = robot.ask_for_delivery(node, "attic", door)
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
     robot.open_door(node)
-    node.context.wait_until(lambda: any(one.feedback.phase == robot.DRIVING for one in goal.feedback), PATIENCE_S)
+    node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
     last = robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
     robot.require_arrival(node, goal, "attic")
     if last is not goal:  # it came when the first was over
@@ -297,7 +297,7 @@ def carrier_cancel(node: GradedNode) -> None:
     robot.require_distance(node, goal, goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False), 0.0)
     robot.open_door(node)
     goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - start - 0.15
-    node.context.wait_until(lambda: any(one.feedback.distance_remaining < far for one in goal.feedback), PATIENCE_S)
+    node.context.wait_until(lambda: any(seen.feedback.distance_remaining < far for seen in goal.feedback), PATIENCE_S)
     ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.context.memory["at"] = start + ended.result.distance
     robot.require_distance(node, goal, ended, max(0.15, ended.result.distance))

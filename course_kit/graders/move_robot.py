@@ -151,21 +151,21 @@ class RobotModel(Model):
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
         expected = "one of the two goals accepted, the other rejected"
-        for one, other in zip(angles[::2], angles[1::2], strict=True):
+        for left, other in zip(angles[::2], angles[1::2], strict=True):
             begin = self.at
-            first, second = [_moves.send_goal(node, place_inside(begin, 0.5, angle)) for angle in (one, other)]
+            first, second = [_moves.send_goal(node, place_inside(begin, 0.5, angle)) for angle in (left, other)]
             for goal in (first, second):
                 goal.wait_for_answer(expected, _moves.allowed_s(0.5))
             sent = f"{first.shown}; in the same instant {second.shown}"
             accepted = [goal for goal in (first, second) if goal.accepted]
             if not accepted:
-                self.drive(node, place_inside(begin, 0.5, one))  # which fails where the server accepts nothing any more
+                self.drive(node, place_inside(begin, 0.5, left))  # which fails where the server accepts no more
                 both = Evidence(sent, expected, "both goals rejected")
                 raise Failed(both, "The robot was free: one has to be accepted.", breaks="second_goal")
             self.special = "second_goal"
             if len(accepted) > 1:
                 self.see_one_at_a_time(node, first, second, Evidence(sent, expected, "both goals accepted"))
-            target = place_inside(begin, 0.5, one if accepted[0] is first else other)
+            target = place_inside(begin, 0.5, left if accepted[0] is first else other)
             self.targets.append(target)
             self.judge(self.finish(begin, target, accepted[0]), "arrives")
 

@@ -245,7 +245,7 @@ def declared(node: GradedNode) -> Evidence:
 @check(points=0.5, after=["declared"], proves=list(TYPES))
 def types(node: GradedNode) -> Evidence:
     """Each parameter has its type."""
-    found = {name: one.type for name, one in node.parameters(NODE).values(list(TYPES)).items()}
+    found = {name: value.type for name, value in node.parameters(NODE).values(list(TYPES)).items()}
     told, wanted = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, TYPES))
     evidence = Evidence("get_parameters", wanted, told)
     if empty := [name for name, kind in found.items() if kind == NOT_SET]:
@@ -261,7 +261,7 @@ def types(node: GradedNode) -> Evidence:
 @check(points=0.5, after=["types"], proves=list(TYPES))
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
-    found = {name: one.value for name, one in node.parameters(NODE).values(list(TYPES)).items()}
+    found = {name: value.value for name, value in node.parameters(NODE).values(list(TYPES)).items()}
     evidence = Evidence("get_parameters", describe_values(vars(DEFAULTS)), describe_values(found))
     others = {name: value for name, value in found.items() if value != getattr(DEFAULTS, name)}
     if others and node.context.job.mode != "attach":

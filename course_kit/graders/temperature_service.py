@@ -174,8 +174,8 @@ class Temperatures(Model):
     def ask_again(self, node: GradedNode, units: tuple[str, str]) -> None:
         """The same request twice running has the same answer."""
         first, second = [node.call(SERVICE, vars(Sample(20.0, *units)), breaks="answers") for _ in range(2)]
-        seen = [(one.success, one.value if one.success else not one.message.strip())
-                for one in (first.response, second.response)]  # fmt: skip
+        seen = [(response.success, response.value if response.success else not response.message.strip())
+                for response in (first.response, second.response)]  # fmt: skip
         if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
             second.fail("You answered the same request otherwise just before.", expected=first.got, breaks="lives_on")
 
@@ -195,7 +195,7 @@ class Temperatures(Model):
             alone = node.call(SERVICE, vars(sample))
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
-            of_another = any(has_right_formula(one, answer.response.value) for one in values)
+            of_another = any(has_right_formula(value, answer.response.value) for value in values)
             told = "This is the answer to another client's request" if of_another else "Asked alone, it is another"
             why = f"{told}: your callback mixes up values of two calls."
             answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
@@ -228,7 +228,7 @@ class Temperatures(Model):
             answers = self.compare_answers(node, sample, response.value)
             diagnosis, reason = explain_answers(answers, floors=node.context.job.facts.floor_divides)
             why = f"This compares the answers to {len(answers)} requests. {reason}"
-            lost = "every_digit" if all(has_right_formula(*one) for one in answers) else _DIRECTION[sample.to_unit]
+            lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
     def compare_answers(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:
@@ -332,5 +332,5 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
     return (integer if digits_lost else formula), told
 
 
-def _is_close(one: float, other: float) -> bool:
-    return math.isclose(one, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)
+def _is_close(number: float, other: float) -> bool:
+    return math.isclose(number, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)

@@ -125,7 +125,7 @@ def start_pool(exercises: Sequence[Exercise], workers: int | None = None) -> Poo
         raise GradingError(f"--workers is {workers}, but at least one grading has to be done at a time.")
     memory = machine.free_memory() // (_ROOM * _EACH)
     wanted = workers or max(1, min(_PER_CORE * len(os.sched_getaffinity(0)), memory))
-    return Pool(min([wanted, *(needs.side_by_side(one.limits) for one in exercises)]))
+    return Pool(min([wanted, *(needs.side_by_side(exercise.limits) for exercise in exercises)]))
 
 
 def grade_all(
@@ -140,7 +140,7 @@ def grade_all(
     while stops() < _AT_ONCE:
         if stops():
             waiting = iter(())
-            for future in [one for one in under_way if one.cancel()]:
+            for future in [task for task in under_way if task.cancel()]:
                 del under_way[future]
         while len(under_way) < _AHEAD * graders.slots and (following := next(waiting, None)):
             thing, request = following
@@ -152,7 +152,7 @@ def grade_all(
             return
         listen(len(under_way))
         finished, _ = wait(under_way, _LISTEN_S, FIRST_COMPLETED)
-        for future in [one for one in under_way if one in finished]:  # in the order they were given out
+        for future in [task for task in under_way if task in finished]:  # in the order they were given out
             thing, request = under_way.pop(future)
             report = _result(request, future)
             if report.status == "error":

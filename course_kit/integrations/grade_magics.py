@@ -252,7 +252,7 @@ class GradeMagics(Magics):
             return
         metadata = self._metadata()
         cell_id = metadata.get("cellId")
-        deleted = [one for one in metadata.get("deletedCells") or () if isinstance(one, str)]
+        deleted = [cell for cell in metadata.get("deletedCells") or () if isinstance(cell, str)]
         self._submissions.forget_cells(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
 
     def _after_cell(self, result: ExecutionResult) -> None:

@@ -87,7 +87,7 @@ def _find_saved(name: str) -> str:
     """The program that the first line of a cell has saved under a name."""
     path = environment.run_dir(environment.paths.CELL_PROGRAMS) / f"{name.removesuffix('.py')}.py"
     if not path.is_file():
-        known = ", ".join(sorted(one.stem for one in path.parent.glob("*.py"))) or "none"
+        known = ", ".join(sorted(file.stem for file in path.parent.glob("*.py"))) or "none"
         raise MagicError(f"No program is saved as {name!r}: run its cell first. Saved: {known}.")
     return path.read_text(encoding="utf-8")
 

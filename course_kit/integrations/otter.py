@@ -51,9 +51,9 @@ def feedback(report: Report, name: str) -> str:
         raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
     if report.status == "unreadable":
         return report.problem
-    found = next((one for one in report.checks if one.id == name), None)
+    found = next((check for check in report.checks if check.id == name), None)
     if found is None:
-        known = ", ".join(one.id for one in report.checks)
+        known = ", ".join(check.id for check in report.checks)
         raise GradingError(f"There is no check '{name}' in {report.exercise}. There are: {known}.")
     return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
@@ -68,8 +68,10 @@ def case_file(exercise_id: str, seed: int | None = None) -> str:
     drawn = seed if seed is not None else exercise.seed or 0
     command, more = (exercise_id, "") if seed is None else (f"{exercise_id} --seed {seed}", f", seed={seed}")
     cases = [
-        _CASE.format(title=one.title, points=one.points, id=one.id, arguments=f"{exercise_id!r}, {one.id!r}{more}")
-        for one in in_order(exercise_job.checks_of(exercise, drawn))
+        _CASE.format(
+            title=check.title, points=check.points, id=check.id, arguments=f"{exercise_id!r}, {check.id!r}{more}"
+        )
+        for check in in_order(exercise_job.checks_of(exercise, drawn))
     ]
     return "".join([_HEAD.format(command=command, name=exercise_id), *cases])
 

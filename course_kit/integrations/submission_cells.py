@@ -53,7 +53,7 @@ class SubmissionCells:
         """Remember a cell's text; a cell without an id (no JupyterLab behind it) replaces all of its file."""
         cells, made = self._cells.setdefault(exercise, {}), SubmissionCell(source, number)
         if cell_id is None:
-            cells = {one: cell for one, cell in cells.items() if cell.file != made.file}
+            cells = {key: cell for key, cell in cells.items() if cell.file != made.file}
         self._cells[exercise] = {**cells, cell_id or made.file: made}
 
     def forget_cells(self, cell_id: str | None, source: str, deleted: Iterable[str] = ()) -> None:
@@ -63,7 +63,7 @@ class SubmissionCells:
             gone = set(deleted)
             if cell_id is not None and not (marked and marked[1] == exercise):
                 gone.add(cell_id)  # its mark was removed, or names another exercise
-            self._cells[exercise] = {one: cell for one, cell in cells.items() if one not in gone}
+            self._cells[exercise] = {key: cell for key, cell in cells.items() if key not in gone}
             self._gone.update(dict.fromkeys(gone, datetime.now().astimezone()))
 
     def note_unmarked(self, source: str, number: int) -> None:

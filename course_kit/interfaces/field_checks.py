@@ -99,12 +99,12 @@ def _all_fit(values: Collection[Any], kind: FieldType, rules: list[Rule]) -> boo
     if not all(map(is_one, values)):
         return False
     ends = (min(values), max(values)) if values and kind.primitive and kind.primitive.integer_range else values
-    return all(fits(one) for _, fits in limits for one in ends)
+    return all(fits(end) for _, fits in limits for end in ends)
 
 
 def _one_by_one(value: bytes | bytearray) -> str:
     """How some bytes are written as the elements of a byte[]; the first two tell it."""
-    shown = ", ".join(repr(bytes([one])) for one in value[:2])
+    shown = ", ".join(repr(bytes([number])) for number in value[:2])
     return f"[{shown}{', ...' if len(value) > 2 else ''}]"  # noqa: PLR2004
 
 

@@ -42,7 +42,7 @@ def nearest_name(name: str, candidates: Iterable[str], alike: float = 0.6) -> st
     """The candidate that is written most like a name, None if none is; slips rarely change the first letter."""
     lowered = {candidate.lower(): candidate for candidate in candidates}
     found = difflib.get_close_matches(name.lower(), lowered, n=3, cutoff=alike)
-    alike_at_first = [one for one in found if one[:1] == name[:1].lower()]
+    alike_at_first = [other for other in found if other[:1] == name[:1].lower()]
     return lowered[(alike_at_first or found)[0]] if found else None
 
 

@@ -96,7 +96,7 @@ def make_message_class(
         MessageField(field.name, field.type, nested.get(field.type.base), default_text(field.default))
         for field in definition.fields
     )
-    with_default = {f"{one.name.upper()}__DEFAULT": one for one in definition.fields if one.default is not None}
+    with_default = {f"{field.name.upper()}__DEFAULT": field for field in definition.fields if field.default is not None}
     defaults = {field.name: field.default for field in with_default.values()}
     values = {constant.name: _python_value(constant.type, constant.value) for constant in definition.constants}
     name = definition.name.name
@@ -186,12 +186,12 @@ def _initial_value(field: MessageField, default: Any) -> Callable[[], object]:
         return lambda: copy(first)
     if kind.container == "sequence":
         return list
-    one: Callable[[], object] = field.nested or (primitive.python if primitive else str)
+    make: Callable[[], object] = field.nested or (primitive.python if primitive else str)
     if primitive and primitive.python is bytes:
-        one = lambda: b"\0"  # noqa: E731
+        make = lambda: b"\0"  # noqa: E731
     if kind.container == "array":
-        return lambda: [one() for _ in range(kind.size)]
-    return one
+        return lambda: [make() for _ in range(kind.size)]
+    return make
 
 
 def _python_value(kind: FieldType, value: Any) -> object:
@@ -209,7 +209,7 @@ def _equality(fields: Sequence[MessageField]) -> Callable[[Message, object], boo
         if not isinstance(other, self.__class__):
             return False
         differences = (getattr(self, slot) != getattr(other, slot) for slot in slots)
-        return not any(one.any() if hasattr(one, "any") else one for one in differences)  # numpy tells of each element
+        return not any(gap.any() if hasattr(gap, "any") else gap for gap in differences)  # numpy tells of each element
 
     return __eq__
 

@@ -221,7 +221,7 @@ def script(name: str, source: str, /, *args: object, mode: str = "auto") -> Scri
     Raises:
         ScriptError: the name cannot be a file's name, or the mode is unknown.
     """
-    return current().scripts.run(name, source, tuple(str(one) for one in args), mode)
+    return current().scripts.run(name, source, tuple(str(arg) for arg in args), mode)
 
 
 def stop_script(name: str | None = None, /) -> None:

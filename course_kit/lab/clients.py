@@ -48,7 +48,7 @@ def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozen
     role, name, wanted_type = wanted
     kind = ServiceNotFoundError if role == graph.SERVES else ActionNotFoundError
     offered = graph.offered_types(node, role, except_by)
-    there = {one: types for one, types in offered.items() if not (is_of_every_node(one) or is_hidden(one))}
+    there = {name: types for name, types in offered.items() if not (is_of_every_node(name) or is_hidden(name))}
     types = there.get(name)
     if types and wanted_type not in types:
         asked = "you called it with" if role == graph.SERVES else "the goal was one of"

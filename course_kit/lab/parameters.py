@@ -181,7 +181,7 @@ def _ask_for_descriptors() -> Steps[Descriptors]:
 def _list_declared(node: str, name: str, known: list[str]) -> str:
     near = names.nearest_name(name, known)
     meant = f" Did you mean {near!r}?" if near else ""
-    own = [one for one in known if not parameters.is_of_every_node(one)]
+    own = [name for name in known if not parameters.is_of_every_node(name)]
     return f"{node} has {', '.join(own or known) or 'none'}.{meant}"
 
 
@@ -215,7 +215,7 @@ def _no_node(node: str) -> NodeNotFoundError:
     if node in nodes:
         return NodeNotFoundError(f"{node} is on the graph but offers no parameter services.")
     services = {name for name, _ in looking.get_service_names_and_types()}
-    having = sorted(one for one in nodes if one + parameters.LIST_SERVICE in services and not names.is_hidden(one))
+    having = sorted(node for node in nodes if node + parameters.LIST_SERVICE in services and not names.is_hidden(node))
     near = names.nearest_name(node, having)
     if near:
         return NodeNotFoundError(f"There is no node {node}. The nearest name on the graph is {near}.")
@@ -281,7 +281,7 @@ class Descriptors(list[Descriptor]):
     """Descriptors that print one after the other."""
 
     def __repr__(self) -> str:
-        return "\n".join(str(one) for one in self) or "no parameters"
+        return "\n".join(str(value) for value in self) or "no parameters"
 
     __str__ = __repr__
 

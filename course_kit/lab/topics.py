@@ -79,8 +79,8 @@ class DeliveryWait:
     def __init__(self, lab: Engine, topic: str, message_type: object) -> None:
         self._lab = lab
         nodes = [*(live.node for live in lab.nodes), *lab.hooks.own_nodes]
-        known = [one for node in nodes for one in node.subscriptions] if lab.found.has(compat.RECORDING) else []
-        mine = [one for one in known if one.topic_name == topic and one.msg_type is message_type]
+        known = [end for node in nodes for end in node.subscriptions] if lab.found.has(compat.RECORDING) else []
+        mine = [end for end in known if end.topic_name == topic and end.msg_type is message_type]
         self._counts: dict[RclpySubscription, int] = dict.fromkeys(mine, 0)
         self._expected = 0
         self._complete = threading.Event()
@@ -169,11 +169,11 @@ def _why_none(lab: Engine, subscription: RclpySubscription) -> str:
     found = publishers_of(lab.node, subscription.topic_name)
     if not found:
         return "No node publishes it."
-    types = sorted({one.type for one in found})
+    types = sorted({end.type for end in found})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
-    names = sorted({one.node for one in found})
+    names = sorted({end.node for end in found})
     for crash in (lab.failures.latest[name] for name in names if name in lab.failures.latest):
         return f"{crash.node} publishes it, but its {crash.callback or 'callback'} {crash.error} ({crash.place})."
     return f"{', '.join(names)} has a publisher for it but may not have published yet."

@@ -177,7 +177,7 @@ def show_arguments(file: Path) -> str:
     context = LaunchContext({}, file)
     for argument in _list_declared(load_description(file).entities, context):
         declared.setdefault(argument.name, argument)
-    shown = "\n\n".join(_describe_argument(one, context) for one in declared.values()) or "  No arguments."
+    shown = "\n\n".join(_describe_argument(argument, context) for argument in declared.values()) or "  No arguments."
     return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{shown}"
 
 

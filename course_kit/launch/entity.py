@@ -35,9 +35,9 @@ class LaunchEntity:
 def _keywords(cls: type) -> set[str]:
     """The names of the arguments that a class and those above it take."""
     found: set[str] = set()
-    for one in cls.__mro__[:-1]:
-        if "__init__" in vars(one):
-            parameters = inspect.signature(vars(one)["__init__"]).parameters.values()
+    for base in cls.__mro__[:-1]:
+        if "__init__" in vars(base):
+            parameters = inspect.signature(vars(base)["__init__"]).parameters.values()
             found |= {parameter.name for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD}
     return found - {"self"}
 

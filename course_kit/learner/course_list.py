@@ -101,9 +101,11 @@ def format_list(found: list[Row]) -> str:
 
 def _describe_steps() -> list[str]:
     """A line for each lesson of which any step was tried: how many are right."""
-    tried = [one for one in _lessons() if one.tried]
+    tried = [lesson for lesson in _lessons() if lesson.tried]
     return (
-        ["", "Steps of the lessons:", *(f"  {one.name}: {one.done} of {one.steps}" for one in tried)] if tried else []
+        ["", "Steps of the lessons:", *(f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in tried)]
+        if tried
+        else []
     )
 
 
@@ -128,24 +130,24 @@ def _lessons() -> list[LessonProgress]:
     for path in sorted((root / "notebooks").glob("0*.ipynb")) if root is not None else []:
         names = re.findall(r'"%check (\w+)"', path.read_text(encoding="utf-8"))  # importing the steps takes a second
         known = [records[key] for name in names if (key := f"{path.stem}/{name}") in records]
-        found.append(LessonProgress(path.stem, len(names), sum(one.passed for one in known), len(known)))
+        found.append(LessonProgress(path.stem, len(names), sum(step.passed for step in known), len(known)))
     return found
 
 
 def format_progress_page(last: str) -> str:
     """The page that a learner sees first on their second day; "" before anything is done."""
     lessons, (exercises, _), (drills, _) = _lessons(), list_rows(), list_rows(practice=True)
-    if not any(one.tried for one in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
+    if not any(lesson.tried for lesson in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
         return ""
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
     lines = ["# Where you are", "", f"You were at [{last}]({last})."]
-    if following := next((one for one in lessons if one.done < one.steps), None):
+    if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
     lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
-    for one in lessons:
-        steps = f"{one.done} of {one.steps}" if one.steps else ""
-        asked = " | ".join(scores.get((one.name, kind), "") for kind in (guesses.GUESS, guesses.CHECK))
-        lines.append(f"| [{one.title}](notebooks/{one.name}.ipynb) | {steps} | {asked} |")
+    for lesson in lessons:
+        steps = f"{lesson.done} of {lesson.steps}" if lesson.steps else ""
+        asked = " | ".join(scores.get((lesson.name, kind), "") for kind in (guesses.GUESS, guesses.CHECK))
+        lines.append(f"| [{lesson.title}](notebooks/{lesson.name}.ipynb) | {steps} | {asked} |")
     for title, found in (("exercise", exercises), ("drill", drills)):
         lines += ["", f"| {title} | best | tries | |", "|---|---|---|---|"]
         for row in found:

@@ -68,7 +68,7 @@ def record_report(report: Report) -> str:
 
 
 def _record_after(old: ProgressRecord, report: Report) -> ProgressRecord:
-    failed = (Failure(one.id, one.title, one.diagnosis) for one in report.checks if one.status == "failed")
+    failed = (Failure(check.id, check.title, check.diagnosis) for check in report.checks if check.status == "failed")
     tried = count_try(old, passed=report.passed and not report.part)
     return replace(tried, best=max(old.best, report.score), failed=next(failed, None))
 

@@ -66,7 +66,7 @@ class StepResult:
 
 def check_step(step: LessonStep) -> StepResult:
     """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress."""
-    ends = [_endpoint(one) for one in step.needs if not one.startswith("node ")]
+    ends = [_endpoint(need) for need in step.needs if not need.startswith("node ")]
     job = Job("", "attach", "", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
     context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it
     try:
@@ -100,11 +100,11 @@ def _require(step: LessonStep, context: CheckContext) -> None:
         kind, name = need.split()[:2]
         if kind == "node":
             remote = RemoteParameters(context, name)
-            _await(context, remote.is_ready, need, [one for one in node.nodes() if not is_hidden(one)])
+            _await(context, remote.is_ready, need, [name for name in node.nodes() if not is_hidden(name)])
             continue
         end = WantedEndpoint.from_record(_endpoint(need))
         if end.is_server:
-            there = [f"{one.name} [{one.type}]" for one in end.offers(node)]
+            there = [f"{offer.name} [{offer.type}]" for offer in end.offers(node)]
             _await(context, partial(end.is_ready, node), need, there)
         else:
             discovery.expect_endpoints(context, [end])
@@ -132,4 +132,6 @@ def _exchange(context: CheckContext, seen: Evidence) -> list[str]:
     """What was sent and what came, one a line."""
     found = context.record.steps(seen)
     marks = {True: "->", False: "<-"}
-    return [f"  {marks[one.sender == GRADER] if one.sender != one.receiver else '  '} {one.text}" for one in found]
+    return [
+        f"  {marks[arrow.sender == GRADER] if arrow.sender != arrow.receiver else '  '} {arrow.text}" for arrow in found
+    ]

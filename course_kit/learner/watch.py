@@ -78,10 +78,10 @@ def wait_for_saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -
 def _signature(path: Path) -> list[tuple[int, int, int]] | None:
     """What differs after each save: the time, the size, or with editors that rename the file itself."""
     try:
-        seen = [one.stat() for one in (sorted(path.iterdir()) if path.is_dir() else [path])]
+        seen = [file.stat() for file in (sorted(path.iterdir()) if path.is_dir() else [path])]
     except OSError:
         return None
-    return [(one.st_mtime_ns, one.st_size, one.st_ino) for one in seen]
+    return [(stat.st_mtime_ns, stat.st_size, stat.st_ino) for stat in seen]
 
 
 def verdict_card(report: Report, before: Report | None) -> str:
@@ -95,7 +95,7 @@ def verdict_card(report: Report, before: Report | None) -> str:
             lines += _describe_first_failure(check)
     if report.problem:
         lines += wrap_text(report.problem, "  ", "  ")
-    skipped, passed = (sum(one.status == status for one in report.checks) for status in ("skipped", "passed"))
+    skipped, passed = (sum(check.status == status for check in report.checks) for status in ("skipped", "passed"))
     if skipped:
         lines.append(f"  skip  {skipped} that need these to pass first")
     if passed:

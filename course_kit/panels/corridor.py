@@ -46,8 +46,8 @@ class Journey:
         names, metres = (self.parameters.get(name) for name in ("room_names", "room_distances_m"))
         if not isinstance(names, list) or not isinstance(metres, list):  # of a carrier that is being written
             return {_DOCK: 0.0}
-        found = {str(room): one for room, one in zip(names, metres, strict=False) if isinstance(one, int | float)}
-        return {_DOCK: 0.0, **{room: one for room, one in found.items() if 0.0 < one < math.inf}}
+        found = {str(room): value for room, value in zip(names, metres, strict=False) if isinstance(value, int | float)}
+        return {_DOCK: 0.0, **{room: value for room, value in found.items() if 0.0 < value < math.inf}}
 
     @property
     def state_of_door(self) -> str:
@@ -82,7 +82,7 @@ class Journey:
 
     def take_status(self, message: Message) -> None:
         """All goals of the carrier stand like this."""
-        if all(one.status >= _ENDED_STATUS for one in message.status_list):
+        if all(goal.status >= _ENDED_STATUS for goal in message.status_list):
             self.target = ""
             self.door = "shut" if self.door == "asked" else self.door
 
@@ -169,7 +169,7 @@ class CorridorPicture(GoalFollower):
     def _take_event(self, event: Message) -> None:
         if event.node in _ASKED_NODES:
             changed = (*event.new_parameters, *event.changed_parameters)
-            self._journey.parameters.update({one.name: from_message(one.value) for one in changed})
+            self._journey.parameters.update({parameter.name: from_message(parameter.value) for parameter in changed})
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
         self.go(str(wish.get("room", "")))

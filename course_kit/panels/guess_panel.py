@@ -39,7 +39,7 @@ class GuessPanel(WordedWidget):
     widget: GuessForm
 
     def __init__(self, questions: Sequence[LessonQuestion]) -> None:
-        self._questions = {one.name: one for one in questions}
+        self._questions = {question.name: question for question in questions}
         # With several subshells, two events of the browser may be handled at once.
         self._one_at_a_time = threading.RLock()
         self._record = guesses.GuessRecord()
@@ -48,7 +48,7 @@ class GuessPanel(WordedWidget):
         self._cells_to_end = 2 if self._shell else 0  # its own, and the one it asks about
         if self._shell:
             self._shell.events.register("post_run_cell", self._count_cell)
-        self.widget = GuessForm(questions=[_show_question(one) for one in questions])
+        self.widget = GuessForm(questions=[_show_question(question) for question in questions])
         self.widget.on_msg(self._handle_message)
         self._show()
 
@@ -80,7 +80,7 @@ class GuessPanel(WordedWidget):
                 self._show()
 
     def _show(self) -> None:
-        answers = {name: self._describe_answer(one) for name, one in self._questions.items()}
+        answers = {name: self._describe_answer(question) for name, question in self._questions.items()}
         self.widget.answers = {name: found for name, found in answers.items() if found}
         done = [found for found in answers.values() if found]
         right = sum(bool(found["first_right"]) for found in done)
@@ -90,7 +90,9 @@ class GuessPanel(WordedWidget):
     def _describe_answer(self, question: LessonQuestion) -> dict[str, object] | None:
         """What the browser shows of an answer; None where there is none, or its choice is no longer there."""
         known = self._record.find_guess(question)
-        place = next((place for place, one in enumerate(question.choices) if known and one.text == known.last), None)
+        place = next(
+            (place for place, choice in enumerate(question.choices) if known and choice.text == known.last), None
+        )
         if known is None or place is None:
             return None
         right = question.right_place

@@ -137,7 +137,7 @@ def _parse_entry(kind: FieldType, typed: Any, path: str) -> Any:
         raise ValueError(f"Expected {_hint(kind)} ({spelled}), not {typed!r}.") from None
     if kind.base != "octet":
         return fitted
-    return [bytes([one]) for one in fitted] if kind.container else bytes([fitted])
+    return [bytes([number]) for number in fitted] if kind.container else bytes([fitted])
 
 
 def _constants(message_type: type[Message]) -> dict[str, object]:
@@ -171,7 +171,7 @@ def _fits(kind: FieldType, value: object) -> bool:
 
 
 def _flatten_entries(entries: list[Entry]) -> list[Entry]:
-    return [one for entry in entries for one in (entry, *_flatten_entries(entry.get("fields", [])))]
+    return [field for entry in entries for field in (entry, *_flatten_entries(entry.get("fields", [])))]
 
 
 def _as_text(value: Any) -> Any:
@@ -183,4 +183,4 @@ def _as_text(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, list) and value and is_message_type(type(value[0])):
         return yaml.safe_dump(copy_message(value), default_flow_style=True, sort_keys=False, width=10_000).strip()
-    return ", ".join(str(_as_text(one)) for one in value) if isinstance(value, list) else str(value)
+    return ", ".join(str(_as_text(item)) for item in value) if isinstance(value, list) else str(value)

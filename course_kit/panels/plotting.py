@@ -169,7 +169,7 @@ class NumberField:
                 raise FieldError(
                     f"{self.path!r} is not a path to a field, such as 'data' or 'linear.x' or 'ranges[0]'."
                 )
-            name, indices = found[1], [int(one) for one in re.findall(r"\d+", found[2])]
+            name, indices = found[1], [int(index) for index in re.findall(r"\d+", found[2])]
             fields = {field.name: field for field in message_fields(current)} if current is not None else {}
             if name not in fields:
                 raise FieldError(unknown_field(name, fields, f"a {owner}"))

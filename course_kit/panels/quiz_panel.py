@@ -136,7 +136,8 @@ class QuizPanel(Panel):
         """All scenarios as the grader marks them now."""
         answers = self.answers
         return quiz.mark(
-            self._questions.scenarios, {one.id: answers.get(one.id, ("", "")) for one in self._questions.scenarios}
+            self._questions.scenarios,
+            {scenario.id: answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios},
         )
 
     def describe(self) -> str:

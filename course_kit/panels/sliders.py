@@ -79,7 +79,7 @@ def format_value(value: Any) -> Any:
     if value is None:
         return ""
     if isinstance(value, list):
-        return "[" + ", ".join(_element(one) for one in value) + "]"
+        return "[" + ", ".join(_element(item) for item in value) + "]"
     return value if isinstance(value, str) else repr(value)
 
 
@@ -98,7 +98,7 @@ def convert_typed(kind: str, text: Any) -> Any:
         fitted = fit_value(value, f"sequence<{field_type}>", kind)
     except (yaml.YAMLError, BadFieldError):
         raise BadFieldError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
-    return [bytes([one]) for one in fitted] if element == "byte" else fitted
+    return [bytes([number]) for number in fitted] if element == "byte" else fitted
 
 
 def _element(value: object) -> str:
@@ -160,7 +160,7 @@ class ParameterSliders(Panel):
 
     def still(self) -> str:
         """The sliders and boxes with the values in force."""
-        rows = [_row(one, self.widget.values[one["name"]]) for one in self.widget.entries]
+        rows = [_row(field, self.widget.values[field["name"]]) for field in self.widget.entries]
         return still(self.describe(), draw("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
 
     def set(self, name: str, text: str | bool, token: int = 0) -> bool:
@@ -220,7 +220,7 @@ class ParameterSliders(Panel):
     def _ask(self) -> tuple[dict[str, Descriptor], dict[str, Any]]:
         """What the node says about its own parameters, and their values."""
         described = lab.describe_parameters_blocking(self.node)
-        own = {one.name: one for one in described if not is_of_every_node(one.name)}
+        own = {parameter.name: parameter for parameter in described if not is_of_every_node(parameter.name)}
         return own, dict(lab.get_parameters_blocking(self.node, *own)) if own else {}
 
     def _handle_message(self, _: object, content: dict[str, Any], buffers: object) -> None:

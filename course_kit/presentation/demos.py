@@ -36,11 +36,11 @@ def find_notebook(root: Path, name: str) -> Path:
     everything = [*shown, *sorted((root / LESSONS).glob("*.ipynb"))]
     wanted = name.replace("\\", "/").rstrip("/").rpartition("/")[2].removesuffix(".ipynb").lower().replace("-", "_")
     wanted = wanted.zfill(2) if wanted.isdecimal() else wanted
-    begun = [one for one in shown if wanted and _names(one)[1].startswith(wanted)]
-    for group in ([one for one in everything if wanted in _names(one)], begun):
+    begun = [path for path in shown if wanted and _names(path)[1].startswith(wanted)]
+    for group in ([path for path in everything if wanted in _names(path)], begun):
         if len(group) == 1 or (group and wanted.isdecimal()):  # lessons have numbers, too: demos come first
             return group[0]
-    several = [one for one in everything if wanted and wanted in one.stem]
+    several = [path for path in everything if wanted and wanted in path.stem]
     if len(several) == 1:
         return several[0]
     if several:

@@ -74,7 +74,7 @@ def parse_scenarios(questions: str, answers: str | None = None) -> Mapping[str, 
     """The scenarios in a TOML text; those to practise with have their answers beside the questions."""
     right = tomllib.loads(answers)["answer"] if answers else {}
     tables = [{**table, **right.get(table["id"], {})} for table in tomllib.loads(questions)["scenario"]]
-    return {one.id: one for one in msgspec.convert(_on_one_line(tables), list[Scenario])}
+    return {scenario.id: scenario for scenario in msgspec.convert(_on_one_line(tables), list[Scenario])}
 
 
 def _on_one_line(value: Any) -> Any:

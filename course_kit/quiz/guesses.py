@@ -71,7 +71,7 @@ def of_lesson(lesson: str) -> Mapping[str, LessonQuestion]:
         raise NoSuchQuestionError(f"There are no questions for '{lesson}'. There are some for {', '.join(names)}.")
     content = tomllib.loads((FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
     found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]
-    return {one.name: one for one in found}
+    return {question.name: question for question in found}
 
 
 def find_question(name: str) -> LessonQuestion:
@@ -85,7 +85,7 @@ def find_question(name: str) -> LessonQuestion:
 
 def check_questions(lesson: str) -> list[LessonQuestion]:
     """The questions at a lesson's end."""
-    return [one for one in of_lesson(lesson).values() if one.kind == CHECK]
+    return [question for question in of_lesson(lesson).values() if question.kind == CHECK]
 
 
 def _question(lesson: str, kind: str, entry: Mapping[str, Any]) -> LessonQuestion:
@@ -146,8 +146,8 @@ def lesson_scores() -> list[Score]:
     record, found = GuessRecord(), []
     for lesson in lesson_names():
         for kind in (GUESS, CHECK):
-            asked = [one for one in of_lesson(lesson).values() if one.kind == kind]
-            answers = [answer for one in asked if (answer := record.find_guess(one)) is not None]
+            asked = [question for question in of_lesson(lesson).values() if question.kind == kind]
+            answers = [answer for question in asked if (answer := record.find_guess(question)) is not None]
             if answers:
                 right = sum(answer.first_right for answer in answers)
                 found.append(Score(lesson, kind, right, len(answers), len(asked)))
@@ -157,8 +157,8 @@ def lesson_scores() -> list[Score]:
 def chosen_answers() -> dict[str, str]:
     """What was chosen last, by the question's text; both without the marks around code."""
     record = GuessRecord()
-    asked = [one for lesson in lesson_names() for one in of_lesson(lesson).values()]
-    found = {one.text: record.find_guess(one) for one in asked}
+    asked = [question for lesson in lesson_names() for question in of_lesson(lesson).values()]
+    found = {question.text: record.find_guess(question) for question in asked}
     return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
 
 

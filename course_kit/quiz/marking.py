@@ -95,7 +95,10 @@ def mark(
     drawn = [scenario.id for scenario in scenarios]
     strangers = [name for name in given if name not in known and name not in drawn]
     others = sum(name in known and name not in drawn for name in given)
-    marks = (mark_one(one, given[one.id]) if one.id in given else _zero(one, strangers, others) for one in scenarios)
+    marks = (
+        mark_one(scenario, given[scenario.id]) if scenario.id in given else _zero(scenario, strangers, others)
+        for scenario in scenarios
+    )
     return MarkedAnswers(tuple(marks), tuple(strangers))
 
 

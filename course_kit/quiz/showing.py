@@ -46,7 +46,7 @@ class Questions:
 
     def form(self) -> str:
         """The answers as Python, one empty pair for each scenario, to be copied."""
-        return "\n".join(["answers = {", *(f'    "{one.id}": ("", ""),' for one in self.scenarios), "}"])
+        return "\n".join(["answers = {", *(f'    "{scenario.id}": ("", ""),' for scenario in self.scenarios), "}"])
 
     def sheet(self, answers: Mapping[str, tuple[str, str]] | None = None) -> str:
         """The answers as a Python file: all scenarios and reasons as comments, with a pair under each."""

@@ -69,20 +69,21 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
 
     try:
         archive = zipfile.ZipFile(file)
-        entries = {one.filename: one for one in archive.infolist() if not one.is_dir()}
+        entries = {info.filename: info for info in archive.infolist() if not info.is_dir()}
         folder = _folder_of(entries, wanted)
-        notebooks = [one for one in entries if text.kind_of_file(one) == text.NOTEBOOK and not _is_left_out(one)]
+        notebooks = [path for path in entries if text.kind_of_file(path) == text.NOTEBOOK and not _is_left_out(path)]
         if folder is None and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
-        members = [] if folder is None else [one for one in entries if one.rpartition("/")[0] == folder]
+        members = [] if folder is None else [path for path in entries if path.rpartition("/")[0] == folder]
         members = sorted(
-            filter(lambda one: is_name(_last_part(one)), members), key=lambda one: (_last_part(one) not in wanted, one)
+            filter(lambda path: is_name(_last_part(path)), members),
+            key=lambda path: (_last_part(path) not in wanted, path),
         )
-        if sum(entries[one].file_size for one in members[:MOST_FILES]) > text.LARGEST:
+        if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
             )
-        return {_last_part(one): read_file(_last_part(one), archive.read(one)) for one in members[:MOST_FILES]}
+        return {_last_part(path): read_file(_last_part(path), archive.read(path)) for path in members[:MOST_FILES]}
     except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
         if isinstance(problem, text.UnreadableTextError):
             raise
@@ -98,7 +99,7 @@ def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
         folder, _, last = path.rpartition("/")
         if last in wanted and not _is_left_out(path):
             counts[folder] = counts.get(folder, 0) + 1
-    return min(counts, key=lambda one: (-counts[one], one.count("/"), one), default=None)
+    return min(counts, key=lambda folder: (-counts[folder], folder.count("/"), folder), default=None)
 
 
 def _is_left_out(path: str) -> bool:
@@ -111,4 +112,4 @@ def _last_part(path: str) -> str:
 
 def join_sources(read: Mapping[str, Read]) -> str:
     """All that could be read, one file below the other."""
-    return "\n".join(f"# {name}\n{one[0]}" for name, one in sorted(read.items()) if not isinstance(one, str))
+    return "\n".join(f"# {name}\n{cell[0]}" for name, cell in sorted(read.items()) if not isinstance(cell, str))

@@ -34,7 +34,7 @@ def take_fingerprints(source: str) -> frozenset[int]:
     tokens = _tokens(source)
     runs = ("\0".join(tokens[place : place + RUN]) for place in range(len(tokens) - RUN + 1))
     hashes = (zlib.crc32(run.encode("utf-8", errors="replace")) for run in runs)
-    return frozenset(one for one in hashes if one % ONE_IN == 0)
+    return frozenset(digest for digest in hashes if digest % ONE_IN == 0)
 
 
 def line_shape(line: str) -> tuple[str, ...]:

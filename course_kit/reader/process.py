@@ -100,7 +100,7 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
         if wish.get("files"):
             several = files.read_files(name, file, wish["exercise"], wish["files"])
             source = files.join_sources(several)
-            compared = files.join_sources({one: several[one] for one in wish["files"] if one in several})
+            compared = files.join_sources({name: several[name] for name in wish["files"] if name in several})
         else:
             source, places = text.read_program(name, file, wish["exercise"])
             compared = source
@@ -115,7 +115,7 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
     if problem or not (seen["found"] or wish["whatever"]):
         return seen
     program = (
-        {"source": source, "files": {one: _describe_file(one, read) for one, read in several.items()}}
+        {"source": source, "files": {name: _describe_file(name, read) for name, read in several.items()}}
         if several
         else _describe_program(source, places, wish["variable"])
     )

@@ -43,16 +43,16 @@ def parse_program(source: str) -> tuple[tuple[int, str, str] | None, ast.Module 
 def read_facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
     nodes = list(ast.walk(tree))
-    called = [(_called_name(one), one.lineno) for one in nodes if isinstance(one, ast.Call)]
-    read = sorted((one.lineno, one.attr) for one in nodes if isinstance(one, ast.Attribute))
-    functions = [one for one in nodes if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    called = [(_called_name(node), node.lineno) for node in nodes if isinstance(node, ast.Call)]
+    read = sorted((node.lineno, node.attr) for node in nodes if isinstance(node, ast.Attribute))
+    functions = [node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
     return {
-        "awaits": any(isinstance(one, ast.Await) for one in nodes),
-        "floor_divides": any(isinstance(one, ast.FloorDiv) for one in nodes),
-        "loops": any(isinstance(one, ast.While) for one in nodes),
+        "awaits": any(isinstance(node, ast.Await) for node in nodes),
+        "floor_divides": any(isinstance(node, ast.FloorDiv) for node in nodes),
+        "loops": any(isinstance(node, ast.While) for node in nodes),
         "waits": any(name in _WAITING for name, _ in called),
         "functions": _functions(
-            [(one.lineno, one.end_lineno or one.lineno) for one in functions],
+            [(function.lineno, function.end_lineno or function.lineno) for function in functions],
             [line for line, name in read if name in _CALLS],
             [line for line, name in read if name in _LOOKS],
         ),
@@ -63,7 +63,9 @@ def read_facts(tree: ast.Module) -> dict[str, object]:
 def find_starts(source: str) -> list[tuple[int, int]]:
     """Where a program starts itself: the slices of lines of `if __name__ == "__main__":` and of a bare `main()`."""
     _, tree = parse_program(source)
-    return [(one.lineno - 1, one.end_lineno or one.lineno) for one in (tree.body if tree else ()) if _is_start(one)]
+    return [
+        (node.lineno - 1, node.end_lineno or node.lineno) for node in (tree.body if tree else ()) if _is_start(node)
+    ]
 
 
 def _is_start(statement: ast.stmt) -> bool:
@@ -79,9 +81,9 @@ def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
     """A class, else `main`, that more than one cell of a notebook defines; empty where there is none."""
     ends = list(accumulate(sizes))
     cells: dict[str, set[int]] = {}
-    for one in tree.body:
-        if isinstance(one, ast.ClassDef) or (isinstance(one, ast.FunctionDef) and one.name == "main"):
-            cells.setdefault(one.name, set()).add(bisect_left(ends, one.lineno))
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) or (isinstance(node, ast.FunctionDef) and node.name == "main"):
+            cells.setdefault(node.name, set()).add(bisect_left(ends, node.lineno))
     found = [_cut(name) for name, where in cells.items() if len(where) > 1]
     return min(found, key=lambda name: name == "main", default="")
 

@@ -114,7 +114,7 @@ def join_cells(
     lines = [line for part in _started_once(parts) for line in part]
     source = as_utf8("\n".join(lines) + "\n")
     if not source.strip():
-        named = ", ".join(one[:_LONGEST_NAME] for one in sorted(others)[:_FEW])
+        named = ", ".join(other[:_LONGEST_NAME] for other in sorted(others)[:_FEW])
         found = f" It has cells for: {named}." if named else ""
         raise UnreadableTextError(
             f"{name} has no code cell that begins with the line '%%submission {exercise}{file and f' {file}'}'.{found}"

@@ -109,7 +109,7 @@ def _example(value: object, field_type: str) -> str:
     if not isinstance(value, (tuple, list)) or len(value) != len(fields):
         return "a dict of its fields"
     given = dict(zip(fields, value, strict=True))
-    return f"{name}({', '.join(f'{field}={one!r}' for field, one in given.items())}) or {given!r}"
+    return f"{name}({', '.join(f'{field}={value!r}' for field, value in given.items())}) or {given!r}"
 
 
 def _list_type(field_type: str) -> re.Match[str] | None:

@@ -98,7 +98,7 @@ def _order_columns(columns: list[list[Box]], chains: Iterable[list[Box]]) -> lis
         for number in order:
             places = {box: place for place, box in enumerate(columns[number + step])}
             own = {box: place for place, box in enumerate(columns[number])}
-            columns[number].sort(key=lambda box: mean([places[one] for one in neighbours.get(box, ())] or [own[box]]))
+            columns[number].sort(key=lambda box: mean([places[end] for end in neighbours.get(box, ())] or [own[box]]))
     return columns
 
 
@@ -145,7 +145,7 @@ def _parts(boxes: list[Box], arrows: Sequence[Arrow]) -> list[tuple[list[Box], l
             break
     found = [[box for box in boxes if part[box] == number] for number in sorted(set(part.values()))]
     found.sort(key=len, reverse=True)
-    return [(one, [arrow for arrow in arrows if arrow[0] in one]) for one in found]
+    return [(boxes, [arrow for arrow in arrows if arrow[0] in boxes]) for boxes in found]
 
 
 def _place(sizes: Mapping[Box, Size], found: Layers) -> FlowLayout:
@@ -187,7 +187,7 @@ def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
             near.setdefault(end, []).append(begin)
     for number in range(_PASSES):
         for column in found.columns if number % 2 == 0 else reversed(found.columns):
-            wanted = [mean([middle[one] for one in near.get(box, ())] or [middle[box]]) for box in column]
+            wanted = [mean([middle[other] for other in near.get(box, ())] or [middle[box]]) for box in column]
             heights = [_size(sizes, box)[1] for box in column]
             middle.update(zip(column, _spread_apart(wanted, heights), strict=True))
     top = min(middle[box] - _size(sizes, box)[1] / 2 for box in middle)
@@ -196,14 +196,14 @@ def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
 
 def _spread_apart(wanted: list[float], heights: list[float]) -> list[float]:
     """Middles near the wanted ones, in their order, with room between: half way between pushed down and pushed up."""
-    distances = [(one + other) / 2 + BETWEEN_ROWS for one, other in itertools.pairwise(heights)]
+    distances = [(height + other) / 2 + BETWEEN_ROWS for height, other in itertools.pairwise(heights)]
     down = list(wanted)
     for number, distance in enumerate(distances, 1):
         down[number] = max(down[number], down[number - 1] + distance)
     up = list(wanted)
     for number in range(len(wanted) - 2, -1, -1):
         up[number] = min(up[number], up[number + 1] - distances[number])
-    return [(one + other) / 2 for one, other in zip(down, up, strict=True)]
+    return [(place + other) / 2 for place, other in zip(down, up, strict=True)]
 
 
 def _draw_way(
@@ -217,10 +217,10 @@ def _draw_way(
     middles, bands = lines
     chain = found.chains[arrow]
     begin, end = chain[0], chain[-1]
-    leaving = [one for one in found.chains.values() if one[0] == begin]
-    coming = [one for one in found.chains.values() if one[-1] == end]
-    leaving.sort(key=lambda one: middles[one[1]])
-    coming.sort(key=lambda one: middles[one[-2]])
+    leaving = [chain for chain in found.chains.values() if chain[0] == begin]
+    coming = [chain for chain in found.chains.values() if chain[-1] == end]
+    leaving.sort(key=lambda chain: middles[chain[1]])
+    coming.sort(key=lambda chain: middles[chain[-2]])
     start = (
         places[begin][0] + sizes[begin][0],
         places[begin][1] + sizes[begin][1] * (leaving.index(chain) + 1) / (len(leaving) + 1),

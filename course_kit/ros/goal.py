@@ -115,7 +115,7 @@ class GoalClient(ActionClient):
     def servers(self) -> frozenset[bytes]:
         """What identifies the action's servers that are on the graph; one that was started again is another."""
         found = self._own_node.get_publishers_info_by_topic(f"{self.action_name}/_action/feedback")
-        return frozenset(bytes(one.endpoint_gid) for one in found)
+        return frozenset(bytes(end.endpoint_gid) for end in found)
 
     def destroy(self) -> None:
         """Destroy it, and the timer that belongs to it; goals that have not ended are lost."""
@@ -179,7 +179,7 @@ class GoalTracker:
             return
 
         def take_cancel_answer(future: Future) -> None:
-            agreed = any(one.goal_id == handle.goal_id for one in future.result().goals_canceling)
+            agreed = any(info.goal_id == handle.goal_id for info in future.result().goals_canceling)
             if agreed:
                 self.note_status("CANCELING")
             answered(agreed)

@@ -74,7 +74,7 @@ class Overview(NamedTuple):
         for (kind, name), uses in self.channels().items():
             if is_plumbing(uses[0]):
                 continue
-            types = sorted({one for use in uses for one in use.types})
+            types = sorted({kind for use in uses for kind in use.types})
             said = []
             if not any(use.role.offers for use in uses):
                 said.append(f"{_MISSING[kind]} {name}.")
@@ -117,7 +117,7 @@ def process_of(end: TopicEndpointInfo) -> bytes:
 
 def node_names(node: Node) -> list[str]:
     """Full names of all nodes in alphabetical order; a name stands as often as nodes carry it."""
-    return sorted(names.full_name(*one) for one in node.get_node_names_and_namespaces())
+    return sorted(names.full_name(*pair) for pair in node.get_node_names_and_namespaces())
 
 
 def offered_types(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
@@ -156,7 +156,7 @@ def _actions(topics: Iterable[tuple[str, list[str]]]) -> Iterator[tuple[str, lis
     """The actions whose feedback is among topics, as rcl_action knows them; `rclpy.action` would import numpy."""
     for topic, types in topics:
         if topic.endswith(_FEEDBACK):
-            ours = [one.removesuffix(_FEEDBACK_TYPE) for one in types if one.endswith(_FEEDBACK_TYPE)]
+            ours = [kind.removesuffix(_FEEDBACK_TYPE) for kind in types if kind.endswith(_FEEDBACK_TYPE)]
             if ours:
                 yield topic.removesuffix(_FEEDBACK), ours
 

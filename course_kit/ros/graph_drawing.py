@@ -73,11 +73,11 @@ def boxes_of(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE) 
         boxes[NODE, node] = _box_of_node(seen, node, elsewhere.get(node, ()))
     remarks = seen.remarks()
     for (kind, name), uses in seen.channels().items():
-        types = sorted({one for use in uses for one in use.types})
+        types = sorted({kind for use in uses for kind in use.types})
         said = remarks.get((kind, name), [])
         lines = [("kind", kind), *(("name", line) for line in _break_name(name))]
-        lines += [("types", line) for one in types for line in _break_name(one)]
-        lines += [("remark", line) for one in said for line in _break_name(f"⚠ {one}")]
+        lines += [("types", line) for kind in types for line in _break_name(kind)]
+        lines += [("remark", line) for text in said for line in _break_name(f"⚠ {text}")]
         boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
     return boxes
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
 _OF_ARRAYS = ("byte", "bool", "integer", "double", "string")
-TYPES = (NOT_SET, "bool", "integer", "double", "string", *(f"{one}_array" for one in _OF_ARRAYS))
+TYPES = (NOT_SET, "bool", "integer", "double", "string", *(f"{word}_array" for word in _OF_ARRAYS))
 _SCALARS = (bool, int, float, str)  # of the types from 1 on; a bool is an int as well: it comes first
 _ELEMENTS = (bytes, bool, int, float, str)  # of the types from _ARRAYS on
 _ARRAYS = 5
@@ -224,17 +224,17 @@ def _kind_of(name: str, value: object, empty_list: int) -> int:
     if not value:
         return empty_list
     for number, element in enumerate(_ELEMENTS, start=_ARRAYS):
-        if all(isinstance(one, element) and (element is bool or not isinstance(one, bool)) for one in value):
+        if all(isinstance(item, element) and (element is bool or not isinstance(item, bool)) for item in value):
             _require_int64(name, value)
             return number
     hint = ""
-    if all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in value):
-        hint = f" Write {[float(one) for one in value]!r}."
+    if all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
+        hint = f" Write {[float(item) for item in value]!r}."
     raise _explain_unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
 
 
 def _require_int64(name: str, given: Sequence[object]) -> None:
-    if any(isinstance(one, int) and one not in _INT64 for one in given):
+    if any(isinstance(item, int) and item not in _INT64 for item in given):
         raise _explain_unfit(name, given[0], "An integer parameter has 64 bits")
 
 

@@ -107,7 +107,7 @@ def _value(value: Plain, digits: int | None) -> str:
     if isinstance(value, dict):
         return _parameter(value) if value.keys() >= _PARAMETER_VALUE else f"{{{_fields(value, digits)}}}"
     if isinstance(value, list):
-        return f"[{', '.join(_element(one, digits) for one in value)}]"
+        return f"[{', '.join(_element(item, digits) for item in value)}]"
     return f"{value:.{digits}f}" if isinstance(value, float) and digits is not None else repr(value)
 
 

@@ -114,12 +114,12 @@ def is_hearing(node: Node, subscription: Subscription) -> bool:
 
 def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> QoSProfile:
     """A profile for a subscription that connects with all publishers that are on the topic when it is made."""
-    local = bool(keepers) and all(one.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in keepers)
+    local = bool(keepers) and all(end.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for end in keepers)
     durability = DurabilityPolicy.TRANSIENT_LOCAL if local else DurabilityPolicy.VOLATILE
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE, durability=durability)
 
 
 def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:
     """An endpoint may be discovered before its node is; rmw then makes up a name."""
-    names = ((_NOT_YET_NAMED if one.node_name == _UNKNOWN else one.node_name, one) for one in found)
-    return [Endpoint(name, one.topic_type, one.qos_profile) for name, one in names]
+    names = ((_NOT_YET_NAMED if end.node_name == _UNKNOWN else end.node_name, end) for end in found)
+    return [Endpoint(name, end.topic_type, end.qos_profile) for name, end in names]

@@ -133,7 +133,7 @@ class Observer:
         services = dict(node.get_service_names_and_types())
         return Graph(
             graph.Overview(
-                tuple(one for one in seen.nodes if one != self.name),
+                tuple(node for node in seen.nodes if node != self.name),
                 tuple(use for use in seen.uses if use.node != self.name),
             ),
             topics=topics,
@@ -146,7 +146,7 @@ class Observer:
         publishers = self._node.get_publishers_info_by_topic(topic)
         subscriptions = self._node.get_subscriptions_info_by_topic(topic)
         return TopicEndpoints(
-            *([_plain(one) for one in ends if self._is_of_others(one)] for ends in (publishers, subscriptions))
+            *([_plain(end) for end in ends if self._is_of_others(end)] for ends in (publishers, subscriptions))
         )
 
     def _is_of_others(self, info: TopicEndpointInfo) -> bool:

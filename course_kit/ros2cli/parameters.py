@@ -23,14 +23,14 @@ _EVERY_NODE = f"/{_ANY_NUMBER}"
 def load_parameters(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
     """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter."""
     sections = list(_sections(_document(path), "", path))
-    wanted = [one for one in sections if _is_for(one[0], node) and (use_wildcard or _ANY_ONE not in one[0])]
+    wanted = [pair for pair in sections if _is_for(pair[0], node) and (use_wildcard or _ANY_ONE not in pair[0])]
     if not wanted:
         names = [name for name, _ in sections]
         there = f"It has some for {', '.join(names)}." if names else "It has no parameters at all."
         near = did_you_mean(node, names)
         raise CommandError(f"{path} has no parameters for {node}. {there}{near}")
     together: dict[str, Any] = {}
-    for _, values in sorted(wanted, key=lambda one: _ANY_ONE not in one[0]):  # the general ones first
+    for _, values in sorted(wanted, key=lambda section: _ANY_ONE not in section[0]):  # the general ones first
         _merge(together, values)
     return _as_rclpy_reads(together, path)
 
@@ -65,7 +65,7 @@ def _sections(part: dict[Any, Any], name: str, path: str) -> Iterator[tuple[str,
             if not isinstance(value[PARAMETERS], dict):
                 raise CommandError(f"{path}: {PARAMETERS} of {inner} has to hold names and values.")
             yield inner, value[PARAMETERS]
-        yield from _sections({one: rest for one, rest in value.items() if one != PARAMETERS}, inner, path)
+        yield from _sections({key: rest for key, rest in value.items() if key != PARAMETERS}, inner, path)
 
 
 def _is_for(pattern: str, node: str) -> bool:

@@ -24,7 +24,7 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
 }
 _EDGES: dict[type[ast.cmpop], type[ast.cmpop]] = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
 _OPPOSITES = ((ast.Lt, ast.GtE), (ast.Gt, ast.LtE), (ast.Eq, ast.NotEq), (ast.In, ast.NotIn), (ast.Is, ast.IsNot))
-_REVERSED: dict[type[ast.cmpop], type[ast.cmpop]] = {**dict(_OPPOSITES), **{two: one for one, two in _OPPOSITES}}
+_REVERSED: dict[type[ast.cmpop], type[ast.cmpop]] = {**dict(_OPPOSITES), **{two: kind for kind, two in _OPPOSITES}}
 _MIXED_UP = {"min": "max", "max": "min", "all": "any", "any": "all", "isfinite": "isnan", "isnan": "isinf"}
 _SLIGHTLY = 1e-3  # of a number
 _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
@@ -45,7 +45,7 @@ def change_operators(program: ParsedProgram) -> Iterator[Mutation]:
         elif isinstance(node, ast.BoolOp):
             other_one = ast.Or() if isinstance(node.op, ast.And) else ast.And()
             yield Mutation("and for or", node, ast.BoolOp(other_one, node.values))
-            yield from (Mutation("condition forgotten", one, None) for one in node.values)
+            yield from (Mutation("condition forgotten", part, None) for part in node.values)
 
 
 def change_comparisons(program: ParsedProgram) -> Iterator[Mutation]:
@@ -121,7 +121,7 @@ def change_elements(program: ParsedProgram) -> Iterator[Mutation]:
         if isinstance(program.parent(node), ast.ExceptHandler) and "KeyboardInterrupt" in ast.dump(node):
             continue  # how a program ends on Ctrl-C is nobody's business
         if isinstance(node, (ast.Tuple, ast.List)) and isinstance(node.ctx, ast.Load) and len(node.elts) > 1:
-            yield from (Mutation("element left out", one, None) for one in node.elts)
+            yield from (Mutation("element left out", item, None) for item in node.elts)
         elif isinstance(node, ast.Dict):
             for key, value in zip(node.keys, node.values, strict=True):
                 if key is not None:
@@ -131,11 +131,11 @@ def change_elements(program: ParsedProgram) -> Iterator[Mutation]:
 
 def _other_answers(node: ast.Dict) -> Iterator[Mutation]:
     """For each part of an entry that is a tuple, what stands in its place in other entries."""
-    tuples = [one for one in node.values if isinstance(one, ast.Tuple)]
+    tuples = [part for part in node.values if isinstance(part, ast.Tuple)]
     for entry in tuples:
         for column, part in enumerate(entry.elts):
-            known = {ast.unparse(one.elts[column]): None for one in tuples if len(one.elts) > column}
-            for other in [one for one in known if one != ast.unparse(part)][:_OTHER_FIELDS]:
+            known = {ast.unparse(pair.elts[column]): None for pair in tuples if len(pair.elts) > column}
+            for other in [text for text in known if text != ast.unparse(part)][:_OTHER_FIELDS]:
                 yield Mutation("another answer", part, parse_expression(other))
 
 
@@ -146,7 +146,7 @@ def change_names(program: ParsedProgram) -> Iterator[Mutation]:
         if isinstance(node, ast.Attribute) and isinstance(node.ctx, (ast.Load, ast.Store)):
             if node.attr in _MIXED_UP:
                 yield Mutation("another function", node, ast.Attribute(node.value, _MIXED_UP[node.attr]))
-            others = [one for one in used.get(_attribute_owner(program, node), ()) if one != node.attr]
+            others = [name for name in used.get(_attribute_owner(program, node), ()) if name != node.attr]
             for other in others[:_OTHER_FIELDS]:
                 yield Mutation("another field", node, ast.Attribute(node.value, other, node.ctx))
         elif isinstance(node, ast.Name) and node.id in _MIXED_UP:
@@ -203,7 +203,7 @@ def change_jumps(program: ParsedProgram) -> Iterator[Mutation]:
                 yield Mutation("call left out", node, ast.Pass())
         elif isinstance(node, (ast.Assign, ast.AugAssign)):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            if any(_can_be_seen(one, node.value) for one in targets):
+            if any(_can_be_seen(target, node.value) for target in targets):
                 yield Mutation("assignment left out", node, ast.Pass())
         elif isinstance(node, ast.Return) and node.value is not None:
             yield Mutation("return left out", node, ast.Expr(node.value))

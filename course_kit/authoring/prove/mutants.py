@@ -52,16 +52,16 @@ def make_mutants(source: str, *, starts_itself: bool = True, file: str = "") -> 
     seen = {"", ast.unparse(program.tree)}
     found: list[Mutant] = []
     counted: Counter[tuple[str, str, str]] = Counter()
-    changes = [one for operator in (*ros_mistakes.MISTAKES, *mistakes.MISTAKES) for one in operator(program)]
-    for one in sorted(changes, key=lambda one: line_of(one.at or one.node)):
-        text = program.text_with(one)
+    changes = [change for operator in (*ros_mistakes.MISTAKES, *mistakes.MISTAKES) for change in operator(program)]
+    for change in sorted(changes, key=lambda change: line_of(change.at or change.node)):
+        text = program.text_with(change)
         if text in seen:
             continue
         seen.add(text)
-        line = line_of(one.at or one.node)
-        mistake = one.operator, lines[line - 1].strip(), f"{_write_node(one.node)} -> {_write_node(one.new)}"
+        line = line_of(change.at or change.node)
+        mistake = change.operator, lines[line - 1].strip(), f"{_write_node(change.node)} -> {_write_node(change.new)}"
         counted[mistake] += 1
-        found.append(Mutant(one.operator, line, *mistake[1:], counted[mistake], text, file))
+        found.append(Mutant(change.operator, line, *mistake[1:], counted[mistake], text, file))
     return found
 
 

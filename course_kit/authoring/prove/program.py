@@ -43,7 +43,7 @@ class ParsedProgram:
         for node in ast.walk(self.tree):
             for name, value in ast.iter_fields(node):
                 inside = value if isinstance(value, list) else [value]
-                found.update({one: (node, name) for one in inside if isinstance(one, ast.AST)})
+                found.update({child: (node, name) for child in inside if isinstance(child, ast.AST)})
         return found
 
     def parent(self, node: ast.AST) -> ast.AST:
@@ -62,12 +62,12 @@ class ParsedProgram:
     def methods(self) -> dict[str, Function]:
         """The methods of all classes, by name."""
         classes = [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
-        return {one.name: one for each in classes for one in each.body if isinstance(one, Function)}
+        return {node.name: node for each in classes for node in each.body if isinstance(node, Function)}
 
     @cached_property
     def callback_references(self) -> dict[ast.expr, Function]:
         """Where a function is handed over to be called later: `self.convert` in `create_service(...)`."""
-        functions = {one.name: one for one in ast.walk(self.tree) if isinstance(one, Function)}
+        functions = {node.name: node for node in ast.walk(self.tree) if isinstance(node, Function)}
         found = {}
         for call in self.calls():
             values = [*call.args, *(keyword.value for keyword in call.keywords)]
@@ -138,7 +138,7 @@ class ParsedProgram:
 
 
 def _replace_node(values: Sequence[ast.AST], node: ast.AST, new: New) -> list[ast.AST]:
-    place = next(number for number, one in enumerate(values) if one is node)
+    place = next(number for number, other in enumerate(values) if other is node)
     middle = new if isinstance(new, list) else [] if new is None else [new]
     return [*values[:place], *middle, *values[place + 1 :]]
 

@@ -56,10 +56,12 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
     starts_itself = exercise.practice or not exercise.class_name
     programs = [name for name in texts if name.endswith(".py") and name != exercise.launch_file]
     made = [
-        one for name in programs for one in mutants.make_mutants(texts[name], starts_itself=starts_itself, file=name)
+        mutant
+        for name in programs
+        for mutant in mutants.make_mutants(texts[name], starts_itself=starts_itself, file=name)
     ]
     entries = mutants.read_equivalents(mutants.file_of(exercise))
-    declared = {one: entry for one in made for entry in entries if entry.covers(one)}
+    declared = {mutant: entry for mutant in made for entry in entries if entry.covers(mutant)}
     chosen = random.Random(seed).sample(made, min(_SAMPLE, len(made))) if quick else made  # noqa: S311 - no secret
     more = 0 if quick else _SEEDS_OF_ANSWERS if exercise.variable else _MORE_SEEDS
     left, problems = list(chosen), _name_unused(entries, made)
@@ -72,16 +74,16 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
         for each in range(seed, seed + more + 1):
             reports = _grade(pool, (exercise.id, texts), left, each)
             problems += list(_name_failures(reports, declared))
-            left = [one for one in left if _has_full_marks(reports[one])]
+            left = [mutant for mutant in left if _has_full_marks(reports[mutant])]
             if each == seed and not exercise.variable:
-                agreed = [one for one in left if one in declared]
-                left = [one for one in left if one not in declared]
+                agreed = [mutant for mutant in left if mutant in declared]
+                left = [mutant for mutant in left if mutant not in declared]
     return GraderProof(
         exercise=exercise,
         made=len(made),
         graded=len(chosen),
-        survivors=[one for one in left if one not in declared],
-        equivalent=[one for one in left if one in declared] if exercise.variable else agreed,
+        survivors=[mutant for mutant in left if mutant not in declared],
+        equivalent=[mutant for mutant in left if mutant in declared] if exercise.variable else agreed,
         problems=problems,
         duration_s=time.monotonic() - began,
     )
@@ -93,12 +95,12 @@ def _grade(
     """Grade mutants side by side, until the first check that fails, and tell on stderr how far it is."""
     exercise_id, texts = solution
     requests = (
-        (one, pool.request_for_program(exercise_id, {**texts, one.file: one.source}, seed, first_failure=True))
-        for one in programs
+        (path, pool.request_for_program(exercise_id, {**texts, path.file: path.source}, seed, first_failure=True))
+        for path in programs
     )
     reports: dict[Mutant, Report] = {}
-    for one, report in pool.grade_all(requests):
-        reports[one] = report
+    for mutant, report in pool.grade_all(requests):
+        reports[mutant] = report
         if len(reports) % _EACH == 0 or len(reports) == len(programs):
             sys.stderr.write(f"[{len(reports)}/{len(programs)}] mistakes graded with seed {seed}\n")
             sys.stderr.flush()
@@ -109,9 +111,9 @@ def describe_proof(proof: GraderProof, *, quick: bool) -> Iterator[str]:
     """What was found, in lines, the survivors first."""
     if proof.survivors:
         yield from ("Mistakes that get full marks, with no reason given:", "")
-    for one in proof.survivors:
-        yield f"{one.file}, line {one.line}: {one.operator}"
-        yield from (f"    {one.before}", f"    {shorten(one.change, _WIDTH)}", "")
+    for mutant in proof.survivors:
+        yield f"{mutant.file}, line {mutant.line}: {mutant.operator}"
+        yield from (f"    {mutant.before}", f"    {shorten(mutant.change, _WIDTH)}", "")
     for problem in proof.problems:
         yield from wrap_text(f"✗ {problem}", following="    ", width=_WIDTH)
     seen = proof.graded - len(proof.survivors) - len(proof.equivalent)
@@ -127,18 +129,18 @@ def _name_unused(entries: Sequence[DeclaredEquivalent], made: Sequence[Mutant]) 
     return [
         f"Declared as equivalent, but there is no such mutant any more: {entry}. Take it out, or adapt it."
         for entry in entries
-        if not any(entry.covers(one) for one in made)
+        if not any(entry.covers(mutant) for mutant in made)
     ]
 
 
 def _name_failures(reports: dict[Mutant, Report], declared: dict[Mutant, DeclaredEquivalent]) -> Iterator[str]:
     """Mutants that could not be graded, and those that a check sees though they are declared as equivalent."""
-    for one, report in reports.items():
+    for mutant, report in reports.items():
         if report.status in ("error", "unreadable"):
-            yield f"Not graded: {one.key}. {report.problem}"
-        elif one in declared and not _has_full_marks(report):
+            yield f"Not graded: {mutant.key}. {report.problem}"
+        elif mutant in declared and not _has_full_marks(report):
             seen = " and ".join(check.id for check in report.checks if check.status == "failed")
-            yield f"Declared as equivalent, but {seen} sees it: {one.key}. Take it out of the declarations."
+            yield f"Declared as equivalent, but {seen} sees it: {mutant.key}. Take it out of the declarations."
 
 
 def _has_full_marks(report: Report) -> bool:

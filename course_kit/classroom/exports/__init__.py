@@ -75,7 +75,7 @@ def _page(path: Path, record: GradeRecord, book: Gradebook) -> str:
     except (OSError, ValueError):
         if record.entry.source:
             return ""
-    exercise = next(one for one in book.exercises if one.id == record.entry.exercise)
+    exercise = next(exercise for exercise in book.exercises if exercise.id == record.entry.exercise)
     report = engine.report_unreadable(exercise, "", str(record.report["stderr"]))
     return html.render_page(report, record.entry.name or record.entry.student)
 

@@ -79,6 +79,6 @@ def _names(record: GradeRecord, student: str) -> re.Pattern[str]:
     entry = record.entry
     whole = {student, entry.name, entry.source, *entry.source.split("/"), *entry.platform.values()}
     parts = {part for text in (student, entry.name) for part in _BETWEEN_WORDS.split(text)}
-    wanted = {one for one in whole if one} | {one for one in parts if len(one) >= _SHORTEST}
-    longest_first = sorted(wanted, key=lambda one: (-len(one), one))
-    return re.compile("|".join(rf"(?<!\w){re.escape(one)}(?!\w)" for one in longest_first), re.IGNORECASE)
+    wanted = {name for name in whole if name} | {part for part in parts if len(part) >= _SHORTEST}
+    longest_first = sorted(wanted, key=lambda name: (-len(name), name))
+    return re.compile("|".join(rf"(?<!\w){re.escape(name)}(?!\w)" for name in longest_first), re.IGNORECASE)

@@ -67,7 +67,9 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
         AttentionGroup(
             "failed",
             "Could not be graded: an error of the grader",
-            _of_records(book.not_graded, called, lambda one: f"{titles[one.entry.exercise]}: {describe_problem(one)}"),
+            _of_records(
+                book.not_graded, called, lambda record: f"{titles[record.entry.exercise]}: {describe_problem(record)}"
+            ),
             "That is the grader's fault, not the students'. They have no grade, and are in no export. "
             "Run the same command again with --resume.",
             urgent=True,
@@ -82,7 +84,7 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
         AttentionGroup(
             "doubtful",
             "Graded, but look at which file was chosen",
-            _of_records([one for one in book.records if one.entry.worry], called, _doubt),
+            _of_records([record for record in book.records if record.entry.worry], called, _doubt),
             "All choices, with their reasons, are in intake.csv.",
             urgent=True,
         ),
@@ -98,7 +100,7 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
         AttentionGroup(
             "chosen",
             "One file was chosen among several",
-            _of_records([one for one in book.records if one.entry.others], called, _choice),
+            _of_records([record for record in book.records if record.entry.others], called, _choice),
         ),
         AttentionGroup(
             "odd",
@@ -110,7 +112,9 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
             "late",
             "Handed in late",
             _of_records(
-                [one for one in book.records if one.entry.late], called, lambda one: titles[one.entry.exercise]
+                [record for record in book.records if record.entry.late],
+                called,
+                lambda record: titles[record.entry.exercise],
             ),
         ),
     ]
@@ -137,7 +141,7 @@ def _errors(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping
     """Who did not pass, by exercise: those whose program could not run at all in front, then by points."""
     for exercise in book.exercises:
         records = [record for record in book.records_of(exercise.id) if outcome_of(record) in _NOT_PASSED]
-        records.sort(key=lambda one: (_NOT_PASSED.index(outcome_of(one)), score_of(one) or 0.0))
+        records.sort(key=lambda record: (_NOT_PASSED.index(outcome_of(record)), score_of(record) or 0.0))
         people = _of_records(records, called, _how_it_went)
         yield AttentionGroup(f"not-passed-{exercise.id}", f"{titles[exercise.id]}: did not pass", people)
 

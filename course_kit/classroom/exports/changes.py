@@ -43,7 +43,7 @@ def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
         return []
     now = _results(book)
     found = [_change(key, before.get(key), now.get(key)) for key in sorted({*before, *now})]
-    return [one for one in found if one is not None]
+    return [change for change in found if change is not None]
 
 
 def remember_results(book: Gradebook, out: Path) -> None:
@@ -55,7 +55,7 @@ def remember_results(book: Gradebook, out: Path) -> None:
 
 def _results(book: Gradebook) -> dict[Key, Result]:
     """For each submission the result in words, and what was handed in."""
-    return {(one.entry.student, one.entry.exercise): (_in_words(one), one.digest) for one in book.records}
+    return {(grade.entry.student, grade.entry.exercise): (_in_words(grade), grade.digest) for grade in book.records}
 
 
 def _in_words(record: GradeRecord) -> str:

@@ -40,7 +40,7 @@ def write_all(book: Gradebook, out: Path) -> None:
         for name, pack in packers:
             path = out / name.format(exercise.id)
             found = (pack(record, out) for record in book.graded_records(exercise.id))
-            if files := [one for one in found if one is not None]:
+            if files := [file for file in found if file is not None]:
                 write_atomically(path, _zip_texts(files), durable=False)
             else:
                 path.unlink(missing_ok=True)

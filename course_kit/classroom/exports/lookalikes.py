@@ -48,7 +48,7 @@ class ProgramTexts(Closable):
 
     def __init__(self, book: Gradebook) -> None:
         self._root, self._elsewhere = book.root, book.earlier
-        self._exercises = {one.id: one for one in book.exercises}
+        self._exercises = {exercise.id: exercise for exercise in book.exercises}
         self._reader = Reader() if book.reader is None else Reader(memory=book.reader.memory)
 
     @property
@@ -162,15 +162,15 @@ def _groups(programs: Sequence[tuple[list[GradeRecord], frozenset[int]]]) -> Ite
         together[prints if len(prints) >= _FEWEST else _file(records[0])] += records
     own = _without_common([key if isinstance(key, frozenset) else frozenset() for key in together])
     leaders = list(range(len(own)))
-    for one, other in _find_similar_programs(own):
-        old, new = leaders[other], leaders[one]
+    for place, other in _find_similar_programs(own):
+        old, new = leaders[other], leaders[place]
         leaders = [new if leader == old else leader for leader in leaders]
     members: dict[int, list[tuple[GradeRecord, frozenset[int]]]] = defaultdict(list)
     for leader, prints, records in zip(leaders, own, together.values(), strict=True):
         members[leader] += [(record, prints) for record in records]
     for found in members.values():
         if len(found) > 1 and not _is_a_team([record for record, _ in found]):
-            (first, its_prints), *others = sorted(found, key=lambda one: one[0].entry.student)
+            (first, its_prints), *others = sorted(found, key=lambda pair: pair[0].entry.student)
             pairs = [AlikePair(first, record, _similarity(its_prints, prints)) for record, prints in others]
             yield tuple(sorted(pairs, key=lambda pair: -pair.similarity))
 
@@ -183,9 +183,9 @@ def _is_a_team(records: Sequence[GradeRecord]) -> bool:
 
 def _without_common(programs: list[frozenset[int]]) -> list[frozenset[int]]:
     """Of each program what is its own, not what many write."""
-    counts = Counter(one for prints in programs for one in prints)
+    counts = Counter(digest for prints in programs for digest in prints)
     most = max(_COMMON_AT_LEAST, int(_COMMON * len(programs)))
-    common = {one for one, count in counts.items() if count > most}
+    common = {digest for digest, count in counts.items() if count > most}
     return [prints - common for prints in programs]
 
 
@@ -193,17 +193,17 @@ def _find_similar_programs(programs: Sequence[frozenset[int]]) -> Iterator[tuple
     """Places of programs above the threshold, among those who share a rare fingerprint."""
     having: dict[int, list[int]] = defaultdict(list)
     for place, prints in enumerate(programs):
-        for one in prints if len(prints) >= _FEWEST else ():
-            having[one].append(place)
+        for digest in prints if len(prints) >= _FEWEST else ():
+            having[digest].append(place)
     for place, prints in enumerate(programs):
-        rare = (having[one] for one in prints if len(having[one]) <= _RARE)
+        rare = (having[digest] for digest in prints if len(having[digest]) <= _RARE)
         for other in sorted({number for numbers in rare for number in numbers if number > place}):
             if _similarity(prints, programs[other]) >= THRESHOLD:
                 yield place, other
 
 
-def _similarity(one: frozenset[int], other: frozenset[int]) -> float:
-    return len(one & other) / len(one | other) if one != other else 1.0
+def _similarity(prints: frozenset[int], other: frozenset[int]) -> float:
+    return len(prints & other) / len(prints | other) if prints != other else 1.0
 
 
 @dataclass(frozen=True)
@@ -230,10 +230,10 @@ def pair_pages(
         return
     template = _TEMPLATES / "comparison.html"
     for place, pair in enumerate(pairs[:MOST_PAIRS]):
-        sides = [[line[:LONGEST] for line in texts.lines(one)] for one in (pair.first, pair.second)]
+        sides = [[line[:LONGEST] for line in texts.lines(record)] for record in (pair.first, pair.second)]
         rows = list(compare_programs(*(lines[:_MOST_LINES] for lines in sides)))
         cut = any(len(lines) > _MOST_LINES for lines in sides)
-        names = [str(called[one.entry.student]) for one in (pair.first, pair.second)]
+        names = [str(called[record.entry.student]) for record in (pair.first, pair.second)]
         most = _MOST_LINES if cut else 0
         yield link_to_pair(place), str(render_template(template, pair=pair, rows=rows, names=names, most=most))
 
@@ -241,12 +241,12 @@ def pair_pages(
 def compare_programs(first: Sequence[str], second: Sequence[str]) -> Iterator[LinePair]:
     """Rows for two programs; lines of the same shape stand beside each other, the others between them."""
     at = at_other = 0
-    for one, other in [*_pairs(first, second), (len(first), len(second))]:
-        for left, right in zip_longest(range(at, one), range(at_other, other)):
+    for place, other in [*_pairs(first, second), (len(first), len(second))]:
+        for left, right in zip_longest(range(at, place), range(at_other, other)):
             yield _row(first, left, second, right, same=False)
-        if one < len(first):
-            yield _row(first, one, second, other, same=True)
-        at, at_other = one + 1, other + 1
+        if place < len(first):
+            yield _row(first, place, second, other, same=True)
+        at, at_other = place + 1, other + 1
 
 
 def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, int]]:
@@ -254,14 +254,14 @@ def _pairs(first: Sequence[str], second: Sequence[str]) -> Iterator[tuple[int, i
     ours, theirs = (
         [(place, found) for place, line in enumerate(lines) if (found := _shape(line))] for lines in (first, second)
     )
-    matcher = SequenceMatcher(None, [one for _, one in ours], [one for _, one in theirs], autojunk=False)
+    matcher = SequenceMatcher(None, [shape for _, shape in ours], [shape for _, shape in theirs], autojunk=False)
     for start, other, size in matcher.get_matching_blocks():
         for step in range(size):
             yield ours[start + step][0], theirs[other + step][0]
 
 
-def _row(first: Sequence[str], one: int | None, second: Sequence[str], other: int | None, *, same: bool) -> LinePair:
-    return LinePair(*_number_line(first, one), *_number_line(second, other), same)
+def _row(first: Sequence[str], place: int | None, second: Sequence[str], other: int | None, *, same: bool) -> LinePair:
+    return LinePair(*_number_line(first, place), *_number_line(second, other), same)
 
 
 def _number_line(lines: Sequence[str], place: int | None) -> tuple[int, str]:

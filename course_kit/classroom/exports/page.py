@@ -135,15 +135,19 @@ def _values(book: Gradebook, alike: lookalikes.LookAlikes | None, changes: Seque
         "changes": changes,
         "facts": list(_facts(book)),
         "layout": _LAYOUTS.get(book.layout, book.layout) or "unknown",
-        "figures": [_figure(one, records) for one in book.exercises if (records := book.graded_records(one.id))],
-        "checks": [(one, found) for one in book.exercises if (found := count_checks(book.records_of(one.id)))],
-        "heat_maps": [one for one in _heat_maps(book) if one.rows],
+        "figures": [
+            _figure(exercise, records) for exercise in book.exercises if (records := book.graded_records(exercise.id))
+        ],
+        "checks": [
+            (exercise, found) for exercise in book.exercises if (found := count_checks(book.records_of(exercise.id)))
+        ],
+        "heat_maps": [table for table in _heat_maps(book) if table.rows],
         "diagnoses": catalogue.catalogue(),
         "alike": alike,
         "comparison_link": lambda pair: comparison_links.get(id(pair)),
         "threshold": lookalikes.THRESHOLD,
-        "slowest": sorted(timed, key=lambda one: -float(one.report["duration_s"]))[:_MOST_LISTED],
-        "largest": sorted(book.records, key=lambda one: -one.size)[:_MOST_LISTED],
+        "slowest": sorted(timed, key=lambda record: -float(record.report["duration_s"]))[:_MOST_LISTED],
+        "largest": sorted(book.records, key=lambda record: -record.size)[:_MOST_LISTED],
         "students": texts.group_by_student(book),
         "titles": {exercise.id: exercise.title for exercise in book.exercises},
         "many": _count_noun,
@@ -186,9 +190,9 @@ def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
         yield HeatMap(title, BANDS, diagnoses_by_band(records), having)
 
 
-def _count_noun(count: int, one: str) -> str:
+def _count_noun(count: int, noun: str) -> str:
     """`1 student`, `2 students`."""
-    return f"{count} {one if count == 1 else one + 's'}"
+    return f"{count} {noun if count == 1 else noun + 's'}"
 
 
 def count_scores(exercise: Exercise, records: Sequence[GradeRecord]) -> list[Bar]:
@@ -196,7 +200,7 @@ def count_scores(exercise: Exercise, records: Sequence[GradeRecord]) -> list[Bar
     points = [found for record in records if (found := texts.score_of(record)) is not None]
     steps = int(exercise.points) if exercise.points == int(exercise.points) and exercise.points < _MOST_BARS else 10
     width = exercise.points / steps
-    counts = Counter(min(steps, max(0, math.floor(one / width + 1e-9))) for one in points)
+    counts = Counter(min(steps, max(0, math.floor(point / width + 1e-9))) for point in points)
     return [Bar(step * width, f"{step * width:g}", counts[step]) for step in range(steps + 1)]
 
 
@@ -205,10 +209,10 @@ def count_checks(records: Sequence[GradeRecord]) -> list[CheckCount]:
     found: dict[str, CheckCount] = {}
     for record in records:
         for check in record.report["checks"]:
-            one = found.setdefault(check["id"], CheckCount(check["id"], check["title"], float(check["max_points"])))
-            one.by_status[check["status"]] += 1
+            tally = found.setdefault(check["id"], CheckCount(check["id"], check["title"], float(check["max_points"])))
+            tally.by_status[check["status"]] += 1
             if check["status"] == "failed":
-                one.failed.append(record)
+                tally.failed.append(record)
     return list(found.values())
 
 

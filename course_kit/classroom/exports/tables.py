@@ -102,15 +102,15 @@ def _canvas(book: Gradebook) -> Iterator[Row]:
         sis_id = texts.platform_of(records, "sid") if book.canvas_assignments else ""
         login = (texts.platform_of(records, "login") if book.canvas_assignments else "") or ("" if user else student)
         identifiers = (Identifier(user), Identifier(sis_id), Identifier(login))
-        yield [name, *identifiers, "", *(texts.score_of(records.get(one.id)) for one in book.exercises)]
+        yield [name, *identifiers, "", *(texts.score_of(records.get(exercise.id)) for exercise in book.exercises)]
 
 
 def canvas_assignment(exercise: Exercise, assignments: Sequence[str]) -> str:
     """The assignment that is called like an exercise, or like it among other words; empty when none or several are."""
     wanted = {plain_text(exercise.title), plain_text(exercise.id)}
-    words = {one: plain_text(one.rpartition(" (")[0]) for one in assignments}
-    same = [one for one, called in words.items() if called in wanted]
-    alike = [one for one, called in words.items() if any(f" {each} " in f" {called} " for each in wanted)]
+    words = {title: plain_text(title.rpartition(" (")[0]) for title in assignments}
+    same = [title for title, called in words.items() if called in wanted]
+    alike = [title for title, called in words.items() if any(f" {each} " in f" {called} " for each in wanted)]
     found = same or alike
     return found[0] if len(found) == 1 else ""
 

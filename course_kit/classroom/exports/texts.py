@@ -79,8 +79,8 @@ def _make_values_printable(value: Any) -> Any:
     if isinstance(value, str):
         return make_printable(value)
     if isinstance(value, dict):
-        return {key: _make_values_printable(one) for key, one in value.items()}
-    return [_make_values_printable(one) for one in value] if isinstance(value, (list, tuple)) else value
+        return {key: _make_values_printable(item) for key, item in value.items()}
+    return [_make_values_printable(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def score_of(record: GradeRecord | None) -> float | None:
@@ -91,7 +91,7 @@ def score_of(record: GradeRecord | None) -> float | None:
 def total_score(records: dict[str, GradeRecord]) -> float | None:
     """A student's points together; None where one of the scores is still to come."""
     scores = [score_of(record) for record in records.values()]
-    return None if None in scores else sum(one or 0.0 for one in scores)
+    return None if None in scores else sum(score or 0.0 for score in scores)
 
 
 def group_by_student(book: Gradebook) -> dict[str, dict[str, GradeRecord]]:

@@ -217,7 +217,9 @@ def unpack_students_zip(root: Path, item: Item) -> StudentFiles:
             return StudentFiles((), problem=f"it is too much: at most {LARGEST_OF_ONE >> 20} MB are opened")
         with Archive(root / item.path, root / folder) as archive:
             found = look_through(archive, Item("", FOLDER))
-            wanted = [one for one in found.files if one.is_program or one.name.endswith(YAML) or len(found.files) == 1]
+            wanted = [
+                file for file in found.files if file.is_program or file.name.endswith(YAML) or len(found.files) == 1
+            ]
             problems = archive.fetch(wanted)
             lost = [*found.unseen, *archive.lost]
     except GradingError as problem:

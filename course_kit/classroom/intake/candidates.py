@@ -37,9 +37,9 @@ def choose_candidate(
     candidates: Sequence[Candidate], exercise: Exercise, files: Sequence[HandIn]
 ) -> tuple[Candidate, dict[str, str]]:
     """Choose one; with it, by their paths, why each of the others was not chosen."""
-    ranks = {one.file.path: _rank(one, candidates) for one in candidates}
-    best, *others = sorted(candidates, key=lambda one: ranks[one.file.path], reverse=True)
-    reasons = {one.file.path: _why_not_chosen(one, best, _first_difference(ranks, best, one)) for one in others}
+    ranks = {candidate.file.path: _rank(candidate, candidates) for candidate in candidates}
+    best, *others = sorted(candidates, key=lambda candidate: ranks[candidate.file.path], reverse=True)
+    reasons = {rival.file.path: _why_not_chosen(rival, best, _first_difference(ranks, best, rival)) for rival in others}
     why = _fit(best, exercise)
     worries = [best.odd] if best.odd and not best.is_starter else []
     if others:
@@ -47,7 +47,7 @@ def choose_candidate(
         why = f"{_WON[place].format(len(candidates))}; {why}"
         if place == len(_WON) - 1 and _differ(best, others[0]):
             worries.append(f"only its name was better than that of {others[0].file.path}")
-    asked_for = [one.file.path for one in others if one.glance.found and not one.is_starter]
+    asked_for = [rival.file.path for rival in others if rival.glance.found and not rival.is_starter]
     if asked_for and not best.glance.found and not best.file.problem:
         worries.append(f"{asked_for[0]} holds {exercise.asks_for}, and this one does not")
     if not (best.file.item.is_program or exercise.files):
@@ -80,55 +80,55 @@ _LOST = (
 )
 
 
-def _rank(one: Candidate, candidates: Sequence[Candidate]) -> Rank:
+def _rank(pick: Candidate, candidates: Sequence[Candidate]) -> Rank:
     """What speaks for a file, the most important first. One that cannot be had is not replaced by an older one."""
-    lost = bool(one.file.problem)
-    rivals = [other.changed for other in candidates if (other.is_starter, other.fits) == (one.is_starter, one.fits)]
-    is_new = lost or one.changed >= max(rivals) - _AT_ONCE_S
+    lost = bool(pick.file.problem)
+    rivals = [other.changed for other in candidates if (other.is_starter, other.fits) == (pick.is_starter, pick.fits)]
+    is_new = lost or pick.changed >= max(rivals) - _AT_ONCE_S
     return (
-        not one.is_starter,
-        lost or one.fits,
-        one.file.attempt,
+        not pick.is_starter,
+        lost or pick.fits,
+        pick.file.attempt,
         is_new,
-        one.sureness,
-        one.file.path,
+        pick.sureness,
+        pick.file.path,
     )
 
 
 def _first_difference(ranks: dict[str, Rank], first: Candidate, other: Candidate) -> int:
     pairs = zip(ranks[first.file.path], ranks[other.file.path], strict=True)
-    return next((place for place, (one, another) in enumerate(pairs) if one != another), len(_WON) - 1)
+    return next((place for place, (ours, another) in enumerate(pairs) if ours != another), len(_WON) - 1)
 
 
-def _differ(one: Candidate, other: Candidate) -> bool:
+def _differ(candidate: Candidate, other: Candidate) -> bool:
     """Whether two files hold different programs, as far as anybody can tell."""
-    return not one.glance.identity or one.glance.identity != other.glance.identity
+    return not candidate.glance.identity or candidate.glance.identity != other.glance.identity
 
 
-def _why_not_chosen(one: Candidate, best: Candidate, place: int) -> str:
-    if one.file.problem:
-        return one.file.problem
-    if not _differ(one, best):
+def _why_not_chosen(candidate: Candidate, best: Candidate, place: int) -> str:
+    if candidate.file.problem:
+        return candidate.file.problem
+    if not _differ(candidate, best):
         return "the same program"
-    return "the starter, unchanged" if one.is_starter else _LOST[place]
+    return "the starter, unchanged" if candidate.is_starter else _LOST[place]
 
 
-def _fit(one: Candidate, exercise: Exercise) -> str:
+def _fit(candidate: Candidate, exercise: Exercise) -> str:
     """Why a file is taken to be for an exercise."""
-    if one.sureness == NAMED:
+    if candidate.sureness == NAMED:
         return "same name as the starter"
-    if one.sureness == CALLED_ALIKE:
+    if candidate.sureness == CALLED_ALIKE:
         return "the exercise's name is in its name"
-    if one.sureness == BY_CONTENT:
+    if candidate.sureness == BY_CONTENT:
         return f"it holds {exercise.asks_for}"
-    return "the only program" if one.file.item.is_program else "the only file"
+    return "the only program" if candidate.file.item.is_program else "the only file"
 
 
-def _find_imported_module(one: Candidate, files: Sequence[HandIn]) -> str:
+def _find_imported_module(candidate: Candidate, files: Sequence[HandIn]) -> str:
     """A module beside the file that it imports; the sandbox has one file alone."""
     beside = {
         file.file_name.removesuffix(".py"): file.file_name
         for file in files
-        if file.path != one.file.path and file.folder == one.file.folder and file.file_name.endswith(".py")
+        if file.path != candidate.file.path and file.folder == candidate.file.folder and file.file_name.endswith(".py")
     }
-    return ", ".join(sorted(one_line(beside[name]) for name in one.glance.imports & beside.keys()))
+    return ", ".join(sorted(one_line(beside[name]) for name in candidate.glance.imports & beside.keys()))

@@ -54,8 +54,8 @@ class Chooser:
         self._listing = opened.listing
         self._may_unpack = opened.is_copy
         self._exercises = exercises
-        self._starters = {one.id: starter_identities(one) for one in exercises}
-        self._named = {name for one in exercises for name in one.files}
+        self._starters = {exercise.id: starter_identities(exercise) for exercise in exercises}
+        self._named = {name for exercise in exercises for name in exercise.files}
         self.entries: list[Entry] = []
         self.left: LeftOut = []
         self.missing: list[tuple[str, str]] = []
@@ -75,7 +75,7 @@ class Chooser:
         considered: dict[str, set[str]] = {}  # paths, by exercise
         for exercise in self._exercises:
             found = list(self._candidates(files, exercise))
-            considered[exercise.id] = {one.file.path for one in found}
+            considered[exercise.id] = {candidate.file.path for candidate in found}
             if not found:
                 continue
             choice, not_chosen = candidates.choose_candidate(found, exercise, files)
@@ -83,7 +83,7 @@ class Chooser:
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")
                 why = f"{best.path} would have been used, but cannot be read"
-                reasons.update((one.file.path, why) for one in found if not one.file.problem)
+                reasons.update((candidate.file.path, why) for candidate in found if not candidate.file.problem)
                 continue
             choices.append((exercise, choice, not_chosen))
             used = ((path, f"{why}; {best.path} was used instead") for path, why in not_chosen.items())
@@ -97,7 +97,7 @@ class Chooser:
             reasons_here = {path: why for path, why in not_chosen.items() if path not in chosen}
             entries.append(self._entry(student, exercise, choice, reasons_here, rest))
         taken = {entry.source for entry in entries}
-        rest = [one.path for one in files if taken.isdisjoint((one.path, one.folder))]
+        rest = [file.path for file in files if taken.isdisjoint((file.path, file.folder))]
         not_taken = [(path, reasons.get(path, _NONE_OF_THESE)) for path in rest]
         self._leave(student, not_taken, "they belong to none of these exercises")
         handed_in = {entry.exercise for entry in entries}
@@ -210,7 +210,7 @@ class Chooser:
             fits = glance.found or (is_script and file.file_name.removesuffix(".py") not in imported)
             is_starter = glance.identity in self._starters[exercise.id]
             odd = self._explain_doubt(file, exercise, glance, fits=fits)
-            if glance.program and (lacks := [one for one in exercise.files if one not in glance.program.files]):
+            if glance.program and (lacks := [name for name in exercise.files if name not in glance.program.files]):
                 odd = f"missing: {', '.join(lacks)}"
             changed = _modified_at(self._root / file.path)
             yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
@@ -263,7 +263,7 @@ def may_be_submission(item: Item, exercise: Exercise) -> bool:
 def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
     """The exercises beside one, in its folder."""
     folder = exercise.folder.parent
-    return (load_exercise(one, folder) for one in list_exercise_ids(folder) if one != exercise.id)
+    return (load_exercise(name, folder) for name in list_exercise_ids(folder) if name != exercise.id)
 
 
 def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:
@@ -302,7 +302,7 @@ def _list_other_files(reasons: Mapping[str, str], rest: Sequence[str]) -> list[s
 
 def _modified_at(path: Path) -> float:
     try:
-        return max(one.lstat().st_mtime for one in (path.iterdir() if path.is_dir() else [path]))
+        return max(file.lstat().st_mtime for file in (path.iterdir() if path.is_dir() else [path]))
     except (OSError, ValueError):  # it has gone, or is empty
         return 0.0
 

@@ -60,7 +60,7 @@ def collect_submissions(  # noqa: PLR0913, PLR0917 - what is collected, for what
         if not opened.units and not opened.left:
             raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
         chooser = Chooser(opened, exercises, stack.enter_context(reader or Reader()))
-        for student, units in layouts.group_by_student(opened.units, [one.id for one in exercises]).items():
+        for student, units in layouts.group_by_student(opened.units, [exercise.id for exercise in exercises]).items():
             chooser.take(student, units)
     found = Intake(
         opened.root,
@@ -85,5 +85,7 @@ def _with_roster(found: Intake, roster: Roster, exercises: Sequence[Exercise], e
     others = {entry.student: entry for entry in matched if not entry.exercise and entry.student not in with_entry}
     others.update((entry.student, entry) for entry in fit.absent if entry.student not in others)
     everybody = [*sorted(with_entry), *others]
-    missing = tuple((one, exercise.id) for one in everybody for exercise in exercises if (one, exercise.id) not in had)
+    missing = tuple(
+        (student, exercise.id) for student in everybody for exercise in exercises if (student, exercise.id) not in had
+    )
     return replace(found, entries=submissions, missing=missing, others=tuple(others.values()), roster=fit)

@@ -72,15 +72,15 @@ def add_submitters(units: Iterable[HandIn], submissions: Mapping[str, _Submissio
     """Entries of an export with the names of those who handed them in; a group's entry is one of each member."""
     for unit in units:
         submission = submissions.get(unit.item.name)
-        submitters = [one for one in submission.submitters if one.student] if submission else []
+        submitters = [submitter for submitter in submission.submitters if submitter.student] if submission else []
         if unit.odd or submission is None or not submitters:
             yield unit
             continue
         group = {"group": unit.item.name} if len(submitters) > 1 else {}
-        for one in submitters:
-            about = {"sid": one.sid, "email": one.email, "submitted_at": submission.created, **group}
+        for submitter in submitters:
+            about = {"sid": submitter.sid, "email": submitter.email, "submitted_at": submission.created, **group}
             platform = {**unit.platform, **{key: value for key, value in about.items() if value}}
-            yield replace(unit, student=one.student, name=one.name, platform=platform)
+            yield replace(unit, student=submitter.student, name=submitter.name, platform=platform)
 
 
 def _lines(text: str) -> Iterator[str]:

@@ -132,7 +132,7 @@ def read_moodle(item: Item, _: str = "") -> HandIn | None:
     mark = found[0]
     rest = item.name[mark.end() :]
     if len(found) > 1:
-        numbers = " or ".join(one["number"] or "of no number" for one in found[:_MOST_NUMBERS])
+        numbers = " or ".join(match["number"] or "of no number" for match in found[:_MOST_NUMBERS])
         return HandIn(item, item.name, odd=f"its name can also be read as that of participant {numbers}")
     if item.kind == FOLDER and rest not in ("", "_"):
         return None
@@ -259,7 +259,7 @@ def join_downloads(units: Sequence[HandIn], layout: str, exercises: int) -> list
 def _is_of_one_assignment(numbers: Iterable[Mapping[str, set[str]]], units: Sequence[HandIn], exercises: int) -> bool:
     """Whether all who are in several downloads have the same numbers there, and somebody is or one exercise was set."""
     twice = [list(of_name.values()) for of_name in numbers if len(of_name) > 1]
-    agree = all(one == of_name[0] for of_name in twice for one in of_name)
+    agree = all(numbers == of_name[0] for of_name in twice for numbers in of_name)
     return agree and len({unit.exercise for unit in units}) == 1 and (bool(twice) or exercises == 1)
 
 

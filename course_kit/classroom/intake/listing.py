@@ -78,7 +78,7 @@ class Folder:
     def children(self, folder: str, most: int | None = None) -> list[Item]:
         start = f"{folder}/" if folder else ""
         with os.scandir(self._root / folder) as found:
-            items = [Item(f"{start}{one.name}", _kind(one)) for one in itertools.islice(found, most)]
+            items = [Item(f"{start}{entry.name}", _kind(entry)) for entry in itertools.islice(found, most)]
         return sorted(items, key=lambda item: item.path)
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:

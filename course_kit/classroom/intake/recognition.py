@@ -96,7 +96,7 @@ def _is_clone(listing: Listing, item: Item) -> bool:
     if item.kind != FOLDER:
         return False
     try:
-        return any(one.name == ".git" for one in listing.children(item.path, _ENOUGH))
+        return any(child.name == ".git" for child in listing.children(item.path, _ENOUGH))
     except OSError:
         return False
 

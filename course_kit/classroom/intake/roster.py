@@ -82,7 +82,7 @@ class Person:
         """What they are called where they have handed in nothing."""
         own = {"canvas": CANVAS, "gradescope": NUMBER, "github": GITHUB}.get(layout, "")
         found = (self.values.get(kind, "") for kind in (own, *_IDENTIFIERS))
-        return next((one for one in found if one), self.name)
+        return next((value for value in found if value), self.name)
 
     @property
     def platform(self) -> dict[str, str]:
@@ -114,7 +114,7 @@ def read_roster(path: Path) -> Roster:
     if not {FULL, LAST, FIRST, MOODLE, *_IDENTIFIERS} & set(kinds):
         raise GradingError(
             f"Nothing in {path} looks like names, e-mail addresses or student numbers. Its columns are: "
-            f"{', '.join(one_line(one) for one in header[:20])}. Give them headers such as 'name', 'email' or 'login'."
+            f"{', '.join(map(one_line, header[:20]))}. Give them headers such as 'name', 'email' or 'login'."
         )
     people = [person for row in body if (person := _person(row, kinds)) is not None]
     if not people:
@@ -180,13 +180,13 @@ def _drop_repeated_people(people: list[Person]) -> tuple[Person, ...]:
 def plain_text(text: str) -> str:
     """A text without accents, signs and capitals, words apart by one blank."""
     letters = unicodedata.normalize("NFKD", text.casefold())
-    kept = "".join(one if one.isalnum() else " " for one in letters if not unicodedata.combining(one))
+    kept = "".join(letter if letter.isalnum() else " " for letter in letters if not unicodedata.combining(letter))
     return unicodedata.normalize("NFC", " ".join(kept.split()))
 
 
 def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """What each column holds, empty where nothing that matters here."""
-    words = [plain_text(one) for one in header]
+    words = [plain_text(cell) for cell in header]
     kinds = [_by_word(word) for word in words]
     canvas = words[:1] == ["student"] and any(word.startswith("sis ") or word == "section" for word in words)
     for place, word in enumerate(words):
@@ -205,8 +205,8 @@ def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[s
 
 def _has_header(row: Sequence[str]) -> bool:
     """Whether a first row names columns and is nobody."""
-    words = [plain_text(one) for one in row]
-    return any(_by_word(word) or word in _NAME or word == _ID for word in words) and not any("@" in one for one in row)
+    words = [plain_text(cell) for cell in row]
+    return any(_by_word(word) or word in _NAME or word == _ID for word in words) and "@" not in "".join(row)
 
 
 def _participant(text: str) -> str:

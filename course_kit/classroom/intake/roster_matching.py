@@ -103,9 +103,9 @@ def match_roster(
             found.append(_add_name(entry, person))
             people[id(person)].add(entry.student)
         elif members:
-            for one in members:
-                found.append(_of_member(entry, one, layout))
-                people[id(one)].add(entry.student)
+            for member in members:
+                found.append(_of_member(entry, member, layout))
+                people[id(member)].add(entry.student)
         else:
             found.append(entry)
             unknown[entry.student] = why
@@ -122,8 +122,8 @@ def _find_double_students(roster: Roster, people: Mapping[int, set[str]]) -> dic
     """Students who are the same person by the list, and two by what was handed in."""
     names = {id(person): person.name for person in roster.people}
     return {
-        student: f"{names[one]} is on the list once, and {' and '.join(sorted(students))} both fit"
-        for one, students in people.items()
+        student: f"{names[person]} is on the list once, and {' and '.join(sorted(students))} both fit"
+        for person, students in people.items()
         if len(students) > 1
         for student in students
     }

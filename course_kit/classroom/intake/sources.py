@@ -45,14 +45,14 @@ def open_all(
     paths: Sequence[Path], workspace: Path, exercises: Sequence[Exercise], layout: str, stack: ExitStack
 ) -> OpenedSources:
     """Open what was handed over and find the students' entries."""
-    paths = [one for path in paths for one in _downloads(path, exercises, layout)]
+    paths = [download for path in paths for download in _downloads(path, exercises, layout)]
     if len(paths) > 1:
         return _open_several_downloads(paths, workspace, exercises, layout, stack)
     [path] = paths
     download = _open(path, workspace, exercises, stack, copied=False)
     opened = _read_download(path, download, layout, workspace if download.packed else path)
-    found = (one for unit in opened.units for one in listing.look_through(opened.listing, unit.item).files)
-    if not opened.is_copy and any(one.is_zip for one in found):
+    found = (file for unit in opened.units for file in listing.look_through(opened.listing, unit.item).files)
+    if not opened.is_copy and any(file.is_zip for file in found):
         copied = CopiedFolder(path, workspace)
         opened = replace(opened, root=workspace, listing=copied, is_copy=True)
     return opened
@@ -84,9 +84,9 @@ def _open_several_downloads(
 def _join_units(units: list[HandIn], parts: dict[str, OpenedSources], exercises: int) -> tuple[HandIn, ...]:
     """Entries of all downloads, those of one layout together, so that what is one student's has one identifier."""
     return tuple(
-        one
+        entry
         for name in sorted({part.layout for part in parts.values()})
-        for one in layouts.join_downloads(
+        for entry in layouts.join_downloads(
             [unit for unit in units if parts[unit.download].layout == name], name, exercises
         )
     )
@@ -115,8 +115,8 @@ def _read_download(path: Path, download: Download, layout: str, root: Path) -> O
     left: LeftOut = []
     try:
         layout, called, items = _enter_students(download, layout, left)
-        metadata = [one for one in items if layout == "gradescope" and one.name == METADATA and one.kind == FILE]
-        others = [one for one in items if one not in metadata]
+        metadata = [item for item in items if layout == "gradescope" and item.name == METADATA and item.kind == FILE]
+        others = [item for item in items if item not in metadata]
         read = list(_read_all(found, layout, others, called, left))
     except OSError as problem:
         raise GradingError(f"{path} cannot be read: {problem.strerror}.") from problem
@@ -154,7 +154,7 @@ def _downloads(path: Path, exercises: Sequence[Exercise], layout: str) -> list[P
     if not items or not all(item.is_zip for item in items):
         return [path]
     zips = [path / item.path for item in items]
-    kinds = [_is_download(one, exercises) for one in zips]
+    kinds = [_is_download(item, exercises) for item in zips]
     if 2 * sum(kinds) <= len(zips):
         return [path]
     if len(zips) == 1 and layout == AUTO:
@@ -174,7 +174,8 @@ def _is_download(path: Path, exercises: Sequence[Exercise]) -> bool:
             lone = recognition.likely_entries(items)
             within = recognition.look_inside(archive, lone[0]) if len(lone) == 1 else []
             return any(
-                recognition.looks_like(one, items) or recognition.looks_like(one, within) for one in recognition.TITLES
+                recognition.looks_like(title, items) or recognition.looks_like(title, within)
+                for title in recognition.TITLES
             )
     except (GradingError, OSError):
         return False
@@ -262,7 +263,7 @@ class JoinedListings:
     def children(self, folder: str, most: int | None = None) -> list[Item]:
         name, _, inside = folder.partition("/")
         if not name:
-            return [Item(one, FOLDER) for one in sorted(self._parts)]
+            return [Item(part, FOLDER) for part in sorted(self._parts)]
         return [move_item(item, name) for item in self._parts[name].children(inside, most)]
 
     def fetch(self, items: Iterable[Item]) -> Mapping[str, str]:

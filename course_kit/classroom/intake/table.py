@@ -25,7 +25,7 @@ def intake_rows(found: Intake) -> list[Entry]:
     """The rows: students in order, then without a student what belongs to no submission."""
     names = {entry.student: entry.name for entry in (*found.entries, *found.others)}
     dropped = dict(found.dropped)
-    absent = {one.student: one.name for one in found.roster.absent} if found.roster else {}
+    absent = {person.student: person.name for person in found.roster.absent} if found.roster else {}
     rows = [replace(entry, source=one_line(entry.source)) for entry in found.entries]
     rows += [
         Entry(student, exercise, "", names.get(student, ""), why=dropped.get(student, _NOTHING), worry="not graded")

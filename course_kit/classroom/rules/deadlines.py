@@ -145,8 +145,10 @@ def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
 
 def _of_course(exercises: Sequence[Exercise]) -> list[str]:
     """All exercises of the course: one file may serve runs that each grade a part of it."""
-    folders = {one.folder.parent for one in exercises}
-    return sorted({one.id for one in exercises} | {one for folder in folders for one in list_exercise_ids(folder)})
+    folders = {exercise.folder.parent for exercise in exercises}
+    return sorted(
+        {exercise.id for exercise in exercises} | {name for folder in folders for name in list_exercise_ids(folder)}
+    )
 
 
 def _zone(name: str) -> tzinfo:
@@ -193,8 +195,8 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
             continue
         if exercise and exercise not in ids:
             found.mistakes.add(row.line, describe_unknown("exercise", exercise, ids))
-        for one in [exercise] if exercise else ids:
-            found.put(row, one, moment)
+        for name in [exercise] if exercise else ids:
+            found.put(row, name, moment)
     return replace(rules, extensions=found)
 
 
@@ -231,8 +233,8 @@ def _in_zone(moment: datetime, name: str, zone: tzinfo | None) -> datetime | Non
     zones = [zone] if zone is not None else []
     with suppress(ZoneInfoNotFoundError, ValueError, OSError):
         zones.append(ZoneInfo(name))
-    for one in zones:  # CET and CEST say which of two hours it is
-        for local in (moment.replace(tzinfo=one, fold=0), moment.replace(tzinfo=one, fold=1)):
+    for other in zones:  # CET and CEST say which of two hours it is
+        for local in (moment.replace(tzinfo=other, fold=0), moment.replace(tzinfo=other, fold=1)):
             if local.tzname() == name:
                 return local.astimezone(timezone(local.utcoffset(), name))  # type: ignore[arg-type]
     return moment.replace(tzinfo=zones[-1]) if len(zones) > (zone is not None) else None

@@ -53,16 +53,16 @@ class Instructions:
 
     def apply(self, book: Gradebook) -> Gradebook:
         """The gradebook with lateness, penalties, overrides and comments."""
-        exercises = {one.id: one for one in book.exercises}
+        exercises = {exercise.id: exercise for exercise in book.exercises}
         stand_ins, missing = self._without_submission(book, exercises)
         records = [self.adjust_record(record, book.exercises) for record in book.records]
-        everybody = sorted([*records, *stand_ins], key=lambda one: (one.entry.student, one.entry.exercise))
+        everybody = sorted([*records, *stand_ins], key=lambda record: (record.entry.student, record.entry.exercise))
         return replace(book, records=tuple(everybody), missing=tuple(missing))
 
     def adjust_record(self, record: GradeRecord, exercises: Sequence[Exercise]) -> GradeRecord:
         """A result with its lateness, penalty, override and comment."""
         entry = record.entry
-        exercise = next(one for one in exercises if one.id == entry.exercise)
+        exercise = next(exercise for exercise in exercises if exercise.id == entry.exercise)
         moment = submission_moment(entry, self.deadlines.zone)
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
@@ -73,7 +73,7 @@ class Instructions:
     def _without_submission(
         self, book: Gradebook, exercises: dict[str, Exercise]
     ) -> tuple[list[GradeRecord], list[tuple[str, str]]]:
-        known = {one.student: one for one in (*(record.entry for record in book.records), *book.others)}
+        known = {entry.student: entry for entry in (*(record.entry for record in book.records), *book.others)}
         stand_ins, others = [], []
         for student, exercise_id in book.missing:
             decided = self.overrides.find(student, exercise_id)
@@ -138,7 +138,7 @@ def read_overrides(path: Path, exercises: Sequence[Exercise]) -> StudentTable[Ov
     table: StudentTable[Override] = StudentTable(mistakes := Mistakes(path))
     if not path.exists():
         return table
-    points = {one.id: one.points for one in exercises}
+    points = {exercise.id: exercise.points for exercise in exercises}
     lines: dict[tuple[str, str, str], int] = {}
     for row in read_rows(path, ("student", "exercise"), ("score", "comment", "check")):
         student, exercise, check = row.cells["student"], row.cells["exercise"], row.cells["check"]

@@ -56,7 +56,7 @@ class Mistakes:
         require_none([self])
 
     def __str__(self) -> str:
-        told = [what for _, what in sorted(self.found, key=lambda one: one[0])]
+        told = [what for _, what in sorted(self.found, key=lambda mistake: mistake[0])]
         more = len(told) - _MOST_TOLD
         told = [*told[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
         return f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told)
@@ -64,7 +64,7 @@ class Mistakes:
 
 def require_none(files: Iterable[Mistakes]) -> None:
     """Tell what is wrong with some files, all of it at once."""
-    if wrong := [one for one in files if one.found]:
+    if wrong := [file for file in files if file.found]:
         raise GradingError("\n".join(map(str, wrong)))
 
 

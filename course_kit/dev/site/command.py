@@ -116,7 +116,7 @@ def gather_pages(root: Path, folder: Path) -> None:
 def _in_order(folder: Path) -> list[Path]:
     """The notebooks of the exercises in a folder, in the course's order."""
     exercises = (load_exercise(name, folder) for name in list_exercise_ids(folder))
-    return [one.folder / one.notebook for one in sorted(exercises, key=lambda exercise: exercise.order)]
+    return [exercise.folder / exercise.notebook for exercise in sorted(exercises, key=lambda exercise: exercise.order)]
 
 
 def _filled_in(text: str, root: Path, lists: dict[str, list[Path]]) -> str:

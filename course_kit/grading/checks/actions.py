@@ -67,7 +67,7 @@ class Statuses(_GoalInbox[tuple[float, int]]):
             goal = message[place : place + _IDENTIFIER]
             place += (-place) % 4 + _STATUS_AT
             changes, status = self._of_goals.get(goal), message[place]
-            if changes is not None and len(changes) < _MOST_CHANGES and status not in [one for _, one in changes]:
+            if changes is not None and len(changes) < _MOST_CHANGES and status not in [known for _, known in changes]:
                 changes.append((received_s, status))
             place += 1
 

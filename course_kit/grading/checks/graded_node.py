@@ -388,7 +388,7 @@ class GradedNode:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
         memory = self.context.memory  # empty after each launch, which may be of another program
         if "endpoints" not in memory:
-            memory["endpoints"] = [WantedEndpoint.from_record(one) for one in self.context.job.running_endpoints]
+            memory["endpoints"] = [WantedEndpoint.from_record(end) for end in self.context.job.running_endpoints]
         return memory["endpoints"]  # type: ignore[no-any-return] # what a memory holds is known to who keeps it
 
     # --- inside

@@ -133,11 +133,11 @@ def _exercises(folder: Path) -> Iterator[Path]:
                 yield exercise
 
 
-def _is_same(one: Path, other: Path) -> bool:
+def _is_same(path: Path, other: Path) -> bool:
     try:
-        return one.samefile(other)
+        return path.samefile(other)
     except OSError:
-        return one == other
+        return path == other
 
 
 def _explain_nothing_found(folder: Path, named_by: str) -> str:

@@ -104,8 +104,8 @@ def _list_submission_files(folder: Path) -> list[Path]:
     """The files below a folder that may be of a submission, hidden folders and what links lead to left out."""
     found: list[Path] = []
     for place, folders, names in os.walk(folder):
-        folders[:] = sorted(one for one in folders if not one.startswith("."))
-        found += (Path(place, one) for one in sorted(names) if Path(one).suffix in (PROGRAM, YAML, NOTEBOOK))
+        folders[:] = sorted(folder for folder in folders if not folder.startswith("."))
+        found += (Path(place, name) for name in sorted(names) if Path(name).suffix in (PROGRAM, YAML, NOTEBOOK))
         if len(found) > _MOST_FILES:
             raise UnreadableError(f"{folder.name} holds more than {_MOST_FILES} files. Name the folder of your answer.")
     return found

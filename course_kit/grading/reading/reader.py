@@ -202,7 +202,7 @@ def _program_name(name: str) -> str:
     stem = name
     while kind_of_file(stem):  # `a.py` of `a.py.txt`, then `a`
         stem = stem.rpartition(".")[0]
-    plain = "".join(one if one.isprintable() and one not in '"\\/' else "_" for one in stem)
+    plain = "".join(letter if letter.isprintable() and letter not in '"\\/' else "_" for letter in stem)
     return f"{plain}.py"
 
 

@@ -50,9 +50,9 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
         for place in dict.fromkeys(_PLACE.findall(text)):
             named.setdefault(place, []).append(title)
     found = []
-    for name, one in program.files.items() or [("", program)]:
-        for number, text in enumerate(one.source.rstrip("\n").split("\n"), start=1):
-            place = f"{name}, {one.describe_line(number)}" if name else one.describe_line(number)
+    for name, file in program.files.items() or [("", program)]:
+        for number, text in enumerate(file.source.rstrip("\n").split("\n"), start=1):
+            place = f"{name}, {file.describe_line(number)}" if name else file.describe_line(number)
             found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
     return found[:MOST_LINES]
 

@@ -65,7 +65,7 @@ class FileView:
         """The same view and more, by whatever names."""
         named = list(shown)
         real = list(map(os.path.realpath, named))
-        links = (link for one, other in zip(named, real, strict=True) if one != other for link in _links(one))
+        links = (link for name, other in zip(named, real, strict=True) if name != other for link in _links(name))
         return FileView(
             tuple(dict.fromkeys((*self.shown, *real))),
             tuple(dict.fromkeys((*self.masked, *map(os.path.realpath, masked)))),
@@ -88,7 +88,7 @@ def view_of_command(words: Sequence[str], folder: str) -> FileView:
 def named_paths(words: Iterable[str], folder: str) -> list[str]:
     """The files and folders that the words of a command name, each as it is named and as it really is."""
     found = [os.path.join(folder, word) for word in words if os.sep in word]  # noqa: PTH118 - as text, like the others
-    return [path for one in found if os.path.exists(one) for path in (one, os.path.realpath(one))]  # noqa: PTH110
+    return [path for name in found if os.path.exists(name) for path in (name, os.path.realpath(name))]  # noqa: PTH110
 
 
 def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
@@ -102,7 +102,7 @@ def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
 def _links(path: str) -> Iterator[str]:
     """The links that are followed on the way to a file, in this order."""
     for _ in range(_MOST_LINKS):
-        link = next((one for one in (*reversed(Path(path).parents), Path(path)) if one.is_symlink()), None)
+        link = next((parent for parent in (*reversed(Path(path).parents), Path(path)) if parent.is_symlink()), None)
         if link is None:
             return
         yield str(link)
@@ -143,7 +143,7 @@ def _is_safe(path: str) -> bool:
     """Whether a folder that a variable names may be shown; one around a home, this kit or /tmp would show too much."""
     named = (*_checkout(), tempfile.gettempdir(), os.path.expanduser("~"))  # noqa: PTH111 - never fails
     real = Path(os.path.realpath(path))
-    return str(real) != "/" and not any(Path(os.path.realpath(one)).is_relative_to(real) for one in named)
+    return str(real) != "/" and not any(Path(os.path.realpath(name)).is_relative_to(real) for name in named)
 
 
 def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:

@@ -123,7 +123,7 @@ class _Watch:
 
     def _processes_running(self, name: str) -> list[int]:
         """The processes that run a file: the one named so, see `runner`, or the Python that was started with it."""
-        return [one for one in self._started_processes() if one != self._child and _runs(one, name)]
+        return [process for process in self._started_processes() if process != self._child and _runs(process, name)]
 
     def _exceeded_limit(self) -> str:
         everything = self._started_processes()
@@ -182,7 +182,7 @@ def _runs(process_id: int, name: str) -> bool:
         called = Path(f"/proc/{process_id}/comm").read_text(errors="replace").rstrip("\n")
         words = Path(f"/proc/{process_id}/cmdline").read_text(errors="replace").split("\0")
         # of one that has ended the words are empty
-        return bool(words[0]) and (called == name[:_LONGEST_NAME] or name in (Path(one).name for one in words[:3]))
+        return bool(words[0]) and (called == name[:_LONGEST_NAME] or name in (Path(word).name for word in words[:3]))
     return False
 
 

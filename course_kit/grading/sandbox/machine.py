@@ -54,7 +54,7 @@ def own_groups() -> list[Path]:
     """The folders of the control group this process is in, and of those around it, as far as they can be seen."""
     with suppress(OSError):
         path = _OWN_GROUPS.read_text(encoding="utf-8").rpartition("0::/")[2].strip()  # of version 2
-        return [one for one in (_CGROUPS / path, *(_CGROUPS / path).parents) if one.is_relative_to(_CGROUPS)]
+        return [cgroup for cgroup in (_CGROUPS / path, *(_CGROUPS / path).parents) if cgroup.is_relative_to(_CGROUPS)]
     return []
 
 

@@ -135,7 +135,7 @@ def _prepare(program: Program, setup: RunSetup) -> Program:
 def _arrange_streams(inside: Streams) -> int:
     """Standard streams to the pipes, every other descriptor closed but the one returned and that of the status."""
     evidence, inside.status = (
-        fcntl.fcntl(one, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_DESCRIPTOR) for one in (inside.evidence, inside.status)
+        fcntl.fcntl(pipe, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_DESCRIPTOR) for pipe in (inside.evidence, inside.status)
     )
     nothing = os.open(os.devnull, os.O_RDONLY)
     for source, target in ((nothing, 0), (inside.stdout, 1), (inside.stderr, 2)):
@@ -203,7 +203,7 @@ def _run(program: Program, evidence: int) -> None:
 def _launch(program: Program, evidence: int) -> None:
     """Run a launch file until all that it has started has ended."""
     finder.install_finder()
-    sys.meta_path.sort(key=lambda one: not isinstance(one, finder.LaunchFinder))  # the same launch on every machine
+    sys.meta_path.sort(key=lambda hook: not isinstance(hook, finder.LaunchFinder))  # the same launch on every machine
     pairs = [word.partition(":=") for word in program.arguments]
     try:
         code = _Launch(evidence).run(Path.cwd() / program.name, {name: value for name, _, value in pairs})

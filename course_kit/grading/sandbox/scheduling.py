@@ -71,7 +71,7 @@ class WaitTime:
         self.notice(process_ids, tasks)
         before = self._threads
         watched = process_ids if self._with_children else [self._program]
-        self._threads = {name: times for one in watched for name, times in _threads(one).items()}
+        self._threads = {name: times for process in watched for name, times in _threads(process).items()}
         computed, waited = {}, {}
         for name, times in self._threads.items():
             earlier = before.get(name, _Times(0.0, 0.0))
@@ -84,7 +84,7 @@ class WaitTime:
 
     def _computed_by_ended_threads(self) -> float:
         """Seconds of threads of the program that have ended since the last look."""
-        living = sum(one.computed for one in self._threads.values())
+        living = sum(thread.computed for thread in self._threads.values())
         before, self._ended = self._ended, max(self._ended, _cpu_s(self._program) - living)  # coarse: it never falls
         return self._ended - before
 

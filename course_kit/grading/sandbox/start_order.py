@@ -114,7 +114,7 @@ def program_of(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -
         class_name=job.class_name,
         own_start=job.own_start,
         arguments=arguments,
-        files={**{name: one.source for name, one in job.files.items() if name != job.name}, **files},
+        files={**{name: file.source for name, file in job.files.items() if name != job.name}, **files},
         command=job.command,
         folder=job.folder,
         variable=job.variable,
@@ -127,7 +127,7 @@ def _view(job: Job, view: FileView) -> FileView:
     hidden = job.hidden
     if job.command:
         view = file_view.view_of_command(job.command, job.folder)
-        hidden = tuple(one for one in hidden if not Path(job.folder).is_relative_to(one))  # a user's own choice
+        hidden = tuple(path for path in hidden if not Path(job.folder).is_relative_to(path))  # a user's own choice
     return view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden)
 
 

@@ -105,7 +105,7 @@ def files_beside(solution: Path, grader: str) -> list[Path]:
         with suppress(ImportError, ValueError):
             spec = find_spec(top)
             if spec is not None and spec.submodule_search_locations:
-                packages = (Path(one).resolve() for one in spec.submodule_search_locations)
+                packages = (Path(folder).resolve() for folder in spec.submodule_search_locations)
                 found += [place for place in packages if not _is_of_libraries(place)]
             elif spec is not None and spec.origin and spec.has_location:
                 found += _with_bytecode(Path(spec.origin).resolve())

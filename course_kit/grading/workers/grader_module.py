@@ -53,13 +53,13 @@ def load_for(job: Job) -> Grader:
 
 def interfaces_of(grader: Grader, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
-    return [*grader.INTERFACES, *(get_type(one["type"]) for one in job.endpoints)]
+    return [*grader.INTERFACES, *(get_type(end["type"]) for end in job.endpoints)]
 
 
 def checks_of(grader: Grader, job: Job) -> list[Check]:
     """The checks of an exercise."""
     made: list[Check] = list(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)  # type: ignore[attr-defined]
-    worth = sum(one.points for one in made)
+    worth = sum(check.points for check in made)
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
     return made

@@ -65,10 +65,10 @@ def serve(channels: Sequence[Channel]) -> None:
     freeze_memory()
     fork_child(partial(_serve_launchers, [end for _, end in pairs], [*channels, *launchers]))
     for channel, starter in zip(channels, launchers, strict=True):
-        others = [one for one in (*channels, *launchers) if one not in (channel, starter)]
+        others = [end for end in (*channels, *launchers) if end not in (channel, starter)]
         fork_child(partial(_work_apart, channel, starter, others, common))
-    for one in (*channels, *launchers):
-        one.close()
+    for pipe in (*channels, *launchers):
+        pipe.close()
     for _, end in pairs:
         end.close()
     with suppress(ChildProcessError):
@@ -78,8 +78,8 @@ def serve(channels: Sequence[Channel]) -> None:
 
 def _serve_launchers(ends: Sequence[socket.socket], others: Sequence[Closable]) -> None:
     """The process from which submissions are forked: nothing was loaded before that is not for them."""
-    for one in others:
-        one.close()
+    for other in others:
+        other.close()
     serve_all(ends)
 
 
@@ -89,8 +89,8 @@ def _work_apart(channel: Channel, starter: Launcher, others: Sequence[Closable],
     die_with_parent()
     adopt_orphans()
     set_name("grade worker")
-    for one in others:
-        one.close()  # else nobody would notice the end of that worker
+    for other in others:
+        other.close()  # else nobody would notice the end of that worker
     with (
         suppress(ChannelClosedError, GivenUpError),
         tempfile.TemporaryDirectory(prefix="course-kit-worker-", ignore_cleanup_errors=True) as folder,
@@ -128,7 +128,7 @@ def _prepare(job: Job) -> set[tuple[str, str]]:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         interfaces = grader_module.interfaces_of(grader_module.load_for(job), job)
-        return {(one.__module__, one.__name__) for one in interfaces}
+        return {(interface.__module__, interface.__name__) for interface in interfaces}
     return set()
 
 

@@ -191,7 +191,7 @@ def _imports() -> Imports:
     set_error = function_address(ros_library("librcutils.so").rcutils_set_error_state)
     release = sys.intern("release")  # a method's name
     keep_object(release)
-    objects = [id(one) for one in (None, release, list, bytes, True, False)]
+    objects = [id(thing) for thing in (None, release, list, bytes, True, False)]
     return Imports(*functions, *offsets, set_error, *objects, *_probe_python(), *python)
 
 
@@ -200,8 +200,8 @@ def _probe_python() -> tuple[int, int]:
     items, octet = [object()], b"Z"
     in_list, in_bytes = 24, bytes.__basicsize__ - 1  # behind the reference count, the class and the size
     address = ctypes.c_void_p.from_address(id(items) + in_list).value
-    sizes = [ctypes.c_ssize_t.from_address(id(one) + 16).value for one in (items, octet)]
-    classes = [ctypes.c_void_p.from_address(id(one) + 8).value for one in (items, octet)]
+    sizes = [ctypes.c_ssize_t.from_address(id(item) + 16).value for item in (items, octet)]
+    classes = [ctypes.c_void_p.from_address(id(item) + 8).value for item in (items, octet)]
     if sys.implementation.name != "cpython" or sizes != [1, 1] or classes != [id(list), id(bytes)] or not address:
         return 0, 0
     as_known = ctypes.c_void_p.from_address(address).value == id(items[0])

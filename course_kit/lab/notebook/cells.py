@@ -89,7 +89,7 @@ class Notebook:
     def expect(self, verb: object, *, awaited: bool) -> None:
         """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
         if self._attached:
-            self._verbs = [*(one for one in self._verbs if one is not verb), *([] if awaited else [verb])]
+            self._verbs = [*(other for other in self._verbs if other is not verb), *([] if awaited else [verb])]
 
     def attach(self, thread_id: int, found: Compatibility) -> None:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
@@ -254,7 +254,7 @@ class Notebook:
         coming: list[Any] = []
         with suppress(RuntimeError):  # a terminal has no loop
             coming = [task.get_coro() for task in asyncio.all_tasks()]
-        missing = [verb for verb in verbs if not any(one is verb for one in coming)]
+        missing = [verb for verb in verbs if not any(other is verb for other in coming)]
         for sentence in dict.fromkeys(map(repr, missing)):
             sys.stderr.write(f"{sentence}\n")
 

@@ -73,8 +73,8 @@ def _held_back(lab: Engine, future: Future) -> Client | ActionClient | None:
     turn = lab.callback_run()
     if turn is None or turn.node is None:
         return None
-    clients: list[Any] = [*turn.node.clients, *(one for one in turn.node.waitables if isinstance(one, ActionClient))]
-    return next((one for one in clients if _excludes(lab, one) and _waits_for(one, future)), None)
+    clients: list[Any] = [*turn.node.clients, *(end for end in turn.node.waitables if isinstance(end, ActionClient))]
+    return next((client for client in clients if _excludes(lab, client) and _waits_for(client, future)), None)
 
 
 def _excludes(lab: Engine, client: Client | ActionClient) -> bool:
@@ -86,7 +86,7 @@ def _excludes(lab: Engine, client: Client | ActionClient) -> bool:
 
 def _waits_for(client: Client | ActionClient, future: Future) -> bool:
     pending = [named for name, named in vars(client).items() if name.startswith("_pending_")]
-    return any(one is future for futures in pending if isinstance(futures, dict) for one in futures.values())
+    return any(other is future for futures in pending if isinstance(futures, dict) for other in futures.values())
 
 
 def _guard_context(patches: Patches, lab: Engine) -> None:

@@ -103,7 +103,7 @@ class ActionHooks:
                 sequence, response = taken_data["cancel"]
                 number = getattr(client._pending_cancel_requests.get(sequence), _GOAL, None)  # noqa: SLF001
                 if number is not None:
-                    agreed = any(number_of(one.goal_id) == number for one in response.goals_canceling)
+                    agreed = any(number_of(goal.goal_id) == number for goal in response.goals_canceling)
                     self._emit("cancel_answer_received", client, _answer(agreed), number)
             if "feedback" in taken_data:
                 message = taken_data["feedback"]

@@ -97,10 +97,10 @@ def arrows_of(events: list[Event]) -> list[Arrow]:
 
 
 def _note_received(event: Event, exchanges: list[_Exchange]) -> None:
-    same = [one for one in exchanges if one.is_of(event) and one.request.value == event.value]
-    fresh = [one for one in same if not one.legs]
+    same = [exchange for exchange in exchanges if exchange.is_of(event) and exchange.request.value == event.value]
+    fresh = [exchange for exchange in same if not exchange.legs]
     # Two servers of one name both get the request: then it is the latest one, seen a second time.
-    again = [one for one in reversed(same) if all(leg.server != event.node for leg in one.legs)]
+    again = [exchange for exchange in reversed(same) if all(leg.server != event.node for leg in exchange.legs)]
     found = next(iter(fresh + again), None)
     if found is None:
         found = _Exchange(event, UNSEEN)
@@ -164,8 +164,8 @@ class _Goal:
     def __init__(self, events: list[Event]) -> None:
         self.events = events
         self.channel = events[0].channel
-        self.client = next((one.node for one in events if one.kind in _FROM_CLIENT), UNSEEN)
-        servers = dict.fromkeys(one.node for one in events if one.kind in _FROM_SERVER)
+        self.client = next((event.node for event in events if event.kind in _FROM_CLIENT), UNSEEN)
+        servers = dict.fromkeys(event.node for event in events if event.kind in _FROM_SERVER)
         self.servers = list(servers) or [UNSEEN]
 
     def overlaps(self, other: _Goal) -> bool:
@@ -174,8 +174,8 @@ class _Goal:
     def events_of(self, kind: str, server: str) -> list[Event]:
         """Events of a kind as a server has reported them; as the client has, of a server that reports nothing."""
         if server == UNSEEN:
-            return [one for one in self.events if one.kind == _AS_CLIENT_SAW_IT[kind]]
-        return [one for one in self.events if one.kind == kind and one.node == server]
+            return [event for event in self.events if event.kind == _AS_CLIENT_SAW_IT[kind]]
+        return [event for event in self.events if event.kind == kind and event.node == server]
 
 
 def goal_arrows(events: list[Event]) -> list[Timed]:
@@ -184,7 +184,7 @@ def goal_arrows(events: list[Event]) -> list[Timed]:
     for event in events:
         if event.kind in GOAL_KINDS:
             found.setdefault((event.channel, event.sequence), []).append(event)
-    goals = [_Goal(one) for one in found.values()]
+    goals = [_Goal(events) for events in found.values()]
     for channel in {goal.channel for goal in goals}:
         _number([goal for goal in goals if goal.channel == channel])
     return [timed for goal in goals for server in goal.servers for timed in _draw(goal, server)]
@@ -192,7 +192,7 @@ def goal_arrows(events: list[Event]) -> list[Timed]:
 
 def _number(goals: list[_Goal]) -> None:
     """Tell goals of one action apart that were on their way at the same time."""
-    if any(one.overlaps(other) for one in goals for other in goals if one is not other):
+    if any(goal.overlaps(other) for goal in goals for other in goals if goal is not other):
         for number, goal in enumerate(goals, 1):
             goal.channel += f" (goal {number})"
 
@@ -206,8 +206,8 @@ def _draw(goal: _Goal, server: str) -> list[Timed]:
 
 
 def _ask(goal: _Goal, server: str) -> list[Timed]:
-    sent = [one for one in goal.events if one.kind == "goal_sent"]
-    received = [one for one in goal.events if one.kind == "goal_received" and one.node == server]
+    sent = [event for event in goal.events if event.kind == "goal_sent"]
+    received = [event for event in goal.events if event.kind == "goal_received" and event.node == server]
     return [
         ((event.at, 0), Arrow(goal.client, server, "goal", describe_message(event.value), goal.channel))
         for event in (sent or received)[:1]
@@ -218,17 +218,17 @@ def _answers(goal: _Goal, server: str) -> list[Timed]:
     seen = goal.events_of("goal_answered", server)
     if seen:
         # A server's report of a rejection is made when it has been sent; the client may have reported it before.
-        at = min(one.at for one in [*seen, *goal.events_of("goal_answered", UNSEEN)])
+        at = min(event.at for event in [*seen, *goal.events_of("goal_answered", UNSEEN)])
         text = "accepted" if seen[0].value["accepted"] else "rejected"
         return [((at, 1), Arrow(server, goal.client, "goal response", text, goal.channel))]
-    asked = [one for one in goal.events if one.kind in {"goal_sent", "goal_received"}]
+    asked = [event for event in goal.events if event.kind in {"goal_sent", "goal_received"}]
     return [
         ((event.at, 1), Arrow(server, goal.client, "failure", "no answer so far", goal.channel)) for event in asked[:1]
     ]
 
 
 def _feedback(goal: _Goal, server: str) -> list[Timed]:
-    breaks = [one.at for one in goal.events if one.kind.startswith("cancel")]
+    breaks = [event.at for event in goal.events if event.kind.startswith("cancel")]
     runs: list[list[Event]] = [[]]
     for event in goal.events_of("feedback_sent", server):
         if runs[-1] and any(runs[-1][-1].at < at < event.at for at in breaks):
@@ -245,9 +245,9 @@ def _fold(goal: _Goal, server: str, run: list[Event]) -> list[Timed]:
 
 
 def _draw_cancelling(goal: _Goal, server: str) -> list[Timed]:
-    sent = [one for one in goal.events if one.kind == "cancel_sent"]
-    received = [one for one in goal.events if one.kind == "cancel_received" and one.node == server]
-    asking = [one.node for one in sent] or [UNSEEN] * len(received)
+    sent = [event for event in goal.events if event.kind == "cancel_sent"]
+    received = [event for event in goal.events if event.kind == "cancel_received" and event.node == server]
+    asking = [event.node for event in sent] or [UNSEEN] * len(received)
     drawn = [
         ((event.at, 0), Arrow(client, server, "cancel request", "", goal.channel))
         for client, event in zip(asking, sent or received, strict=True)

@@ -67,7 +67,7 @@ class EventStream:
 
     def ignore(self, observer: Callable[[Event], None]) -> None:
         """Pass no further event to `observer`; nothing happens if it does not listen."""
-        self._observers = tuple(one for one in self._observers if one != observer)
+        self._observers = tuple(other for other in self._observers if other != observer)
 
     def emit(self, kind: Kind, where: tuple[str, str, str], message: object, sequence: int = 0, at: int = 0) -> None:
         """Report something that happened now, or at `at`; `where` is node, channel and type name."""

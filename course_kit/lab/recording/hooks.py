@@ -279,7 +279,7 @@ class MessageHooks:
             return None
         node = vars(timer).get(_NODE)
         if node is None:
-            owners = [one for one in executor.get_nodes() if any(timer is own for own in one.timers)]
+            owners = [node for node in executor.get_nodes() if any(timer is own for own in node.timers)]
             node = owners[0].get_fully_qualified_name() if owners else ""
             setattr(timer, _NODE, node)
         if not node or is_hidden(node):  # the lab's own

@@ -102,13 +102,13 @@ def waiting_times(events: Iterable[Event], busy: Sequence[CallbackSpan], least: 
             if before is not None and _blocked_time(event.node, before.at, event.at, busy) >= least:
                 found.append(MessageWait(_label(event.kind, event.channel), before.at, event.at))
     found += [MessageWait(_label(kind, channel), event.at, None) for (kind, channel, _), event in sent.items()]
-    return sorted(found, key=lambda one: one.begin)
+    return sorted(found, key=lambda span: span.begin)
 
 
 def _blocked_time(node: str, begin: int, end: int, busy: Sequence[CallbackSpan]) -> int:
     """For how long of a time a node was inside a callback."""
-    own = [one for one in busy if one.node == short_name(node)]
-    return sum(max(0, min(end, one.end or end) - max(begin, one.begin)) for one in own)
+    own = [span for span in busy if span.node == short_name(node)]
+    return sum(max(0, min(end, span.end or end) - max(begin, span.begin)) for span in own)
 
 
 def _label(kind: str, channel: str) -> str:
@@ -150,8 +150,8 @@ class Timeline:
         self.busy: list[CallbackSpan] = busy_times(spans, os.getpid())[-_DRAWN:]
         self.waiting: list[MessageWait] = waiting_times(events, self.busy, _WAIT_SHOWN)
         both: list[CallbackSpan | MessageWait] = [*self.busy, *self.waiting]
-        ends = [one.end for one in both if one.end is not None]
-        begins = [one.begin for one in both]
+        ends = [span.end for span in both if span.end is not None]
+        begins = [span.begin for span in both]
         self._begin = min(begins, default=0)
         last = max([*ends, *begins, *(event.at for event in events)], default=0)
         is_open = len(ends) < len(begins)
@@ -162,7 +162,7 @@ class Timeline:
     @property
     def lanes(self) -> list[str]:
         """The threads, in the order in which they were first busy."""
-        return list(dict.fromkeys(one.lane for one in self.busy))
+        return list(dict.fromkeys(span.lane for span in self.busy))
 
     def __str__(self) -> str:
         """What each thread did, in words; a run of the same is told once."""
@@ -171,11 +171,11 @@ class Timeline:
         lines = []
         for lane in self.lanes:
             lines.append(lane)
-            said = [_describe_callback(one) for one in self.busy if one.lane == lane]
+            said = [_describe_callback(span) for span in self.busy if span.lane == lane]
             lines += [f"    {text}" for text in dict.fromkeys(said)]
         if self.waiting:
             lines.append("waiting to be handled")
-            lines += [f"    {text}" for text in dict.fromkeys(_how_long(one) for one in self.waiting)]
+            lines += [f"    {text}" for text in dict.fromkeys(_how_long(wait) for wait in self.waiting)]
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -188,9 +188,9 @@ class Timeline:
         top = _TOP + _LANE * len(self.lanes)
         if self.waiting:
             names.append(("waiting", top))
-        for number, one in enumerate(self.waiting):
-            text = f"{one.label}{' …' if one.end is None else ''}"
-            bars.append(self._bar("waits", one, text, top + _LANE * number, self._words(_how_long(one), one)))
+        for number, wait in enumerate(self.waiting):
+            text = f"{wait.label}{' …' if wait.end is None else ''}"
+            bars.append(self._bar("waits", wait, text, top + _LANE * number, self._words(_how_long(wait), wait)))
         height = top + _LANE * len(self.waiting)
         step = self._length / _TICKS
         ticks = [(self._x(self._begin + int(step * number)), _time(int(step * number))) for number in range(_TICKS + 1)]
@@ -205,32 +205,32 @@ class Timeline:
 
     def _bars(self, number: int, lane: str) -> list[TimelineBar]:
         found = []
-        for one in self.busy:
-            if one.lane == lane:
-                kind = "failed" if one.failed else "busy"
-                said = self._words(_describe_callback(one), one)
-                found.append(self._bar(kind, one, _label_callback(one), _TOP + _LANE * number, said))
+        for span in self.busy:
+            if span.lane == lane:
+                kind = "failed" if span.failed else "busy"
+                said = self._words(_describe_callback(span), span)
+                found.append(self._bar(kind, span, _label_callback(span), _TOP + _LANE * number, said))
         return _keep_texts_apart(found)
 
-    def _bar(self, kind: str, one: CallbackSpan | MessageWait, text: str, y: int, words: str) -> TimelineBar:
-        begin = self._x(one.begin)
-        end = self._x(self._begin + self._length if one.end is None else one.end)
+    def _bar(self, kind: str, span: CallbackSpan | MessageWait, text: str, y: int, words: str) -> TimelineBar:
+        begin = self._x(span.begin)
+        end = self._x(self._begin + self._length if span.end is None else span.end)
         room = len(text) * _CHARACTER
         anchor, text_x = ("start", begin) if begin + room <= _RIGHT else ("end", max(end, begin + _LEAST_BAR))
         return TimelineBar(
-            kind, begin, y, max(_LEAST_BAR, end - begin), text, anchor, text_x, words, is_open=one.end is None
+            kind, begin, y, max(_LEAST_BAR, end - begin), text, anchor, text_x, words, is_open=span.end is None
         )
 
     def _x(self, at: int) -> int:
         return round(_LEFT + _LENGTH * (at - self._begin) / self._length)
 
-    def _words(self, said: str, one: CallbackSpan | MessageWait) -> str:
-        begin = _time(one.begin - self._begin)
-        return f"{said}: from {begin} on" if one.end is None else f"{said}: {begin} to {_time(one.end - self._begin)}"
+    def _words(self, said: str, span: CallbackSpan | MessageWait) -> str:
+        begin = _time(span.begin - self._begin)
+        return f"{said}: from {begin} on" if span.end is None else f"{said}: {begin} to {_time(span.end - self._begin)}"
 
     def _summary(self) -> str:
-        stuck = sum(one.end is None for one in self.busy)
-        waits = sum(one.end is None for one in self.waiting)
+        stuck = sum(span.end is None for span in self.busy)
+        waits = sum(wait.end is None for wait in self.waiting)
         said = f"Time lines of {len(self.lanes)} thread{'' if len(self.lanes) == 1 else 's'}."
         said += f" {stuck} callback{' has' if stuck == 1 else 's have'} not ended." if stuck else ""
         return said + (f" {waits} message{' is' if waits == 1 else 's are'} not handled." if waits else "")
@@ -250,18 +250,18 @@ def _keep_texts_apart(bars: list[TimelineBar]) -> list[TimelineBar]:
     return [bar._replace(text=texts.get(bar, "")) for bar in bars]
 
 
-def _label_callback(one: CallbackSpan) -> str:
-    return f"{one.node} {one.label}" + (" ✗" if one.failed else " …" if one.end is None else "")
+def _label_callback(span: CallbackSpan) -> str:
+    return f"{span.node} {span.label}" + (" ✗" if span.failed else " …" if span.end is None else "")
 
 
-def _describe_callback(one: CallbackSpan) -> str:
-    return f"{one.node} {one.label}" + (
-        ", and fails" if one.failed else ", and has not ended" if one.end is None else ""
+def _describe_callback(span: CallbackSpan) -> str:
+    return f"{span.node} {span.label}" + (
+        ", and fails" if span.failed else ", and has not ended" if span.end is None else ""
     )
 
 
-def _how_long(one: MessageWait) -> str:
-    return f"{one.label}{', which nobody has handled' if one.end is None else ''}"
+def _how_long(wait: MessageWait) -> str:
+    return f"{wait.label}{', which nobody has handled' if wait.end is None else ''}"
 
 
 def _time(nanoseconds: int) -> str:

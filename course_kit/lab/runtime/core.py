@@ -85,7 +85,7 @@ class Lab:
         return sorted(self._engine.nodes, key=lambda live: live.name) if self._engine is not None else []
 
     def keep(self, subscription: Subscription) -> Subscription:
-        self._subscriptions = [*(one for one in self._subscriptions if one.is_open), subscription]
+        self._subscriptions = [*(other for other in self._subscriptions if other.is_open), subscription]
         return subscription
 
     def stop(self) -> None:

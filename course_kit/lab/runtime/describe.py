@@ -28,8 +28,8 @@ def _is_of_ros(use: graph.ChannelUse) -> bool:
 
 def channels_of(node: Node) -> set[str]:
     """The full names of the services and topics a node uses."""
-    services = {one.service_name for kind in (node.services, node.clients) for one in kind}
-    return services | {one.topic_name for kind in (node.publishers, node.subscriptions) for one in kind}
+    services = {end.service_name for kind in (node.services, node.clients) for end in kind}
+    return services | {end.topic_name for kind in (node.publishers, node.subscriptions) for end in kind}
 
 
 def actions_of(node: Node) -> set[str]:

@@ -158,8 +158,8 @@ class Engine:
         if busy := self._busy():
             return busy
         for live in self.nodes:
-            serving = [one for one in live.node.services if one.service_name == service]
-            if any(one is unfinished for one in serving for unfinished in self.executor.unfinished_entities()):
+            serving = [server for server in live.node.services if server.service_name == service]
+            if any(server is unfinished for server in serving for unfinished in self.executor.unfinished_entities()):
                 return f"A callback of {live.node.get_name()} for this service has not finished: it awaits something."
             if serving:
                 return (

@@ -169,17 +169,17 @@ class Executions:
 
     def find_by_thread(self) -> Execution | None:
         thread = threading.current_thread()
-        return next((one for one in list(self._running) if one.thread is thread), None)
+        return next((run for run in list(self._running) if run.thread is thread), None)
 
     def find_by_node(self, node: Node) -> Execution | None:
-        return next((one for one in list(self._running) if one.node is node), None)
+        return next((run for run in list(self._running) if run.node is node), None)
 
     def stop(self, nodes: Iterable[Node]) -> list[threading.Thread]:
-        ending = [one for one in list(self._running) if any(one.node is node for node in nodes)]
-        for one in ending:
-            one.stop()
+        ending = [run for run in list(self._running) if any(run.node is node for node in nodes)]
+        for run in ending:
+            run.stop()
         self._executor.wake()
-        threads = [one.thread for one in ending if one.thread is not None]
+        threads = [run.thread for run in ending if run.thread is not None]
         return [thread for thread in threads if thread is not threading.current_thread()]
 
 

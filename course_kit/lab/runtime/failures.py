@@ -255,7 +255,7 @@ def _on_name(error: NameError, frame: FrameType) -> str:
         return advice_on(error)
     if line := _IMPORTS.get(name):
         return f"Write `{line}`, or run the cell that has it: a restarted kernel has forgotten it."
-    if near := names.nearest_name(name, [one for one in frame.f_globals if not one.startswith("_")]):
+    if near := names.nearest_name(name, [word for word in frame.f_globals if not word.startswith("_")]):
         return f"Did you mean {near}? After a restart of the kernel run the cells above again."
     return "After a restart of the kernel run the cells above again: Run > Run All Above Selected Cell."
 
@@ -350,7 +350,7 @@ def _on_parameter(name: str, node: Any) -> str:
     if node is None:
         return ""
     declared = node.get_parameters_by_prefix("")  # works for a node that is destroyed, too, as its name does not
-    own = [one for one in declared if one not in _OF_EVERY_NODE]
+    own = [name for name in declared if name not in _OF_EVERY_NODE]
     if not own:
         return f"The node has declared no parameter so far: declare_parameter({name!r}, ...) comes first."
     return f"The node has declared {', '.join(own)}.{names.did_you_mean(name, own)}"

@@ -104,12 +104,12 @@ class Neighbours:
 
     def stop(self, others: list[OtherNotebook]) -> list[OtherNotebook]:
         """Have others stop their nodes; returns those that have not within some seconds."""
-        keys = {one.key for one in others}
+        keys = {other.key for other in others}
         for key in keys:
             self._stop_out.publish(String(data=f"{key} {self._title}"))
         deadline = time.monotonic() + _STOPPING
         pause = threading.Event()  # the graph has no event to wait for
-        while (left := [one for one in self.others() if one.key in keys]) and time.monotonic() < deadline:
+        while (left := [other for other in self.others() if other.key in keys]) and time.monotonic() < deadline:
             pause.wait(_POLL)
         return left
 
@@ -159,7 +159,7 @@ class Neighbours:
 
     def _list_offering(self, name: str, role: graph.Role) -> list[str]:
         own = {live.name for live in self._lab.nodes} | self._lab.own_names
-        found = [one for one in sorted(set(graph.node_names(self._node)) - own) if self._offers(one, role, name)]
+        found = [node for node in sorted(set(graph.node_names(self._node)) - own) if self._offers(node, role, name)]
         return found or sorted(own & {node for other in self.others() for node in other.nodes})
 
     def _offers(self, node: str, role: graph.Role, name: str) -> bool:

@@ -113,10 +113,10 @@ class Nodes:
             raise
         finally:
             self._start.made = None
-        if not any(node is one for one in made):
+        if not any(node is other for other in made):
             self._destroy(made)
             raise LabError(_no_super(node_class))
-        helpers = [one for one in made if one is not node]
+        helpers = [other for other in made if other is not node]
         name = node.get_fully_qualified_name()
         self._stop_named(name)  # a remapped name shows only now
         self._live.append(LiveNode(node, node_class, given, helpers, name))
@@ -192,7 +192,7 @@ class NodeList(list[LiveNode]):
 
         lines = [describe_node(live.node) for live in self] or ["No node is running in the lab."]
         if self.others:
-            lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {one}" for one in self.others)]
+            lines += ["In other notebooks (lab.stop_others() stops them):", *(f"    {other}" for other in self.others)]
         return "\n".join(lines)
 
 
@@ -201,7 +201,7 @@ def end_strays(is_stray: Callable[[Node], bool]) -> list[str]:
     from rclpy.node import Node
 
     ended = []
-    for node in [one for one in gc.get_objects() if issubclass(type(one), Node)]:
+    for node in [found for found in gc.get_objects() if issubclass(type(found), Node)]:
         if is_alive(node) and not (name := node.get_name()).startswith(HIDDEN_NAME) and is_stray(node):
             _destroy_actions(node)
             with contextlib.suppress(Exception):  # a part of it was destroyed by hand

@@ -180,7 +180,7 @@ class Scripts:
         while script.running:
             if mode != "wait" and script.spins and (script.spins == "server" or mode == "background"):
                 self.wait_for_nodes(script.nodes, True)
-                names = ", ".join(one[1:] if one.count("/") == 1 else one for one in script.nodes)
+                names = ", ".join(node[1:] if node.count("/") == 1 else node for node in script.nodes)
                 self.pump()  # what it has printed before it began to spin comes first
                 self._say(f"{script.name} is running in the background" + (f" (node {names})." if names else "."))
                 return

@@ -70,7 +70,7 @@ def add_find(verbs: Verbs, kind: str, names_of: Callable[[Graph], Names]) -> Non
         package, _, name = getattr(options, f"{kind}_type").partition("/")
         wanted = f"{package}/{name}" if "/" in name else f"{package}/{part}/{name}"
         names = visible_names(names_of(graph_of(options, session)), hidden_too=options.hidden)
-        print_names({one: its_types for one, its_types in names.items() if wanted in its_types}, options)
+        print_names({name: its_types for name, its_types in names.items() if wanted in its_types}, options)
 
     verb = add_verb(verbs, "find", run, f"List the {kind}s of a type")
     completer = {"service": "service_types", "topic": "message_types"}[kind]

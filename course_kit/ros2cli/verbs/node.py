@@ -66,4 +66,4 @@ def _info(options: Namespace, session: Session) -> None:
     for title, role in _SECTIONS.items():
         print(f"  {title}:")
         names = visible_names(graph.channels_of(name, role), hidden_too=options.include_hidden)
-        print(*[f"    {one}: {', '.join(types)}" for one, types in names.items()], sep="\n")
+        print(*[f"    {name}: {', '.join(types)}" for name, types in names.items()], sep="\n")

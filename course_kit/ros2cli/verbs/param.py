@@ -166,8 +166,8 @@ def _load(options: Namespace, session: Session) -> None:
     client = _client(options, session)
     node = checked_name(options.node_name)
     loaded = load_parameters(options.parameter_file, node, use_wildcard=not options.no_use_wildcard)
-    for one, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
-        _report(result, f"Set parameter {one.name} successful", f"Set parameter {one.name} failed")
+    for parameter, result in zip(loaded, client.ask(parameters.set_each(loaded)), strict=True):
+        _report(result, f"Set parameter {parameter.name} successful", f"Set parameter {parameter.name} failed")
 
 
 def _find_node(name: str, graph: Graph) -> str:
@@ -191,7 +191,7 @@ def _value_in_words(value: Message) -> str:
 def _plain_value(value: Message) -> object:
     """What a ParameterValue holds for YAML: arrays as lists, bytes as numbers."""
     found = parameters.from_message(value)
-    return [one[0] if isinstance(one, bytes) else one for one in found] if isinstance(found, list) else found
+    return [value[0] if isinstance(value, bytes) else value for value in found] if isinstance(found, list) else found
 
 
 def _parse(name: str, text: str) -> Message:
