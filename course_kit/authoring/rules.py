@@ -204,9 +204,8 @@ def find_sentence_faults(exercise: Exercise, checks: Sequence[Check]) -> list[st
         for name in check.proves
         if name not in known
     ]
-    found += [
-        f"no sentence of the task says what the check '{check.id}' tests." for check in checks if not check.proves
-    ]
+    unsaid = [check.id for check in checks if not check.proves]
+    found += [f"no sentence of the task says what the check '{name}' tests." for name in unsaid]
     named = {name for check in checks for name in check.proves}
     found += [
         f"no check tests the sentence '{sentence.id}'."

@@ -150,9 +150,8 @@ class ClassRun:
     def _take_away_what_is_gone(self) -> None:
         """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
         self._records.remove_pages_alone()
-        for path in self._records.list_stray_records(
-            self.intake.entries, [exercise.id for exercise in self.plan.exercises]
-        ):
+        exercises = [exercise.id for exercise in self.plan.exercises]
+        for path in self._records.list_stray_records(self.intake.entries, exercises):
             record = self._records.supersede(path)
             whose = record.entry.label if record else path.parent.name
             self.gone.append(f"{whose}, {path.stem}")

@@ -32,11 +32,8 @@ _LONGEST = 1000  # bytes
 
 def write_note(out: Path, seed: int, exercises: Iterable[Exercise]) -> None:
     """Note a run."""
-    added = {
-        exercise.id: str(exercise.folder.resolve())
-        for exercise in exercises
-        if exercise_folders.is_added(exercise.folder)
-    }
+    folders = {exercise.id: exercise.folder for exercise in exercises}
+    added = {name: str(folder.resolve()) for name, folder in folders.items() if exercise_folders.is_added(folder)}
     noted = {"format_version": FORMAT_VERSION, "seed": seed, "exercise_folders": {**_noted_folders(out), **added}}
     write_atomically(out / NOTE, f"{make_encodable(json.dumps(noted))}\n")
 

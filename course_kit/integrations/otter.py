@@ -26,9 +26,9 @@ name = {name!r}
 """
 _CASE = """
 
-@test_case(name={title!r}, points={points!r})
-def test_{id}():
-    check({arguments})
+@test_case(name={check.title!r}, points={check.points!r})
+def test_{check.id}():
+    check({exercise!r}, {check.id!r}{more})
 """
 
 
@@ -68,9 +68,7 @@ def case_file(exercise_id: str, seed: int | None = None) -> str:
     drawn = seed if seed is not None else exercise.seed or 0
     command, more = (exercise_id, "") if seed is None else (f"{exercise_id} --seed {seed}", f", seed={seed}")
     cases = [
-        _CASE.format(
-            title=check.title, points=check.points, id=check.id, arguments=f"{exercise_id!r}, {check.id!r}{more}"
-        )
+        _CASE.format(check=check, exercise=exercise_id, more=more)
         for check in in_order(exercise_job.checks_of(exercise, drawn))
     ]
     return "".join([_HEAD.format(command=command, name=exercise_id), *cases])

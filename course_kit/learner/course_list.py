@@ -101,12 +101,8 @@ def format_list(found: list[Row]) -> str:
 
 def _describe_steps() -> list[str]:
     """A line for each lesson of which any step was tried: how many are right."""
-    tried = [lesson for lesson in _lessons() if lesson.tried]
-    return (
-        ["", "Steps of the lessons:", *(f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in tried)]
-        if tried
-        else []
-    )
+    lines = [f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in _lessons() if lesson.tried]
+    return ["", "Steps of the lessons:", *lines] if lines else []
 
 
 @dataclass(frozen=True)

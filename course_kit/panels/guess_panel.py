@@ -90,9 +90,8 @@ class GuessPanel(WordedWidget):
     def _describe_answer(self, question: LessonQuestion) -> dict[str, object] | None:
         """What the browser shows of an answer; None where there is none, or its choice is no longer there."""
         known = self._record.find_guess(question)
-        place = next(
-            (place for place, choice in enumerate(question.choices) if known and choice.text == known.last), None
-        )
+        texts = [choice.text for choice in question.choices]
+        place = texts.index(known.last) if known and known.last in texts else None
         if known is None or place is None:
             return None
         right = question.right_place

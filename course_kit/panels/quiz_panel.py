@@ -134,11 +134,8 @@ class QuizPanel(Panel):
     @property
     def result(self) -> quiz.MarkedAnswers:
         """All scenarios as the grader marks them now."""
-        answers = self.answers
-        return quiz.mark(
-            self._questions.scenarios,
-            {scenario.id: answers.get(scenario.id, ("", "")) for scenario in self._questions.scenarios},
-        )
+        scenarios = self._questions.scenarios
+        return quiz.mark(scenarios, {scenario.id: ("", "") for scenario in scenarios} | self.answers)
 
     def describe(self) -> str:
         """What it is; nothing about the choices."""

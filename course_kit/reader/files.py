@@ -75,10 +75,8 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
         if folder is None and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
         members = [] if folder is None else [path for path in entries if path.rpartition("/")[0] == folder]
-        members = sorted(
-            filter(lambda path: is_name(_last_part(path)), members),
-            key=lambda path: (_last_part(path) not in wanted, path),
-        )
+        members = [path for path in members if is_name(_last_part(path))]
+        members.sort(key=lambda path: (_last_part(path) not in wanted, path))
         if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."

@@ -63,9 +63,8 @@ def read_facts(tree: ast.Module) -> dict[str, object]:
 def find_starts(source: str) -> list[tuple[int, int]]:
     """Where a program starts itself: the slices of lines of `if __name__ == "__main__":` and of a bare `main()`."""
     _, tree = parse_program(source)
-    return [
-        (node.lineno - 1, node.end_lineno or node.lineno) for node in (tree.body if tree else ()) if _is_start(node)
-    ]
+    body = tree.body if tree else ()
+    return [(node.lineno - 1, node.end_lineno or node.lineno) for node in body if _is_start(node)]
 
 
 def _is_start(statement: ast.stmt) -> bool:

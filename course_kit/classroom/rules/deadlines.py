@@ -146,9 +146,7 @@ def _parse(table: dict[str, Any], exercises: Sequence[str]) -> Deadlines:
 def _of_course(exercises: Sequence[Exercise]) -> list[str]:
     """All exercises of the course: one file may serve runs that each grade a part of it."""
     folders = {exercise.folder.parent for exercise in exercises}
-    return sorted(
-        {exercise.id for exercise in exercises} | {name for folder in folders for name in list_exercise_ids(folder)}
-    )
+    return sorted({exercise.id for exercise in exercises}.union(*map(list_exercise_ids, folders)))
 
 
 def _zone(name: str) -> tzinfo:

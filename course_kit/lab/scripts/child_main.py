@@ -183,9 +183,7 @@ def own_traceback(error: BaseException, path: str) -> str:
     report = traceback.TracebackException.from_exception(error)
     for part in _chain(report):
         own = [frame for frame in part.stack if frame.filename == path]
-        without_columns = [
-            traceback.FrameSummary(frame.filename, frame.lineno, frame.name, line=frame.line) for frame in own
-        ]
+        without_columns = [traceback.FrameSummary(path, frame.lineno, frame.name, line=frame.line) for frame in own]
         part.stack = traceback.StackSummary.from_list(without_columns)
     text = "".join(report.format(chain=True)).replace(path, Path(path).name)
     # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
