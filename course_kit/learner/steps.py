@@ -125,7 +125,7 @@ def where(node: GradedNode) -> None:
         expect_robot_at(node, x, 0.0, near=0.01)
         node.expect("/position")  # so that the one before has come to everybody
         why = f"The robot is at x={x}, y=0.0, and the message does not say so."
-        node.call("/where").expect(message=partial(is_text_with, f"{x}"), why=why)
+        node.call("/where").expect(success=True).expect(message=partial(is_text_with, f"{x}"), why=why)
 
 
 @step("02_actions", f"action /forgetful {FIBONACCI}")

@@ -6,6 +6,7 @@ import json
 import re
 from typing import TYPE_CHECKING
 
+import nbformat
 import pytest
 
 from course_kit.lab.notebook.cells import LINES
@@ -282,8 +283,8 @@ RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value
         (node("").replace('"learner"', '"my node"'), 3, "must not contain characters other than alphanumerics"),
         ("point = Point()\npoint.x = 1", 2, "takes a float: write 1.0; it was given 1, an int"),
         ("THING = Thing()\nTHING.total = 'x'", 2, "has the type int64 and takes a whole number in its range"),
-        ("lab.start(Forgotten)", 1, "After a restart of the kernel run the cells above again"),
-        ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`"),
+        ("lab.start(Unheard)", 1, "No cell that has run defines it."),
+        ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`."),
     ],
 )
 def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, cell: str, line: int, said: str) -> None:
@@ -295,6 +296,18 @@ def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, c
     assert said in shown.error
     assert f", line {line}: " in shown.error
     assert len(shown.error.splitlines()) <= 5
+
+
+def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, tmp_path: Path) -> None:
+    cells = [nbformat.v4.new_code_cell(source) for source in ("from rclpy.node import Node", "class Forgotten: pass")]
+    cells.append(nbformat.v4.new_code_cell("Mine = Mine"))
+    nbformat.write(nbformat.v4.new_notebook(cells=cells), tmp_path / "mine.ipynb")
+    assert kernel.run(f"import os; os.environ['JPY_SESSION_NAME'] = {str(tmp_path / 'mine.ipynb')!r}").ok
+    assert "A cell of this notebook defines it. Run that cell first" in kernel.run("Forgotten()").error
+    assert "No cell that has run defines it." in kernel.run("Mine = Mine").error
+    said = kernel.run("del Node\nclass Learner(Node): pass").error
+    assert "Write `from rclpy.node import Node`, or run the cell that has it." in said
+    assert kernel.run("del os.environ['JPY_SESSION_NAME']\nfrom rclpy.node import Node").ok
 
 
 def test_who_publishes_nothing_because_its_callback_raises_is_said(kernel: Kernel) -> None:

@@ -53,6 +53,7 @@ SLIPS = {
     "greet": Slip("response.success = True", "response.success = False", "success has to be True", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),
     "where": Slip("self.here = message", "pass", "The robot is at x=0.5, y=0.0, and the message does not say so."),
+    "where, without success": Slip("response.success = True", "pass", "success has to be True, and is False."),
     "succeed": Slip("goal_handle.succeed()", "goal_handle.abort()", "ABORTED", FIBONACCI),
     "short_orders": Slip("<= 20", "<= 21", "Your server accepted an order of 21.", FIBONACCI),
     "corner": Slip('"y": 2.0', '"y": 0.5', "has to say x=1, y=2", ("34cf6d0a", "5240fb15")),
@@ -123,12 +124,13 @@ def test_what_follows_a_step_runs_where_nobody_has_done_it() -> None:
 
 
 def test_every_step_has_a_slip() -> None:
-    assert set(SLIPS) == set(STEPS)
+    assert {name.partition(",")[0] for name in SLIPS} == set(STEPS)
 
 
-@pytest.mark.parametrize("name", SLIPS)
-def test_a_slip_is_found(name: str, kernel: Kernel) -> None:
-    slip, step = SLIPS[name], STEPS[name]
+@pytest.mark.parametrize("which", SLIPS)
+def test_a_slip_is_found(which: str, kernel: Kernel) -> None:
+    slip, name = SLIPS[which], which.partition(",")[0]
+    step = STEPS[name]
     assert kernel.run("lab.stop()\nlab.stop_script()").ok
     cells = {cell.id: cell.source for cell in notebook_of(step.lesson).cells}
     solution = cells_of(step.lesson)[name].solution

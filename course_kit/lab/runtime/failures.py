@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import json
 import linecache
+import os
 import re
 import sysconfig
 import traceback
@@ -253,11 +255,26 @@ def _on_name(error: NameError, frame: FrameType) -> str:
     name = error.name or ""
     if callable(getattr(type(node_in(error)), name, None)):
         return advice_on(error)
+    has_cell = _has_cell_with(name, "".join(linecache.getlines(frame.f_code.co_filename)))
     if line := _IMPORTS.get(name):
-        return f"Write `{line}`, or run the cell that has it: a restarted kernel has forgotten it."
-    if near := names.nearest_name(name, [word for word in frame.f_globals if not word.startswith("_")]):
-        return f"Did you mean {near}? After a restart of the kernel run the cells above again."
-    return "After a restart of the kernel run the cells above again: Run > Run All Above Selected Cell."
+        return f"Write `{line}`{', or run the cell that has it' if has_cell else ''}."
+    if has_cell:
+        return "A cell of this notebook defines it. Run that cell first: Run > Run All Above Selected Cell."
+    known = [word for word in frame.f_globals if not word.startswith("_") and word not in ("In", "Out")]
+    near = names.nearest_name(name, known)
+    return f"Did you mean {near}?" if near else "No cell that has run defines it."
+
+
+def _has_cell_with(name: str, failed: str) -> bool:
+    """Whether another cell than the one that failed defines a name, in the notebook as it was last saved."""
+    defines = re.compile(
+        rf"^\s*(?:(?:async )?def {name}\b|class {name}\b|{name} *=[^=]|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
+    )
+    with contextlib.suppress(OSError, ValueError, LookupError, TypeError):  # not saved yet, or no notebook at all
+        cells = json.loads(Path(os.environ.get("JPY_SESSION_NAME", "")).read_bytes())["cells"]
+        sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        return any(defines.search(source) for source in sources if source.strip() != failed.strip())
+    return False
 
 
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
