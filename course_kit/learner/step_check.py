@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from course_kit import lab
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
@@ -77,6 +78,8 @@ def check_step(step: LessonStep) -> StepResult:
             step.ask(GradedNode(context))
         except Failed as failed:
             result = StepResult(passed=False, text=_describe_failure(failed, context))
+        except lab.LabError as failed:  # the lab has seen why a callback of its nodes answers nothing
+            result = StepResult(passed=False, text=f"Not yet: {failed}")
         except Exception as problem:  # noqa: BLE001 - whatever it is, it is no fault of the learner's node
             why = f"{type(problem).__name__}: {problem}"
             result = StepResult(passed=False, text=f"The check itself failed ({why}). This is not your fault.")
@@ -108,6 +111,19 @@ def _require(step: LessonStep, context: CheckContext) -> None:
             _await(context, partial(end.is_ready, node), need, there)
         else:
             discovery.expect_endpoints(context, [end])
+        if kind != "subscription":
+            _require_only_one(context, end)
+
+
+def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
+    """Fail where a node of another notebook answers or publishes as well; one that was replaced goes by itself."""
+    node = lab.current().engine.node  # which has known the graph for long
+    service = f"{end.name}/_action/send_goal" if end.kind == "action" else end.name
+    count = partial(node.count_services, service) if end.is_server else partial(node.count_publishers, end.name)
+    if not context.wait_until(lambda: count() < 2, _APPEARS_S):  # noqa: PLR2004 - two are one too many
+        what, many = f"the {end.kind} {end.name}", f"{count()} nodes"
+        why = f"{many} have {what}, and the check asks one. lab.stop_others() stops those of other notebooks."
+        raise Failed(Evidence("", f"one node with {what}", many), why)
 
 
 def _await(context: CheckContext, condition: Callable[[], bool], need: str, there: Sequence[str]) -> None:

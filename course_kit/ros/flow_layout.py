@@ -102,11 +102,11 @@ def _order_columns(columns: list[list[Box]], chains: Iterable[list[Box]]) -> lis
     return columns
 
 
-BETWEEN_COLUMNS = 76  # room for the bends of lines, and for what runs along them
+BETWEEN_COLUMNS = 56  # room for the bends of lines, and for what runs along them
 BETWEEN_ROWS = 14
 _LINE = 6  # height that a line takes where it crosses a column
 _PASSES = 8
-_WIDEST = 900  # parts that do not hang together stand side by side up to this width
+_WIDEST = 630  # parts that do not hang together stand side by side up to this width: that of a docked panel
 
 
 class FlowLayout(NamedTuple):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NODE = "node"
 _CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
-_COLUMNS = 30  # characters of a line; longer names are broken
+_COLUMNS = 24  # characters of a line; longer names are broken
 # Where nodes speak to each other in a circle some arrow leads back; a stream of messages is the flow one looks for.
 _TURNED_LAST = ("topic", "action", "service")
 _LINE, _PADDING = 17, 12
@@ -107,7 +107,7 @@ def _arrow(use: ChannelUse) -> Arrow:
 class _NameWrapper(textwrap.TextWrapper):
     """Breaks at blanks, and behind the parts of a name."""
 
-    wordsep_simple_re = re.compile(r"(\s+|(?<=[/_])(?=.))")
+    wordsep_simple_re = re.compile(r"(\s+|(?<=\S[/_])(?=.))")
 
 
 def _break_name(text: str) -> list[str]:

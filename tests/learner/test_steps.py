@@ -161,3 +161,23 @@ def test_what_is_not_there_is_named(kernel: Kernel) -> None:
     said = kernel.run("%check subtract").result["text/plain"]
     assert said.startswith("Not yet: No service /subtract_two_ints of type example_interfaces/srv/AddTwoInts is there.")
     assert "There is no step 'substract'. Did you mean subtract?" in kernel.run("%check substract").error
+
+
+def test_why_a_callback_answers_nothing_is_the_learners_to_read(kernel: Kernel) -> None:
+    cells = {cell.id: cell.source for cell in notebook_of("01_services").cells}
+    for one in PERSON:
+        assert kernel.run(cells[one]).ok
+    assert kernel.run(cells_of("01_services")["greet"].solution.replace("return response", "pass")).ok
+    said = kernel.run("%check greet").result["text/plain"]
+    assert said.startswith("Not yet: receptionist sent no response: greet returned nothing.")
+
+
+def test_a_second_node_that_answers_is_named(kernel: Kernel) -> None:
+    solution = cells_of("01_services")["subtract"].solution
+    assert kernel.run(
+        f"lab.stop()\n{solution}\n{solution.replace('Subtractor', 'Other').replace('subtractor', 'other')}"
+    ).ok
+    said = kernel.run("%check subtract").result["text/plain"]
+    assert said.startswith("Not yet: 2 nodes have the service /subtract_two_ints")
+    assert kernel.run('lab.stop("other")').ok
+    assert kernel.run("%check subtract").result["text/plain"].startswith("Right: ")
