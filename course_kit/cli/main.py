@@ -305,9 +305,9 @@ def _drills(options: argparse.Namespace) -> int:
 
 
 def _hint(options: argparse.Namespace) -> int:
-    from course_kit.learner import handouts
+    from course_kit.learner import hints
 
-    text, trouble = handouts.next_hint(options.exercise, f"{environment.course_command()} hint", again=options.again)
+    text, trouble = hints.next_hint(options.exercise, f"{environment.course_command()} hint", again=options.again)
     print(text, end="")
     note(trouble)
     return 0

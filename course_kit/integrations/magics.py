@@ -125,14 +125,14 @@ def ros_stop(line: str) -> None:
 @complains
 def hint_line(line: str) -> None:
     """Show one more hint for what failed last: `%hint EXERCISE`; `--again` repeats those given so far."""
-    from course_kit.learner import handouts
+    from course_kit.learner import hints
 
     words = line.split()
     again = "--again" in words
     names = [word for word in words if word != "--again"]
     if len(names) != 1 or names[0].startswith("-"):
         raise GradingError(f"{_HINT_USAGE} {the_exercises()}")
-    text, trouble = handouts.next_hint(names[0], "%hint", again=again)
+    text, trouble = hints.next_hint(names[0], "%hint", again=again)
     sys.stdout.write(text)
     if trouble:
         print_complaint(trouble)

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from course_kit.grading import GradingError
 from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.learner import handouts, progress
+from course_kit.learner import hints, progress
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,7 +58,7 @@ def failed(check: str, code: str | None = None) -> None:
 
 
 def ask(folder: Path, *, again: bool = False) -> list[str]:
-    text, trouble = handouts.next_hint("walk", "course-kit hint", again=again, folder=folder)
+    text, trouble = hints.next_hint("walk", "course-kit hint", again=again, folder=folder)
     assert trouble == ""
     assert max(map(len, text.splitlines())) <= 80
     return [line for line in text.splitlines() if line.startswith("Hint ")]
@@ -88,24 +88,24 @@ def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
 
 def test_a_known_cause_comes_before_the_hints_of_its_check_and_none_comes_twice(folder: Path) -> None:
     failed("start", "service.exception")
-    found = handouts.hint_ladder(load_exercise("walk", folder), progress.read_progress()[0]["walk"])
+    found = hints.hint_ladder(load_exercise("walk", folder), progress.read_progress()[0]["walk"])
     assert found.rungs == ("A push.", "A nudge.", "A shove.")
 
 
 def test_where_to_read_on_comes_with_the_last_rung(folder: Path) -> None:
     failed("nowhere", "service.no_return")
-    text, _ = handouts.next_hint("walk", "%hint", folder=folder)
+    text, _ = hints.next_hint("walk", "%hint", folder=folder)
     assert catalogue.catalogue()["service.no_return"].notebook in text
     assert "%hint walk --again" in text
 
 
 def test_a_check_without_hints_says_so(folder: Path) -> None:
     failed("nowhere")
-    text, _ = handouts.next_hint("walk", "%hint", folder=folder)
+    text, _ = hints.next_hint("walk", "%hint", folder=folder)
     assert "There are no hints for this one" in text
     assert "last one" not in text
 
 
 def test_an_exercise_that_is_misspelt_gets_the_nearest_name(folder: Path) -> None:
     with pytest.raises(GradingError, match="Did you mean walk"):
-        handouts.next_hint("wakl", "%hint", folder=folder)
+        hints.next_hint("wakl", "%hint", folder=folder)
