@@ -93,20 +93,15 @@ def update_progress(exercise: str, change: Callable[[ProgressRecord], ProgressRe
     try:
         if (path := environment.paths.progress_file()) is not None:
             with _lock_file(path):
-                _update(path, exercise, change)
+                records = _read(path)
+                changed = change(records.pop(exercise, ProgressRecord()))
+                kept = records if changed is None else {**records, exercise: changed}
+                content = {"format_version": FORMAT_VERSION, "exercises": kept}
+                text = json.dumps(content, indent=1, ensure_ascii=False, default=msgspec.to_builtins)
+                environment.write_atomically(path, text, mode=0o600)  # whole, and nobody else's business
     except (ProgressError, OSError) as problem:
         return f"{_reason(problem)} Nothing was recorded."
     return ""
-
-
-def _update(path: Path, exercise: str, change: Callable[[ProgressRecord], ProgressRecord | None]) -> None:
-    """Replace the file whole: a full disk leaves the old one."""
-    records = _read(path)
-    changed = change(records.pop(exercise, ProgressRecord()))
-    kept = records if changed is None else {**records, exercise: changed}
-    content = {"format_version": FORMAT_VERSION, "exercises": kept}
-    text = json.dumps(content, indent=1, ensure_ascii=False, default=msgspec.to_builtins)
-    environment.write_atomically(path, text, mode=0o600)  # nobody else's business
 
 
 def _reason(problem: Exception) -> str:

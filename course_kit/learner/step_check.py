@@ -1,7 +1,4 @@
-"""Small steps of a lesson: what a learner writes in five minutes, and the check that asks the running node about it.
-
-A step is a function that talks with the node in the verbs of the graders' vocabulary; `steps` holds them all.
-"""
+"""Small steps of a lesson: what a learner writes in five minutes, and the check that asks the running node about it."""
 
 from __future__ import annotations
 
@@ -32,21 +29,13 @@ _MOST_S = 20.0  # for all that one check asks
 
 @dataclass(frozen=True)
 class LessonStep:
-    """One small thing to write.
+    """One small thing to write."""
 
-    Attributes:
-        lesson: the notebook it stands in, such as "01_services".
-        name: what `%check` calls it.
-        title: what the node does once it is right.
-        needs: what has to be on the graph, each "KIND NAME TYPE", or "node NAME".
-        ask: the check.
-    """
-
-    lesson: str
-    name: str
-    title: str
-    needs: tuple[str, ...]
-    ask: Callable[[GradedNode], object]
+    lesson: str  # the notebook, such as "01_services"
+    name: str  # what `%check` calls it
+    title: str  # what the node does once it is right
+    needs: tuple[str, ...]  # what has to be on the graph, each "KIND NAME TYPE", or "node NAME"
+    ask: Callable[[GradedNode], object]  # the check
 
     @property
     def key(self) -> str:

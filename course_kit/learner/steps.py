@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.exchange_log import in_one_line
@@ -26,13 +25,7 @@ STEPS: dict[str, LessonStep] = {}
 
 
 def step(lesson: str, *needs: str) -> Callable[[Callable[[GradedNode], object]], LessonStep]:
-    """Make a check a step of a lesson.
-
-    Args:
-        lesson: the notebook's name.
-        needs: what has to be on the graph: "service NAME TYPE", the same for an action, a publisher and a
-            subscription, or "node NAME".
-    """
+    """Make a check a step of a lesson, which needs these on the graph: "service NAME TYPE", ..., or "node NAME"."""
 
     def register(ask: Callable[[GradedNode], object]) -> LessonStep:
         made = LessonStep(lesson, ask.__name__, (ask.__doc__ or "").strip(), needs, ask)
@@ -50,16 +43,6 @@ def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool],
     node.context.record.add_unasked(f"{topic}: {last}")
     if not came:
         raise Failed(Evidence("", words, last), f"{topic} has to say {words}, and its last message says {last}.")
-
-
-def is_text_with(part: str, text: str) -> bool:
-    """Whether a text holds another one."""
-    return part in text
-
-
-def has_data(wanted: object, message: Message) -> bool:
-    """Whether a message's only field has this value."""
-    return bool(message.data == wanted)
 
 
 def expect_feedback_and_cancel(node: GradedNode, goal: GradedGoal) -> None:
@@ -125,7 +108,7 @@ def where(node: GradedNode) -> None:
         expect_robot_at(node, x, 0.0, near=0.01)
         node.expect("/position")  # so that the one before has come to everybody
         why = f"The robot is at x={x}, y=0.0, and the message does not say so."
-        node.call("/where").expect(success=True).expect(message=partial(is_text_with, f"{x}"), why=why)
+        node.call("/where").expect(success=True).expect(message=lambda text, x=x: f"{x}" in text, why=why)
 
 
 @step("02_actions", f"action /forgetful {FIBONACCI}")
@@ -170,7 +153,7 @@ def greeter(node: GradedNode) -> None:
     """`/greeting` says the `word`, and a change of it takes effect."""
     for word in ("moin", "ciao"):
         node.set(word=word, of="/greeter").accepted()
-        expect_soon(node, "/greeting", partial(has_data, word), repr(word), 2.0)
+        expect_soon(node, "/greeting", lambda message, word=word: message.data == word, repr(word), 2.0)
 
 
 @step("03_parameters", "node /kettle")

@@ -1,8 +1,4 @@
-"""`course-kit watch`: grades a file each time it is saved, and prints the verdict in a few lines.
-
-The file is asked for its state five times a second with the standard library. The `watchfiles` library would not do
-better here: one file, editors that replace it on saving, and network folders that send no news.
-"""
+"""`course-kit watch`: grades a file each time it is saved, and prints the verdict in a few lines."""
 
 from __future__ import annotations
 
@@ -22,7 +18,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading import CheckReport, Report
 
-_POLL_S = 0.2
+_POLL_S = 0.2  # asked for its state: editors replace the file, and network folders send no news
 _GONE_POLLS = 10  # editors that write beside the file and rename need a moment; longer than this is worth a word
 _NOT_GRADED = frozenset({"unreadable", "error"})
 
