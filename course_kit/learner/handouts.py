@@ -1,7 +1,4 @@
-"""`course-kit reset` and `solution`: what the course hands out for an exercise beside its task.
-
-Learners work in their own folder, so the files in `exercises/` are the starters.
-"""
+"""`course-kit reset` and `solution`: what the course hands out beside a task. Files in `exercises/` are starters."""
 
 from __future__ import annotations
 
