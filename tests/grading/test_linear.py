@@ -47,7 +47,10 @@ def modules() -> Iterator[Path]:
 def patterns() -> Iterator[tuple[str, str, str]]:
     """Module, name and method of each use of a compiled pattern."""
     for path in modules():
-        tree = ast.parse(path.read_text())
+        text = path.read_text()
+        if "re.compile(" not in text:
+            continue
+        tree = ast.parse(text)
         names = {
             target.id
             for node in tree.body

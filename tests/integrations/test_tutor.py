@@ -9,8 +9,6 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from mcp import Client, StdioServerParameters
-from mcp.client.stdio import stdio_client
 
 from course_kit import environment
 from course_kit.integrations import tutor
@@ -20,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
+    from mcp import Client
 
 WRONG = """
 import rclpy
@@ -50,6 +49,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 def ask(folder: Path, talk: Callable[[Client], Awaitable[None]]) -> None:
+    from mcp import Client, StdioServerParameters  # so large that each worker would feel it
+    from mcp.client.stdio import stdio_client
+
     async def converse() -> None:
         environ = {**os.environ, "COURSE_KIT_PROGRESS": str(folder / "progress.json"), "PYTHONPATH": ""}
         arguments = ["-c", "from course_kit.__main__ import main; main()", "tutor"]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from nbgrader.api import Gradebook as RealGradebook
-from nbgrader.plugins.export import CsvExportPlugin
 
 from course_kit.classroom import exports
 from tests.classroom.exports import rules
@@ -18,6 +16,9 @@ if TYPE_CHECKING:
 
 @pytest.mark.filterwarnings("ignore::sqlalchemy.exc.SAWarning")  # nbgrader's own way with its database
 def test_nbgrader_itself_writes_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from nbgrader.api import Gradebook as RealGradebook  # so large that each worker would feel it
+    from nbgrader.plugins.export import CsvExportPlugin
+
     # The version that it notes of its database costs a start of Alembic and plays no part here.
     monkeypatch.setattr("nbgrader.api.get_alembic_version", lambda: "head")
     with RealGradebook(f"sqlite:///{tmp_path / 'gradebook.db'}") as real:
