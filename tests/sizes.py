@@ -45,8 +45,9 @@ WEEKLY = (
     # The wheel lacked style sheets: test_hatch_build.py.
     "tests/test_wheel.py",
 )
-# The folders with the files that compute the longest. Those of each are spread over the first part of a run, among
-# those that mostly wait for nodes: the processors are busy to the end, and never have many browsers at once.
+# The folders with the files that compute the longest, and the file with mypy. Those of each are spread over the first
+# part of a run, among those that mostly wait for nodes: the processors are busy to the end, and never have many
+# browsers at once.
 LONG = (
     "tests/proof/",
     "tests/browser/",
@@ -56,6 +57,7 @@ LONG = (
     "tests/dev/",
     "tests/presentation/",
     "tests/course_setup/",
+    "tests/test_code_style.py",
 )
 FIRST_PART = 0.7  # of a run
 # More than some seconds each: whole classes, set-ups, editions, kernels, attacks, and all submissions.

@@ -17,7 +17,7 @@ from course_kit.text.console import refuse
 # Tests wait for nodes twice as long as they compute. Files stay together, for their fixtures are dear, and begin in the
 # order of `tests/sizes.py`, long ones early: xdist by itself begins those with few tests last, the longest among them.
 SIDE_BY_SIDE = [
-    *("-n", str(min(2 * len(os.sched_getaffinity(0)), 4))),
+    *("-n", str(min(3 * len(os.sched_getaffinity(0)), 6))),
     *("--dist", "loadfile", "--no-loadscope-reorder"),
 ]
 QUICK, ALL = "--quick", "--all"

@@ -72,12 +72,12 @@ def require_nodes(kernel: Kernel, listed: str) -> None:
 
 
 @pytest.mark.parametrize("spin", [SPIN, SLEEPS])
-def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(fresh: Kernel, spin: str) -> None:
-    assert fresh.run(OTHER + LIGHT.replace("{spin}", spin)).ok
+def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(kernel: Kernel, spin: str) -> None:
+    assert kernel.run(OTHER + LIGHT.replace("{spin}", spin)).ok
     for _ in range(2):
-        said = shown_by_stopped(fresh, "main()")
+        said = shown_by_stopped(kernel, "main()")
         assert "light, which the lab did not run, is gone, as when a program ends.\n" in said
-        require_nodes(fresh, "/other\n")
+        require_nodes(kernel, "/other\n")
 
 
 def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel) -> None:
@@ -89,12 +89,12 @@ def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel) -> None:
     require_nodes(fresh, "/other\n")
 
 
-def test_a_program_that_fails_in_a_cell_takes_its_node_along(fresh: Kernel) -> None:
-    assert fresh.run(OTHER + LIGHT.replace("{spin}", "1 / 0")).ok
-    assert not fresh.run("main()").ok
-    require_nodes(fresh, "/other\n")
-    assert not fresh.run("import rclpy\nmine = rclpy.create_node('mine')\n1 / 0").ok  # a name leads to it
-    require_nodes(fresh, "/mine\n/other\n")
+def test_a_program_that_fails_in_a_cell_takes_its_node_along(kernel: Kernel) -> None:
+    assert kernel.run(OTHER + LIGHT.replace("{spin}", "1 / 0")).ok
+    assert not kernel.run("main()").ok
+    require_nodes(kernel, "/other\n")
+    assert not kernel.run("import rclpy\nmine = rclpy.create_node('mine')\n1 / 0").ok  # a name leads to it
+    require_nodes(kernel, "/mine\n/other\n")
 
 
 ASKER = """
@@ -146,19 +146,19 @@ GROUP = "MutuallyExclusiveCallbackGroup()"
     ],
 )
 def test_a_callback_waits_for_an_answer_where_a_program_could(
-    fresh: Kernel, ask: str, group: str, timers: str, said: str
+    kernel: Kernel, ask: str, group: str, timers: str, said: str
 ) -> None:
     cell = ASKER.replace("{ask}", ask).replace("{group}", group).replace("{timers}", timers)
-    message = fresh.send(f"{cell}\nimport asyncio\nwhile True: await asyncio.sleep(0.05)")
-    shown = fresh.finish(message, until="got yes")
+    message = kernel.send(f"{cell}\nimport asyncio\nwhile True: await asyncio.sleep(0.05)")
+    shown = kernel.finish(message, until="got yes")
     assert "got yes" in shown.stdout, shown
     assert said in shown.stdout
-    fresh.manager.interrupt_kernel()
-    fresh.finish(message)
+    kernel.manager.interrupt_kernel()
+    kernel.finish(message)
 
 
-def test_an_execute_callback_may_spin_its_node(fresh: Kernel) -> None:
-    shown = fresh.run(
+def test_an_execute_callback_may_spin_its_node(kernel: Kernel) -> None:
+    shown = kernel.run(
         """
 import rclpy
 from course_kit import lab
