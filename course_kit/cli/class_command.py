@@ -336,16 +336,16 @@ def _sentences(found: Intake, exercises: Iterable[Exercise]) -> Iterator[str]:
     called = {entry.student: entry.label for entry in (*found.entries, *found.others)}
     doubtful = [f"{entry.label}, {entry.exercise} ({entry.worry})" for entry in found.entries if entry.worry]
     if doubtful:
-        yield f"Look at the choice of file in intake.csv: {first_of(doubtful)}."
+        yield f"Check these choices of file (see intake.csv): {first_of(doubtful)}."
     if found.roster is not None:
         yield from _of_roster(found.roster, called)
         yield from _of_canvas(found.roster.roster, exercises)
 
 
 def _of_roster(fit: RosterFit, called: Mapping[str, str]) -> Iterator[str]:
-    read_as = ", ".join(f"'{header}' as {kind}" for header, kind in fit.roster.read_as)
+    read_as = ", ".join(f"'{header}' is the {kind}" for header, kind in fit.roster.read_as)
     total = len(fit.roster.people)
-    yield f"{fit.roster.called}: read {read_as}; {fit.matched} of {total} on it handed something in."
+    yield f"{fit.roster.called}: {read_as}. {fit.matched} of its {total} students handed something in."
     if fit.absent:
         yield f"Not handed in: {first_of([person.name or person.student for person in fit.absent])}."
     if fit.unknown:

@@ -42,7 +42,7 @@ def add_to(verbs: Verbs) -> None:
         "present",
         help="show a demo to a class, with your notes in a second window",
         usage="course-kit present [DEMO] [OPTIONS]",
-        description="DEMO is the number or the name of a demo, or of a lesson; the first demo when left out.",
+        description="Show DEMO to a class: its number or name, or a lesson's; if left out, the first demo.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
     present.set_defaults(run=lambda options: _present(options.others), others=[])
@@ -253,12 +253,9 @@ def _add_prove(verbs: Verbs) -> None:
     parser = verbs.add_parser(
         "prove",
         help="find out what the grader of an exercise lets through",
-        description="Makes every small mistake in the solution, grades each, and prints those that get full marks.",
-        epilog=(
-            "Exit code: 0 if nothing was found, 1 if something was, 2 if it failed, 130 if it was stopped. Declare "
-            "mistakes that change nothing in equivalent.toml, with the reason: see "
-            "course_kit/authoring/AUTHORING.md."
-        ),
+        description="Make every small mistake in the solution, grade each, and print those that get full marks.",
+        epilog="Exit code: 0 if nothing was found, 1 if something was, 2 if it failed, 130 if it was stopped. Declare "
+        "mistakes that change nothing in equivalent.toml: see course_kit/authoring/AUTHORING.md.",
     )
     parser.add_argument("exercise", metavar="EXERCISE")
     parser.add_argument("--quick", action="store_true", help="a sample of the mistakes, with one seed")

@@ -71,6 +71,9 @@ def build_parser() -> argparse.ArgumentParser:
 
     doctor = verbs.add_parser("doctor", help="check this machine and suggest fixes")
     doctor.set_defaults(run=_doctor)
+    for listed in verbs._choices_actions:  # noqa: SLF001 - each command's --help begins with its line in the list
+        line, command = listed.help or "", verbs.choices[listed.dest]
+        command.description = command.description or f"{line[:1].upper()}{line[1:]}."
     for command in _with_commands(parser):
         command.add_argument(
             _EXERCISES,
@@ -94,10 +97,8 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
         "lab",
         help="open the course in JupyterLab",
         usage="course-kit lab [DIR] [OPTIONS]",
-        description=(
-            "DIR is your folder, made or brought up to date. If you leave it out, it is the one you are in, else "
-            "my-course in a clone of the course, else ros2-course in your home directory."
-        ),
+        description="Open the course in JupyterLab. DIR is your folder, made or brought up to date. Without DIR it "
+        "is the one you are in, else my-course in a clone of the course, else ros2-course in your home directory.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
     lab.set_defaults(run=_lab, others=[])
@@ -110,7 +111,7 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
         "hub-singleuser",
         help="started by a JupyterHub for each user, as its c.Spawner.cmd",
         usage="course-kit hub-singleuser [OPTIONS]",
-        description="Makes the user's folder of lessons, or brings it up to date, then starts jupyterhub-singleuser.",
+        description="Make the user's folder of lessons, or bring it up to date; then start jupyterhub-singleuser.",
         epilog="OPTIONS go to `jupyterhub-singleuser`.",
     )
     hub.set_defaults(run=_hub, others=[])
@@ -139,7 +140,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     tutor = verbs.add_parser("tutor", help="serve the course to an assistant, by the Model Context Protocol")
     tutor.set_defaults(run=_tutor)
 
-    reset = verbs.add_parser("reset", help="restore an exercise's starter, or create it; your files are kept beside it")
+    reset = verbs.add_parser("reset", help="put an exercise's starter back, and keep your file beside it")
     reset.add_argument("exercise", help="the exercise's id")
     reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
     reset.add_argument("--yes", action="store_true", help=argparse.SUPPRESS)  # of 0.3, which asked

@@ -333,7 +333,7 @@ def the_exercises() -> str:
     from course_kit.grading.model.exercise import list_exercise_ids
 
     try:
-        return f"There are: {', '.join(list_exercise_ids())}."
+        return f"Exercises: {', '.join(list_exercise_ids())}."
     except GradingError as problem:
         return str(problem)
 

@@ -54,7 +54,7 @@ def feedback(report: Report, name: str) -> str:
     found = next((check for check in report.checks if check.id == name), None)
     if found is None:
         known = ", ".join(check.id for check in report.checks)
-        raise GradingError(f"There is no check '{name}' in {report.exercise}. There are: {known}.")
+        raise GradingError(f"There is no check '{name}' in {report.exercise}. Its checks: {known}.")
     return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
 

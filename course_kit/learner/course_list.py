@@ -216,7 +216,7 @@ def begin_drill(drill_id: str) -> str:
         if drill_id in list_exercise_ids():
             raise GradingError(f"{drill_id} is an exercise, not a drill. See {environment.course_command()} list.")
         guess = did_you_mean(drill_id, drills)
-        raise GradingError(f"There is no drill '{drill_id}'.{guess} There are: {', '.join(drills) or 'none'}.")
+        raise GradingError(f"There is no drill '{drill_id}'.{guess} Drills: {', '.join(drills) or 'none'}.")
     exercise = drills[drill_id]
     place = workspace.exercise_folder(exercise)
     if place is None:

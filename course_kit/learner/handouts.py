@@ -126,6 +126,6 @@ def _solution(exercise: Exercise) -> tuple[str, str]:
 def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
     return (
-        f"you can see the solution once you have passed: {exercise.pass_mark:g} of {exercise.points:g} points; "
+        f"You can see the solution once you have passed, with {exercise.pass_mark:g} of {exercise.points:g} points; "
         f"{so_far}.\nStuck? {environment.course_command()} hint {exercise.id}\nInstructors: add --show."
     )

@@ -242,8 +242,8 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
         other = program if best == notebook else notebook
-        unfinished = f"does not hold {exercise.asks_for}"
-        lacks = "is the starter still" if len(changed) == 1 else unfinished
+        unfinished = f"does not contain {exercise.asks_for}"
+        lacks = "is still the starter" if len(changed) == 1 else unfinished
         return best, f", because {other.name} {lacks}"
     if not changed:
         return program, ""

@@ -96,7 +96,7 @@ class Parser(argparse.ArgumentParser):
                 end = f"; {instead}." if instead else ". It is in a full installation of ROS 2."
                 sys.stderr.write(f"{self.prog}: '{wrong['word']}' exists in ROS 2; this course does not have it{end}\n")
                 raise SystemExit(2)
-            near = did_you_mean(wrong["word"], choices) or f" There are: {', '.join(choices)}."
+            near = did_you_mean(wrong["word"], choices) or f" Choose one of: {', '.join(choices)}."
             message = f"{message[: wrong.start()]}there is no {wrong['word']!r}.{near}"
         elif unknown := re.fullmatch(r"unrecognized arguments: (.*)", message):
             message = _explain_unknown_words(self.command, unknown[1])

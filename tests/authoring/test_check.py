@@ -106,7 +106,7 @@ new = 'answer = {{'
     )
     assert told in err
     path.write_text(path.read_text().replace("failed", "fails"))
-    assert f"{path} cannot be used: in the slip odd, there is no 'fails' to set." in run(capsys, EXERCISE)[2]
+    assert f"{path} cannot be used: in the slip odd, there is no setting 'fails'." in run(capsys, EXERCISE)[2]
 
 
 def made_report(submission: corpus.ProofSubmission, **failed: str | None) -> Report:

@@ -68,10 +68,13 @@ def test_it_shows_what_would_be_graded_and_grades_nothing(handed_in: Path) -> No
     assert f"ann/{SERVICE.notebook} " in lines[1]
     assert "the only one of 2 files that differs from the starter;" in lines[1]
     assert (
-        "Look at the choice of file in intake.csv: cem Cem C, temperature_service (it is the starter, unchanged)."
+        "Check these choices of file (see intake.csv): cem Cem C, temperature_service (it is the starter, unchanged)."
         in done.stderr
     )
-    assert "list.csv: read 'login' as login, 'name' as full name; 4 of 5 on it handed something in." in done.stderr
+    assert (
+        "list.csv: 'login' is the login, 'name' is the full name. 4 of its 5 students handed something in."
+        in done.stderr
+    )
     assert "Not handed in: Ned N." in done.stderr
     assert "1 student handed in something that was not graded: dee Dee D (none of it belongs to these" in done.stderr
     assert sorted(handed_in.rglob("*")) == before

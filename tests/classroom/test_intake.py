@@ -199,7 +199,7 @@ def test_the_last_upload_counts_where_it_is_a_script_without_the_class(tmp_path:
             b'{"cells": [{"cell_type": "code", "source": "x"}]}',
             "no cell in it can be read",
         ),
-        ("temperature_service.py", b"print(1)\n", "it does not hold TemperatureService"),
+        ("temperature_service.py", b"print(1)\n", "it does not contain TemperatureService"),
         ("temperature_service.py", CLASS.encode(), ""),
     ],
 )

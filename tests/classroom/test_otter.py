@@ -132,7 +132,7 @@ def test_under_otter_the_cells_of_a_submission_are_joined(kernel: Kernel) -> Non
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (f"check('{QUICK}', 'answer', seed=1)", "There is no check 'answer' in pattern_choice. There are: answers, "),
+        (f"check('{QUICK}', 'answer', seed=1)", "There is no check 'answer' in pattern_choice. Its checks: answers, "),
         ("check('pattern_choise', 'answers')", "Did you mean pattern_choice?"),
     ],
     ids=["check", "exercise"],

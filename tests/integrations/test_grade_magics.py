@@ -59,7 +59,7 @@ def test_one_part_alone_is_graded_and_counts_as_that(kernel: Kernel) -> None:
     assert "1.5 of 1.5 points</strong>,\n  celsius alone" in done.result["text/html"]
     assert "Next" not in done.stdout
     assert (
-        "No check begins with 'dor_'. There are: offered, "
+        "No check begins with 'dor_'. The checks: offered, "
         in kernel.run("%grade temperature_service --only dor").stderr
     )
 

@@ -41,7 +41,7 @@ def test_a_notebook_has_its_types_grades_it_and_gives_hints(tmp_path: Path) -> N
         pointed = kernel.run(f"from course_kit import nbgrader\nnbgrader.points('{ID}')")
         assert pointed.result["text/plain"] == "3", pointed.stdout
         asked = kernel.run("%grade")
-        assert f"There are: {ID}, " in asked.stderr
+        assert f"Exercises: {ID}, " in asked.stderr
 
 
 @pytest.mark.usefixtures("mine")

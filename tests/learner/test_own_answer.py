@@ -49,8 +49,8 @@ def by_class(folder: Path, workspace_folder: Path) -> str:
 @pytest.mark.parametrize(
     ("answered", "graded", "said"),
     [
-        ({NOTEBOOK: 0}, NOTEBOOK, f"because {PROGRAM} is the starter still"),
-        ({PROGRAM: 0}, PROGRAM, f"because {NOTEBOOK} is the starter still"),
+        ({NOTEBOOK: 0}, NOTEBOOK, f"because {PROGRAM} is still the starter"),
+        ({PROGRAM: 0}, PROGRAM, f"because {NOTEBOOK} is still the starter"),
         ({PROGRAM: 0, NOTEBOOK: 3600}, NOTEBOOK, f"the newer of your two answers. For the other one: {{}} {PROGRAM}"),
         ({PROGRAM: 3600, NOTEBOOK: 0}, PROGRAM, f"the newer of your two answers. For the other one: {{}} {NOTEBOOK}"),
         ({}, PROGRAM, f"grading {PROGRAM}"),
@@ -70,7 +70,7 @@ def test_a_program_without_the_class_is_not_graded_in_place_of_a_notebook_that_h
     answer(folder / NOTEBOOK)
     (folder / PROGRAM).write_text("print('a try')\n")
     path, sentence = workspace.choose_to_grade(TEMPERATURE, None)
-    assert (path, sentence.partition("because ")[2]) == (NOTEBOOK, f"{PROGRAM} does not hold TemperatureService")
+    assert (path, sentence.partition("because ")[2]) == (NOTEBOOK, f"{PROGRAM} does not contain TemperatureService")
 
 
 def test_a_notebook_that_was_only_run_is_the_starter_still(folder: Path) -> None:

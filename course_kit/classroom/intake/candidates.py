@@ -67,15 +67,15 @@ _WON = (
     "the one of {} files that has what the exercise asks for",
     "the last upload of {} files",
     "the newest of {} files",
-    "the best named of {} equally old files",
+    "the one of {} equally old files with the best name",
     "the last by its name of {} files that differ in nothing else",
 )
 _LOST = (
     "the starter, unchanged",
-    "it does not hold what the exercise asks for",
+    "it does not contain what the exercise asks for",
     "an earlier upload",
     "older",
-    "of the same age, and fits less",
+    "of the same age; its name fits less",
     "of the same age, and its name comes first",
 )
 

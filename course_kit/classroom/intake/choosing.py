@@ -224,7 +224,7 @@ class Chooser:
             for other in _others_of_course(exercise):
                 if self._summarize_file(file, other).found:
                     return f"it holds {other.asks_for}, which {other.id} asks for"
-            return "" if fits else f"it does not hold {exercise.asks_for}"
+            return "" if fits else f"it does not contain {exercise.asks_for}"
         with suppress(OSError):
             if not path.lstat().st_size:
                 return "it is empty"

@@ -182,7 +182,7 @@ def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
     if not places:
         known = sorted(found.folders)
         guess = did_you_mean(exercise_id, [*known, *sorted(drills)])
-        there_are = f"There is no exercise '{exercise_id}'.{guess} There are: {', '.join(known) or 'none'}."
+        there_are = f"There is no exercise '{exercise_id}'.{guess} Exercises: {', '.join(known) or 'none'}."
         raise GradingError(" ".join((there_are, *found.problems)))
     if exercise_id in found.doubles:
         raise GradingError(found.doubles[exercise_id])

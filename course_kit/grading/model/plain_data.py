@@ -26,5 +26,5 @@ def _describe_mistake(said: str) -> str:
     if what.startswith(_MISSING):
         return f"'{what.removeprefix(_MISSING)}' is missing{f' in {place}' if place else ''}"
     if what.startswith(_UNKNOWN):
-        return f"there is no '{what.removeprefix(_UNKNOWN)}' to set{f' in {place}' if place else ''}"
+        return f"there is no setting '{what.removeprefix(_UNKNOWN)}'{f' in {place}' if place else ''}"
     return f"'{place}' cannot be right: {what[:1].lower()}{what[1:]}"

@@ -97,7 +97,7 @@ def test_a_diagnosis_of_the_task_itself_leads_to_the_notebook_of_the_exercise() 
             '[diagnoses."math.formulae"]\ntitle = "A"',
             "there is no diagnosis 'math.formulae'; did you mean math.formula?",
         ),
-        ('[diagnoses."math.formula"]\nhint = "A"', "there is no 'hint' to set in diagnoses[...]"),
+        ('[diagnoses."math.formula"]\nhint = "A"', "there is no setting 'hint' in diagnoses[...]"),
         ('[diagnoses."math.formula"]\ntitle = " "', "'title' of the diagnosis math.formula is empty"),
         (
             '[diagnoses."math.formula"]\nsection = 3',
