@@ -156,7 +156,7 @@ def require_distance(node: GradedNode, goal: GradedGoal, ended: GoalOutcome, met
     """The result says that so many metres were driven for this goal."""
     node.context.memory["driven"] += (said := ended.result.distance)
     evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={said:.3f}")
-    require(abs(said - metres) <= NEAR_M, evidence, "The robot has driven another way for this goal.")
+    require(abs(said - metres) <= NEAR_M, evidence, "The robot drove a different distance for this goal.")
 
 
 def deliver(node: GradedNode, room: str) -> GradedGoal:
@@ -175,7 +175,7 @@ def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: 
     goal.require_status(ended, ABORTED, evidence)
     require(took_s >= after_s, evidence, f"The carrier gave up before {after_s:g} s had passed.")
     right = not said.delivered and said.message.strip() and words in said.message
-    require(right, evidence, "Whoever has sent the parcel reads in the result whether it arrived, and why not.")
+    require(right, evidence, "The result has to say whether the parcel arrived and, if not, why.")
     require_distance(node, goal, ended, 0.0)
 
 
@@ -196,7 +196,7 @@ def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> Grad
     node.context.wait_until(lambda: bool(second.statuses) or not second.accepted, SHOWN_S)
     both = first.accepted and second.accepted and not (first.over_at and first.over_at <= second.began_at)
     evidence = Evidence(f"{first.shown}; meanwhile {second.shown}", "one of two goals accepted", "both accepted")
-    require(not both, evidence, "There is one robot.", "action.concurrent_goals")
+    require(not both, evidence, "There is only one robot: reject the second goal.", "action.concurrent_goals")
     return second if second.accepted else first.accepted_by()
 
 

@@ -288,7 +288,7 @@ class LimiterSteps(Model):
             if changed.items() <= values.items() or any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
-        why = "Your node accepted the value, but afterwards the parameter has another one."
+        why = "Your node accepted the value, but afterwards the parameter has a different one."
         raise Failed(evidence, why, breaks=CHANGES[next(iter(changed))])
 
     def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
@@ -328,7 +328,7 @@ class LimiterSteps(Model):
             old = LimiterSettings(*values)
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
             if names and same_reaction(got, right_reaction(old, fields)):
-                why = "Your node accepted the change, but what comes out is the same as before."
+                why = "Your node accepted the change, but the output is the same as before."
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
                 return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
         of_wheel, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.facts.floor_divides)

@@ -247,7 +247,7 @@ def require_distance(move: Move) -> None:
     expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
     evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
     if abs(travelled - math.dist(ORIGIN, end)) <= tolerance:
-        why = f"distance_travelled is that from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
+        why = f"distance_travelled is measured from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
     else:
         why = "distance_travelled is not the length of this move alone."
     raise Failed(evidence, why)
@@ -320,7 +320,7 @@ def _require_on_the_way(move: Move, feedback: Any) -> None:
         wanted = f"distance_remaining within {BESIDE} m of {left:.3g} m, the way from {place}"
         evidence = Evidence(move.goal.shown, wanted, f"distance_remaining={feedback.distance_remaining:.4g}")
         # The robot may have moved between the two; at its own speed not that far.
-        why = "The distance left is not that from the position in the same message to the target."
+        why = "distance_remaining is not the distance from the position in the same message to the target."
         raise HastyError(evidence, f"{why}{blank}")
 
 

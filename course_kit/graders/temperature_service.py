@@ -196,7 +196,7 @@ class Temperatures(Model):
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
             of_another = any(has_right_formula(value, answer.response.value) for value in values)
-            told = "This is the answer to another client's request" if of_another else "Asked alone, it is another"
+            told = "This is the answer to another client's request" if of_another else "Asked alone, it is different"
             why = f"{told}: your callback mixes up values of two calls."
             answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
 
@@ -227,7 +227,7 @@ class Temperatures(Model):
         if not right(sample, response.value):
             answers = self.compare_answers(node, sample, response.value)
             diagnosis, reason = explain_answers(answers, floors=node.context.job.facts.floor_divides)
-            why = f"This compares the answers to {len(answers)} requests. {reason}"
+            why = f"The grader compared the answers to {len(answers)} requests. {reason}"
             lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
@@ -317,7 +317,7 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
             return integer if "//" in told else formula, told
     if first.from_unit == first.to_unit:
         if off < _CALCULATED:
-            lost = f"It is off by {off:.2g}" if off else "The sign of zero was lost"
+            lost = f"One answer is off by {off:.2g}" if off else "The sign of zero was lost"
             return formula, f"{lost}: a value that needs no conversion was calculated or rounded."
     elif all(_is_close(got, sample.value) for sample, got in answers):
         return formula, "They are the values we sent: nothing was converted."

@@ -66,7 +66,7 @@ SYMPTOMS = {  # the words in which an untouched drill is told the cause
     "empty_dashboard": "Best effort publisher and reliable subscription",
     "deaf_to_cancel": "did not answer the request to cancel before the goal was over",
     "stuck_call": "self.adder.call(request)",
-    "stubborn_limit": "what comes out is the same as before",
+    "stubborn_limit": "the output is the same as before",
     "long_queue": "the last of 8 clients that ask together waits",
     "dark_lamp": "/brightness with type std_msgs/msg/Float32, expected std_msgs/msg/Float64",
     "two_at_once": "accepted a second goal while the first was running",

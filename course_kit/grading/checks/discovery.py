@@ -207,7 +207,7 @@ def name_nearest(wanted: str, names: Sequence[str]) -> str:
 def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, str | None]:
     """Why an end is not there of a program that runs: in words, and its diagnosis."""
     if not context.job.files:
-        return "Your program started once, but did not offer all of this when it was started again.", None
+        return "Your program worked when it was first started. Started again, it did not offer all of this.", None
     if logged := exceptions.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]
     verb = _VERBS.get(end.kind, f"offers the {end.kind}")

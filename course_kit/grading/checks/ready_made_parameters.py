@@ -102,7 +102,7 @@ def parameter_acts(
                     continue
                 why, code = f"Expected {describe_wanted(wanted)} with the new setting.", "math.formula"
                 if new == old:
-                    why = "Your node accepted the change, but what comes out is the same as before."
+                    why = "Your node accepted the change, but the output is the same as before."
                     code = "parameter.read_once"
                 shown = f"set {describe_values(setting)}; {subscription}: {message}"
                 raise Failed(Evidence(shown, describe_wanted(wanted), str(got)), why, code)

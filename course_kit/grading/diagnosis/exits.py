@@ -181,7 +181,7 @@ def explain_future(job: Job) -> Cause | None:
     if not (job.facts.awaits and job.facts.future):
         return None
     where = source_line(job, job.facts.future)
-    return "service.future", f"No callback is at work: one awaits a Future, probably the one made in {where}."
+    return "service.future", f"A callback awaits a Future, probably the one made in {where}; nothing else is running."
 
 
 def _no_class(process: ProcessStatus, job: Job) -> str:
