@@ -37,7 +37,7 @@ class ProofOutcome:
     sets: tuple[Corpus, ...]  # the exercises, with their submissions
     seed: int  # what the random values were drawn from, in exercises without their own seed
     reports: dict[ProofSubmission, Report]
-    faults: tuple[Fault, ...]  # all that does not hold; proven when there is none
+    faults: tuple[Fault, ...]  # all that does not hold; proven when empty
     duration_s: float  # seconds on the wall
 
 

@@ -1,4 +1,4 @@
-"""The submissions that prove an exercise's grader: right ones in many styles, and wrong ones that must be told apart.
+"""The submissions that prove an exercise's grader: right ones in many styles, and wrong ones that it must tell apart.
 
 CONTRIBUTING says where they lie. An exercise of another folder has them in `proof/`. Where a submission has several
 files, a right program is a folder with those that differ from the solution.

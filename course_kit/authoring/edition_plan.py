@@ -157,7 +157,7 @@ class CourseFiles:
     """The files of a course's folder, as paths relative to it."""
 
     known: frozenset[str]  # those that git knows and that are there
-    new: frozenset[str]  # those that git has not been told of, and would not ignore
+    new: frozenset[str]  # those that git neither tracks nor ignores
     changed: frozenset[str]  # those that differ from the last commit, also those that are gone
 
 

@@ -1,4 +1,4 @@
-"""`course-kit new exercise`: the folder of an exercise that works at once, to be changed into another one.
+"""`course-kit new exercise`: the folder of an exercise that works at once, for an author to change.
 
 The texts that learners read are written once: the sentences of the task in exercise.toml, the program to begin with in
 the starter. The starter's docstring and the notebook are made from them, and made anew by `refresh`.
@@ -46,8 +46,8 @@ _YOURS = (
 _TRY = "## Try it\n\nStart your node. Run this cell again after each change: the new node replaces the old one."
 _GRADING = (
     "## Grade it\n\nWhat you last ran in the cell above is graded. The grader starts your node in a process of its "
-    "own, on a graph of its own: without a `main` that is called it makes `{class_name}()`, without arguments, and "
-    "spins it on a `MultiThreadedExecutor`. Stuck? `%hint {id}` in a cell of its own gives one hint more."
+    "own, on a separate graph: without a `main` that is called it makes `{class_name}()`, without arguments, and "
+    "spins it on a `MultiThreadedExecutor`. Stuck? `%hint {id}` in a separate cell gives one more hint."
 )
 
 

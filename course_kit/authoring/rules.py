@@ -113,7 +113,7 @@ def judge_checks(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSu
 
 
 def judge_sentences(sets: Corpus, reports: Reports) -> Iterator[str]:
-    """Each sentence of the task is tested, and each test is told. Not asked of a task without any."""
+    """Each sentence of the task is tested, and each test has a sentence. A task without sentences is exempt."""
     if not sets.exercise.sentences:
         return
     yield from find_sentence_faults(sets.exercise, checks_of(sets.exercise))

@@ -123,7 +123,7 @@ def locked_packages(root: Path, python: str, *, tests: bool = False) -> list[Loc
 
 
 def download_packages(wanted: Sequence[LockedPackage], python: str, folder: Path) -> None:
-    """Download the files of packages into a folder; what is there already is not downloaded again."""
+    """Download the files of packages into a folder; files that exist are not downloaded again."""
     for batch in _batches(wanted):
         _download(batch, python, folder)
 

@@ -21,7 +21,7 @@ _RETRIES = 3  # a grading whose machine died is done again elsewhere, so often
 
 
 class SchedulerLostError(GradingError):
-    """The scheduler of a cluster has ended, or cannot be reached any more, while submissions were graded."""
+    """The scheduler of a cluster ended or became unreachable while submissions were graded."""
 
 
 class Cluster:
@@ -56,7 +56,7 @@ class Cluster:
     def require_reachable(self) -> None:
         """See `Graders`; a scheduler that comes back knows nothing of what was under way."""
         if self._client.status != "running":
-            raise SchedulerLostError(f"The Dask scheduler at {self._address} has ended or cannot be reached any more.")
+            raise SchedulerLostError(f"The Dask scheduler at {self._address} has ended or cannot be reached.")
 
     def close(self) -> None:
         self._futures.shutdown(wait=False)  # cancels what has not come back

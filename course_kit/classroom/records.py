@@ -113,7 +113,7 @@ class GradeRecord:
 
     @property
     def remarks(self) -> list[str]:
-        """What the student is told of lateness, penalty, override and comment, a sentence each."""
+        """What the student reads about lateness, penalty, override and comment, a sentence each."""
         return list(describe_adjustment(self.adjustment, None if self.status == "error" else self.graded_score))
 
     @property
@@ -183,7 +183,7 @@ class RecordFolder:
         """Move a result, and its page, to `superseded`; returns it if it can be read."""
         record = _read(path)
         self._copy_superseded(path)
-        path.unlink(missing_ok=True)  # first: whatever comes between, a page without a record counts for nothing
+        path.unlink(missing_ok=True)  # first: if the run stops in between, a page without a record is ignored
         path.with_suffix(".html").unlink(missing_ok=True)
         with suppress(OSError):  # there are results for other exercises
             path.parent.rmdir()

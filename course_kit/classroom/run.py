@@ -48,7 +48,7 @@ class Plan:
     out: Path  # the folder for all results
     exercises: tuple[Exercise, ...]  # what was set
     seed: int | None = None  # what all checks draw from; drawn once for the run when None
-    seeds: Seeds | None = None  # a seed for each student, where each is to be asked other questions
+    seeds: Seeds | None = None  # a seed for each student, where each gets different questions
     layout: str = "auto"  # a layout's name, or "auto"
     resume: bool = False  # go on where an earlier run into the same folder has ended
     roster: Roster | None = None  # who is in the class
@@ -104,7 +104,7 @@ class ClassRun:
     instructions: Instructions
     earlier: tuple[GradeRecord, ...]  # the results of exercises that are not graded now
     reader: Reader
-    gone: list[str] = field(default_factory=list)  # results whose submission is not there any more
+    gone: list[str] = field(default_factory=list)  # results whose submission is gone
 
     @property
     def hidden_folders(self) -> tuple[str, ...]:
@@ -144,11 +144,11 @@ class ClassRun:
 
     @property
     def seed(self) -> int:
-        """What the checks draw from where neither the student nor the exercise has another one."""
+        """What the checks draw from if neither the student nor the exercise has a seed."""
         return self.plan.seed or 0
 
     def _take_away_what_is_gone(self) -> None:
-        """Results of submissions that are not in the inbox any more count no longer; nor does what a crash has left."""
+        """Drop results of submissions that are gone from the inbox, and what a crash has left."""
         self._records.remove_pages_alone()
         exercises = [exercise.id for exercise in self.plan.exercises]
         for path in self._records.list_stray_records(self.intake.entries, exercises):

@@ -61,9 +61,7 @@ def exercise_of(out: Path, exercise_id: str) -> Exercise:
     if noted is None or exercise_id in exercise_folders.find_exercises().folders:
         return load_exercise(exercise_id)
     if not Path(noted).is_dir():
-        raise GradingError(
-            f"The exercise {exercise_id} was in {noted}, and is not there any more. Name its folder with --exercises."
-        )
+        raise GradingError(f"The exercise {exercise_id} was in {noted}, and is gone. Name its folder with --exercises.")
     return read_exercise(Path(noted))
 
 

@@ -35,7 +35,7 @@ class ClassSubmission:
     seed: int  # what its checks draw from
     digest: str = ""  # SHA-256 of kind and bytes; empty when it could not be read
     size: int = 0  # of its program in bytes, not of a notebook's outputs
-    text: Submission | None = None  # its text; None when there is none, and `problem` says why
+    text: Submission | None = None  # its text, or None; then `problem` says why
     problem: str = ""  # why it cannot be graded
     # of the report of one that cannot be graded: "unreadable", or "error" where that is not its own fault
     status: str = "unreadable"

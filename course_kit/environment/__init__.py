@@ -66,13 +66,13 @@ _PROFILES = (str(LOOPBACK_PROFILE), str(FAST_DISCOVERY_PROFILE))
 _CHOSEN_BY_KIT = "COURSE_KIT_DOMAIN_ID"
 # A name for its own graph beside the course's. In the environment, so that child processes join it, too.
 _GRAPH = "COURSE_KIT_GRAPH"
-_WITH_OWN_GRAPH = "demos"  # the folder of notebooks that fail on purpose: a node of another one would repair them
+_WITH_OWN_GRAPH = "demos"  # the folder of notebooks that fail on purpose: a node of a lesson would repair them
 _HIGHEST_DOMAIN = 232  # the ports of a higher one would lie past 65535
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What is in force: the domain, who chose it, and the values of the variables the kit looks after."""
+    """The settings now: the domain, who chose it, and the values of the variables the kit looks after."""
 
     domain_id: int
     domain_chosen_by: str  # "the course kit" or "ROS_DOMAIN_ID"

@@ -1,6 +1,6 @@
 """`lark`, whose files `lark-parser` overwrites: its old name, which `ros-rosidl-parser` asks for.
 
-uv is told in pyproject.toml not to install that; whoever installs the kit's wheel with pip gets both.
+pyproject.toml keeps uv from installing that; whoever installs the kit's wheel with pip gets both.
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ def course_command() -> str:
 
 
 def home_folder() -> Path | None:
-    """The user's home directory, None where there is none that can be written."""
+    """The user's home directory; None if it cannot be written."""
     try:
         found = Path.home()
     except RuntimeError:  # HOME is not set, and the system does not know this user, as in some containers

@@ -34,14 +34,14 @@ _ROUNDING = 1e-6
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
-_SLOWEST_S, _EXTRA_S = 3.0, 2.0  # a move may take so long a metre, and so much more
+_SLOWEST_S, _EXTRA_S = 3.0, 2.0  # seconds that a move may take for each metre, and in addition
 _PROMPT_S = 1.0  # within which the statuses of two goals have come
 _OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 
 
 class OverError(Failed):
-    """What was to be seen was over before the grader could see it: it shows nothing. No goal runs any more."""
+    """It was over before the grader could see it, and so shows nothing. No goal runs."""
 
 
 class HastyError(Failed):

@@ -1,4 +1,4 @@
-"""What goes wrong with interfaces, told to the person who wrote the definition."""
+"""What goes wrong with interfaces, in words for the person who wrote the definition."""
 
 from __future__ import annotations
 

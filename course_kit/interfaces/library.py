@@ -27,7 +27,7 @@ class BuiltDefinition:
         self.classes: dict[str, type] = {}
 
     def find(self, name: str) -> type | None:
-        """A class or its metaclass by the name it has in its module, None if there is none."""
+        """A class or its metaclass by the name it has in its module, or None."""
         cls = self.classes.get(name.removeprefix("Metaclass_"))
         return type(cls) if cls is not None and name.startswith("Metaclass_") else cls
 

@@ -171,7 +171,7 @@ def _initialiser(fields: Sequence[MessageField], defaults: Mapping[str, Any]) ->
 
 
 def _takes_names(cls: str, names: Sequence[str], values: Sequence[object]) -> str:
-    """What to say of values without names; what they are meant for is told by their order."""
+    """The error for values without names, which names fields by their order."""
     if not names:
         return f"{cls} has no fields, so it takes no values: write {cls}()."
     meant = ", ".join(f"{name}={reprlib.repr(value)}" for name, value in zip(names, values, strict=False))

@@ -50,7 +50,7 @@ def saved_folder() -> str | None:
 
 
 def _course_is_writable() -> bool:
-    """Whether `environment.run_dir()` lies in the course's folder: what is there may be another user's."""
+    """Whether `environment.run_dir()` lies in the course's folder: files there may be another user's."""
     if not os.path.isdir(os.path.join(_ROOT, "notebooks")):  # noqa: PTH112, PTH118
         return False
     made = os.path.join(_ROOT, ".course")  # noqa: PTH118

@@ -1,4 +1,4 @@
-"""Verbs that must be awaited, and what a learner is told who has forgotten it.
+"""Verbs that must be awaited, and what a learner reads who forgot to.
 
 Python says of a forgotten `await` that a coroutine has no attribute 'sum', or nothing at all. So these verbs return a
 coroutine that says what is missing.
@@ -71,7 +71,7 @@ class Pending(Coroutine[Any, Any, T]):
         return self._begin().throw(value if isinstance(value, BaseException) else kind)
 
     def close(self) -> None:
-        """As any coroutine's: it will not be awaited any more."""
+        """As any coroutine's: nobody will await it."""
         self._begin().close()
 
     def __await__(self) -> Generator[Any, Any, T]:

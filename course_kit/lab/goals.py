@@ -138,7 +138,7 @@ class Goal:
         """Wait for the result message; `status` says whether it was reached.
 
         Raises:
-            LabError: the goal was rejected, so there is none.
+            LabError: the goal was rejected, so it has no result.
             NoAnswerError: it has not ended within `timeout` seconds, or its server went away.
         """
         return self._result_of(await call_async(self._wait_for_end(timeout)))

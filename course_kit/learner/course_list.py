@@ -1,6 +1,6 @@
 """`course-kit list` and `drills`: what there is in the course's order, what was reached in each, and what is next.
 
-Drills are small repairs for practice, which count for nothing.
+Drills are small repairs for practice, without points.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ChangedFile:
-    """A learner's file that is not the starter any more, or is gone."""
+    """A learner's file that is no longer the starter, or is gone."""
 
     file: Path
     starter: bytes
@@ -35,7 +35,7 @@ class ChangedFile:
         return free
 
     def carry_out(self) -> None:
-        """Save what is there, put the starter in its place, and say so; if that fails, the learner's file stays."""
+        """Save the learner's file, put the starter in its place, and say so; if that fails, the file stays."""
         kept = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
         try:
             if kept:
@@ -75,7 +75,7 @@ def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
 
 
 def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None) -> int:
-    """Put the starter back, after saving what is there."""
+    """Put the starter back, after saving the learner's file."""
     exercise = load_exercise(exercise_id)
     place = place or workspace.exercise_folder(exercise)
     if place is None and not forget:

@@ -86,7 +86,7 @@ def _endpoint(need: str) -> dict[str, str]:
 
 
 def _require(step: LessonStep, context: CheckContext) -> None:
-    """Fail with what is there instead, unless all is there that the step asks about."""
+    """Fail with what exists instead, unless everything exists that the step asks about."""
     node = context.grader_node
     for need in step.needs:
         kind, name = need.split()[:2]

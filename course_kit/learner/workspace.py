@@ -125,7 +125,7 @@ def digest_answer(name: str, content: bytes) -> str:
 
 
 def _digest_of(path: Path) -> str | None:
-    """The hash of a file; None where there is none, and "" for what cannot be read, such as a folder: nobody's hash."""
+    """The hash of a file; None if it is missing, and "" if it cannot be read, as a folder."""
     try:
         return digest_answer(path.name, path.read_bytes())
     except FileNotFoundError:

@@ -192,7 +192,7 @@ class GoalFollower(Panel):
             self._take_wish(wish)
 
     def _leave(self) -> None:
-        """Follow nothing any more; a goal that still runs is cancelled, as nobody could do so later."""
+        """Stop following; cancel a goal that still runs, as nobody could do so later."""
         with self._lock:
             self._ended = True
             followed, running = self._followed, self._standing.is_running

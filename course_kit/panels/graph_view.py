@@ -85,7 +85,7 @@ class GraphView(Panel):
         self._thread = threading.Thread(target=self._watch, name="graph-view", daemon=True)
         self._thread.start()
         self._counting = threading.Lock()
-        self._crossed: dict[tuple[str, str, Hop], int] = {}  # what has crossed since the page was last told
+        self._crossed: dict[tuple[str, str, Hop], int] = {}  # what has crossed since the page's last update
         self._updates: LatestValue[None] = LatestValue(lambda _: self._show_crossed())
         self._events = lab.current().events
         self._events.listen(self._observe)

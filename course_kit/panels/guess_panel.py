@@ -88,7 +88,7 @@ class GuessPanel(WordedWidget):
             self.widget.summary = f"{right} of {len(answers)} right at the first try, {len(done)} answered."
 
     def _describe_answer(self, question: LessonQuestion) -> dict[str, object] | None:
-        """What the browser shows of an answer; None where there is none, or its choice is no longer there."""
+        """What the browser shows of an answer; None if it has none, or its choice is gone."""
         known = self._record.find_guess(question)
         texts = [choice.text for choice in question.choices]
         place = texts.index(known.last) if known and known.last in texts else None

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Descriptor, Range
 
-_STEPS = 100  # of a slider without steps of its own, about
+_STEPS = 100  # about, of a slider whose parameter has no step
 _READ_ONLY = "read-only: it keeps the value it got at the start"
 _KINDS = {"bool": "flag", "integer": "number", "double": "number", "string": "text"}
 _EXAMPLES = {
@@ -146,7 +146,7 @@ class ParameterSliders(Panel):
 
     @property
     def values(self) -> dict[str, Any]:
-        """The values in force, as far as they are known here."""
+        """The node's values, as far as they are known here."""
         with self._lock:
             return dict(self._values)
 
@@ -159,7 +159,7 @@ class ParameterSliders(Panel):
         return "\n".join(lines)
 
     def still(self) -> str:
-        """The sliders and boxes with the values in force."""
+        """The sliders and boxes with the node's values."""
         rows = [_row(field, self.widget.values[field["name"]]) for field in self.widget.entries]
         return still(self.describe(), draw("still_sliders.html", node=self.node, rows=rows), "still_panels.css")
 
@@ -174,7 +174,7 @@ class ParameterSliders(Panel):
         except (BadFieldError, LabError) as error:
             reason = str(error)
         with self._lock:
-            if not reason and self._heard.get(name, 0) == heard:  # otherwise the node has told its value already
+            if not reason and self._heard.get(name, 0) == heard:  # otherwise the node has sent its value already
                 self._values[name] = value
             state = "refused" if reason else "set"
             self._outcomes[name] = {"state": state, "text": reason, "token": token}
@@ -211,7 +211,7 @@ class ParameterSliders(Panel):
         if outdated:  # the node was started again, or has declared one more
             try:
                 descriptors, values = self._ask()
-            except LabError:  # it has gone; whoever sets something is told so
+            except LabError:  # it has gone; setting something says so
                 return
             with self._lock:
                 self._descriptors, self._values, self._outcomes = descriptors, values, {}

@@ -47,7 +47,7 @@ def this_process() -> int:
 
 
 def measure_usage(process_ids: Iterable[int]) -> Usage:
-    """What these processes use together; of those that have ended only what their parents were told counts."""
+    """What these processes use together; those that have ended count only as far as their parents know."""
     cpu_s, tasks, memory, tables = 0.0, 0, 0, 0
     for process_id in process_ids:
         with suppress(OSError, ValueError, IndexError):

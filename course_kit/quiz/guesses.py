@@ -163,7 +163,7 @@ def chosen_answers() -> dict[str, str]:
 
 
 def _read(folder: Path | None, name: str) -> Guess | None:
-    """What a file says; None where there is none, or something else in it."""
+    """The content of a file; None if it is missing or has something else in it."""
     with suppress(OSError, ValueError, RecursionError):
         return msgspec.json.decode((folder / f"{name}.json").read_bytes(), type=Guess) if folder is not None else None
     return None

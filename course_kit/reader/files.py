@@ -91,7 +91,7 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
 
 
 def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
-    """The folder with most of the wanted files, the topmost of several; None where there is none of them."""
+    """The folder with most of the wanted files, the topmost of several; None if no folder has any."""
     counts: dict[str, int] = {}
     for path in paths:
         folder, _, last = path.rpartition("/")

@@ -1,6 +1,6 @@
 """The process: for each submission it forks a child with limits, waits until that has ended, and says how.
 
-The child finds the submission in one open file and writes what it has read into another one, both in memory.
+The child finds the submission in one open file and writes what it has read into a second one, both in memory.
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ def _is_start(statement: ast.stmt) -> bool:
 
 
 def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
-    """A class, else `main`, that more than one cell of a notebook defines; empty where there is none."""
+    """A class, else `main`, that more than one cell of a notebook defines, or ""."""
     ends = list(accumulate(sizes))
     cells: dict[str, set[int]] = {}
     for node in tree.body:
@@ -112,7 +112,7 @@ def _cut(text: str) -> str:
 
 
 def read_literal(tree: ast.Module, variable: str) -> dict[str, object] | None:
-    """What a program sets a variable to, told as texts in the words of `repr`; None when only running it can tell."""
+    """What a program sets a variable to, as texts in the words of `repr`; None when only running it would show."""
     used = sum(isinstance(node, ast.Name) and node.id == variable for node in ast.walk(tree))
     values = [value for node in tree.body if (value := _assigned_value(node, variable)) is not None]
     if used != 1 or len(values) != 1:
@@ -165,7 +165,7 @@ def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
 
 
 def _bound_names(tree: ast.Module) -> frozenset[str] | None:
-    """The names that a program gives a meaning to as a value may have it; None when that cannot be told."""
+    """The names that a program gives a meaning to as a value may have it; None when that is unknown."""
     names = set(dir(builtins))
     for node in ast.walk(tree):
         if isinstance(node, ast.alias):

@@ -132,7 +132,7 @@ def join_cells(
 
 
 def _first_statement(lines: list[str]) -> int:
-    """The place of the first line that is neither blank nor a comment; of the first one where there is none."""
+    """The place of the first line that is neither blank nor a comment, else of the first line."""
     return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
 
 

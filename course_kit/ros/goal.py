@@ -172,7 +172,7 @@ class GoalTracker:
             self.client.begin(self, self._goal).add_done_callback(self._take_answer)
 
     def cancel(self, answered: Callable[[bool], None]) -> None:
-        """Ask the server to cancel it; `answered` is told whether it will."""
+        """Ask the server to cancel it; `answered` gets whether it will."""
         handle = self._handle
         if self.ended or handle is None:
             answered(False)

@@ -69,7 +69,7 @@ class SentRequest:
         return any(future.done() for future in self._futures)
 
     def response(self) -> Message:
-        """The response; None as long as there is none."""
+        """The response; None until it comes."""
         done = next((future for future in self._futures if future.done()), None)
         if done is None:
             return None
@@ -82,7 +82,7 @@ class SentRequest:
         self._futures[-1].add_done_callback(lambda _: call())
 
     def abandon(self) -> None:
-        """Expect no response any more; harmless when one has come."""
+        """Stop expecting a response; harmless when one has come."""
         for future in self._futures:
             if not future.done():
                 future.cancel()

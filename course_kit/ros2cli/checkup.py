@@ -41,7 +41,7 @@ def _package_check() -> CheckupResult:
 
 
 def version_of_package(name: str) -> str:
-    """The version of a package of a sourced ROS 2, as its package.xml has it; "" where there is none."""
+    """The version of a package of a sourced ROS 2, as its package.xml has it; "" if it has none."""
     for prefix in package_prefixes():
         with suppress(OSError):
             text = Path(prefix, "share", name, "package.xml").read_text(encoding="utf-8", errors="replace")

@@ -45,7 +45,7 @@ def clean_environment(environ: dict[str, str]) -> dict[str, str]:
 
 
 def step_aside() -> None:
-    """Become the real command, on the course's graph; returns when there is none."""
+    """Become the real command, on the course's graph; return if it is not installed."""
     command = find_real_command()
     if command is None:
         return

@@ -140,7 +140,7 @@ def nobody_there() -> bool:
 
 
 def ask_daemon(timeout: float) -> dict[str, Any] | None:
-    """The reply of the daemon, started when there is none; None when that fails."""
+    """The reply of the daemon, which is started if it does not run; None when that fails."""
     request = {"do": "graph", "patience": timeout}
     try:
         daemon_socket = DaemonSocket.for_settings()
@@ -188,7 +188,7 @@ _CLIENT_PATIENCE = 5.0
 
 
 def main() -> None:
-    """Serve graphs until the domain is empty, nobody asks any more, or a client says stop."""
+    """Serve graphs until the domain is empty, nobody asks, or a client says stop."""
     environment.apply_settings()  # while the command that has started us still holds the domain
     daemon_socket = DaemonSocket.for_settings()
     with daemon_socket.listen() as listening:
@@ -204,7 +204,7 @@ def main() -> None:
 
 
 def _let_go_of_terminal() -> None:
-    """Nobody reads this process any more; what ROS prints must not reach a notebook's cell."""
+    """Nobody reads this process's output; what ROS prints must not reach a notebook's cell."""
     null = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):
         os.dup2(null, descriptor)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.text import Layout
 
 REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
-_WORD_AFTER = 10.0  # seconds without a message until somebody is told that nothing comes
+_WORD_AFTER = 10.0  # seconds without a message until the command says so
 _SPIN_S = 0.5
 _NS = 1e9
 

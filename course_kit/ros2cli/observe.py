@@ -41,7 +41,7 @@ _QOS = (
 
 
 class Observer:
-    """A node without topics and services of its own that looks at the graph."""
+    """A node that only looks at the graph: it has no topics and services."""
 
     def __init__(self, context: Context, name: str, *, visits: bool = False) -> None:
         self._domain_id = context.get_domain_id()
@@ -77,7 +77,7 @@ class Observer:
             time.sleep(_LOOK_EVERY)
 
     def _nobody_came_or_left(self) -> bool:
-        """Whether the last complete look still holds; what those who are known add is told by them at once."""
+        """Whether the last complete look still holds; known participants announce at once what they add."""
         return (
             bool(self._bound)
             and self._local
@@ -112,7 +112,7 @@ class Observer:
         return frozenset(graph.participant_of(info) for info in infos)
 
     def _all_named(self) -> bool:
-        """Whether each participant has told its nodes: names arrive after the endpoints."""
+        """Whether each participant has named its nodes: names arrive after the endpoints."""
         if len(self._node.get_node_names_and_namespaces()) < len(self._participants()):
             return False
         named: dict[bool, set[bytes]] = {True: set(), False: set()}
@@ -157,7 +157,7 @@ class Observer:
 def open_observer(
     context: Context | None = None, name: str | None = None, *, visits: bool = False
 ) -> Iterator[Observer]:
-    """An Observer in `context`, or in one of its own; it is gone afterwards."""
+    """An Observer in `context`, or in a new one; it is gone afterwards."""
     import rclpy
 
     own = None

@@ -33,7 +33,7 @@ COMMANDS = {
     "topic": "list topics, listen, publish",
     "wtf": "the same as doctor",
 }
-_MODULES = {"wtf": "doctor", "daemon": "doctor", "run": "pkg"}  # where a command stands in the module of another one
+_MODULES = {"wtf": "doctor", "daemon": "doctor", "run": "pkg"}  # commands in the module of a different one
 # What the real command has besides; empty for the commands themselves.
 _ONLY_IN_ROS = {
     "": "bag component control extensions lifecycle multicast plugin security test",

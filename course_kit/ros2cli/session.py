@@ -54,7 +54,7 @@ class Session:
 
     @property
     def node(self) -> Node:
-        """The command's hidden node, made on first use, without services of its own."""
+        """The command's hidden node, made on first use, without services."""
         return self._spun_node()[0]
 
     def call_node(self, name: str) -> None:

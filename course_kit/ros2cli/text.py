@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
 _END = "...\n"
-TRUNCATE = 128  # elements and characters, unless told otherwise
+TRUNCATE = 128  # elements and characters, by default
 
 
 class Layout:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 LOOK_S = 5.0  # for the graph to settle
-# What actions and services send under the hood has types of its own, and no definition file of its own.
+# Actions and services send hidden types, which have no definition file.
 _INNER = re.compile(r"(?P<outer>\w+/(?:srv|action)/[A-Za-z0-9]+)_(?P<part>\w+)")
 _PARTS = {
     "Event": ("Event",),
@@ -63,7 +63,7 @@ class TypedValues:
 
     @property
     def are_of_the_moment(self) -> bool:
-        """Whether they hold a time that is another one each time they are put into a message."""
+        """Whether they hold a time that differs each time they are put into a message."""
         return _holds(self._values, _OF_THE_MOMENT)
 
     def put_into(self, message: Message) -> None:

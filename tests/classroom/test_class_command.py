@@ -152,7 +152,7 @@ def test_a_scheduler_that_dies_is_said_with_the_command_that_goes_on(handed_in: 
         scheduler.kill()
         said, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2, said
-    assert f"course-kit: The Dask scheduler at {address} has ended or cannot be reached any more." in said
+    assert f"course-kit: The Dask scheduler at {address} has ended or cannot be reached." in said
     assert f"--scheduler {address} --resume" in said.partition("then run:\n")[2]
     assert "Traceback" not in said
     before = records(handed_in)

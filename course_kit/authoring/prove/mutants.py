@@ -34,7 +34,7 @@ class Mutant:
     line: int  # where, from 1
     before: str  # that line, without blanks around it
     change: str  # `old -> new`, as `ast` writes both
-    ordinal: int  # the how manieth with the same three, from 1
+    ordinal: int  # which of those with the same three, from 1
     source: str  # the whole program
     file: str = ""  # its name, as the solution has it
 

@@ -127,7 +127,7 @@ def describe_proof(proof: GraderProof, *, quick: bool) -> Iterator[str]:
 
 def _name_unused(entries: Sequence[DeclaredEquivalent], made: Sequence[Mutant]) -> list[str]:
     return [
-        f"Declared as equivalent, but there is no such mutant any more: {entry}. Take it out, or adapt it."
+        f"Declared as equivalent, but this mutant no longer exists: {entry}. Take it out, or adapt it."
         for entry in entries
         if not any(entry.covers(mutant) for mutant in made)
     ]

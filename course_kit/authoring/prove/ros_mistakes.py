@@ -81,7 +81,7 @@ def destroy_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
 
 
 def change_callbacks(program: ParsedProgram) -> Iterator[Mutation]:
-    """A callback that does nothing, another one of the class; one that raises, blocks, or waits for itself."""
+    """A callback that does nothing, or another of the class; one that raises, blocks, or waits for itself."""
     for reference in program.callback_references:
         for nothing in ("lambda *given: None", "lambda *given: given[-1]"):
             yield Mutation("callback does nothing", reference, parse_expression(nothing))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.records import Gradebook, GradeRecord
 
 _BETWEEN_WORDS = re.compile(r"[\W_]+")
-_SHORTEST = 3  # letters of a part of a name that is looked for; shorter ones are words of their own
+_SHORTEST = 3  # letters of a part of a name to look for; shorter ones are ordinary words
 _FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
 
 

@@ -25,7 +25,7 @@ _NEEDED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_U
 
 
 def export_results(book: Gradebook) -> Iterator[tuple[str, str]]:
-    """For Gradescope a file for each grade; where the grader itself failed there is none."""
+    """For Gradescope: a file for each grade, but none where the grader itself failed."""
     for record in book.graded_records():
         path = GRADESCOPE.format(safe_name(record.entry.student), record.entry.exercise)
         yield path, json_text(gradescope_result(record)) + "\n"

@@ -32,8 +32,8 @@ class ResultChange:
     exercise: str  # the exercise's id
     kind: str  # NEW, GONE or CHANGED
     before: str = ""  # the result of before, in words; empty where there was none
-    now: str = ""  # the result of now; empty where there is none any more
-    new_file: bool = False  # whether the file that was handed in is another one
+    now: str = ""  # the result of now; empty if it is gone
+    new_file: bool = False  # whether a different file was handed in
 
 
 def since_last_run(book: Gradebook, out: Path) -> list[ResultChange]:
@@ -73,7 +73,7 @@ def _change(key: Key, before: Result | None, now: Result | None) -> ResultChange
 
 
 def _read(path: Path) -> Mapping[Key, Result] | None:
-    """The results of the last run; None where there is none that can be read."""
+    """The results of the last run; None if they cannot be read."""
     try:
         kept = json.loads(path.read_text(encoding="utf-8"))
         if kept["format_version"] != FORMAT_VERSION:

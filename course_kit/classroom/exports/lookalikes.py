@@ -1,4 +1,4 @@
-"""Groups of submissions that look alike: each is the same as another one in it, or shares most of what is its own.
+"""Groups of submissions that look alike: each equals another in it, or shares most of what it added to the starter.
 
 Likeness is a reason to look, never a proof: small exercises have few good solutions. Starters that were handed in as
 they were, and the work of a group, are alike by themselves and left out.
@@ -80,7 +80,7 @@ class ProgramTexts(Closable):
 
 @dataclass(frozen=True)
 class AlikePair:
-    """The first submission of a group and another one; `similarity` is from 0 to 1."""
+    """The first submission of a group and one of the others; `similarity` is from 0 to 1."""
 
     first: GradeRecord
     second: GradeRecord
@@ -102,7 +102,7 @@ class LookAlikes:
     groups: tuple[Group, ...]  # the most similar first
     compared: int  # how many different programs were compared
     unread: int  # how many could not be read or are too short
-    left_out: tuple[str, ...]  # titles of exercises in which alike answers are to be expected
+    left_out: tuple[str, ...]  # titles of exercises in which similar answers are expected
 
     @property
     def pairs(self) -> list[AlikePair]:

@@ -8,7 +8,7 @@ anybody else. So a layout is what most entries look like, and one that looks oth
   file. The student is the user number, 12345. Anonymous work is `anon_a1B2c_67890_answer.py`, or `LATE_anon_...`; of a
   group there is one user, and the group's name.
 - **moodle** ("Download all submissions"): `Jane Doe_4711_assignsubmission_file_/answer.py`, or the same without the
-  folder. The student is the participant's number, 4711, which is another one in each assignment. Work of a group has
+  folder. The student is the participant's number, 4711, which differs in each assignment. Work of a group has
   the group's name and number there.
 - **gradescope** ("Export Submissions"): `submission_123456/answer.py`; a file beside it says whose (`gradescope`).
 - **nbgrader** (the `submitted` folder): `submitted/jane/assignment/answer.ipynb`. The student is `jane`.
@@ -67,7 +67,7 @@ class HandIn:
 
     item: Item  # where
     student: str  # their identifier, as it stands in the name
-    name: str = ""  # their own name, where it can be told
+    name: str = ""  # their own name, where it is known
     file: str = ""  # what they called it, of a file whose name the platform has lengthened
     late: bool = False  # marked as late by the platform
     # how often it was uploaded again; of several under one name, the higher one is the newer one

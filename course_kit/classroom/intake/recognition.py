@@ -1,7 +1,7 @@
 """Where in a download the students begin, and which layout most of their entries have, by names alone.
 
 They begin below the folders that a platform, a browser or a Mac has put around them. Students and such folders must
-never be mistaken for one another, so what cannot be told apart is asked for.
+never be mistaken for one another, so where two are possible the command asks for --layout.
 """
 
 from __future__ import annotations

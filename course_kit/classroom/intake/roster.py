@@ -210,7 +210,7 @@ def _has_header(row: Sequence[str]) -> bool:
 
 
 def _participant(text: str) -> str:
-    """The number of Moodle's `Participant 4711`, in any language; empty when there is none."""
+    """The number of Moodle's `Participant 4711`, in any language; empty if it is something else."""
     match = _PARTICIPANT.fullmatch(text.strip())
     return match["number"] if match else ""
 

@@ -1,1 +1,1 @@
-"""What the instructor decides: due dates, overrides, comments, seeds; tables with mistakes told by their lines."""
+"""What the instructor decides: due dates, overrides, comments, seeds; mistakes are reported with their lines."""

@@ -45,7 +45,7 @@ class Adjustment:
 
 
 def describe_adjustment(adjustment: Adjustment, graded: float | None) -> Iterator[str]:
-    """What a student is told of it, a sentence each."""
+    """What a student reads about it, a sentence each."""
     if adjustment.late:
         yield _lateness(adjustment)
     if adjustment.penalty and adjustment.override is None:

@@ -50,7 +50,7 @@ class Deadlines:
     """When what was due, and what it costs to be late."""
 
     due: Mapping[str, datetime] = field(default_factory=dict)  # by exercise; those that are not in it have no due date
-    # what dates without an offset are meant in, and what students are told in; None when none is named
+    # the zone of dates without an offset, and of what students read; None when none is named
     zone: tzinfo | None = None
     grace_s: float = 0.0  # so many seconds late is not late
     percent_per_day: float = 0.0  # of full marks, for each day begun after the due date
@@ -239,7 +239,7 @@ def _in_zone(moment: datetime, name: str, zone: tzinfo | None) -> datetime | Non
 
 
 def read_stamp(path: Path) -> str:
-    """The text of nbgrader's stamp; empty where there is none that is a small ordinary file."""
+    """The text of nbgrader's stamp; empty unless it is a small ordinary file."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError):

@@ -127,7 +127,7 @@ def moment_warnings(book: Gradebook) -> Iterator[str]:
 class Override:
     """What the lines of the file say of a student's exercise."""
 
-    score: float | None = None  # the points instead of those of the checks; None when there is none
+    score: float | None = None  # the points instead of those of the checks, or None
     added: float = 0.0  # the points on top of those of the checks, written with a plus; 0 without any
     comment: str = ""  # for the student
     checks: tuple[tuple[str, float], ...] = ()  # ids of checks, each with the points instead of those it gave

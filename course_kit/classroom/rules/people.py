@@ -1,4 +1,4 @@
-"""Small CSV tables that an instructor writes: each mistake is told with its line; and whom their lines mean."""
+"""Small CSV tables that an instructor writes: reports each mistake with its line; finds whom a line means."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class TableRow:
 
 @dataclass
 class Mistakes:
-    """What is wrong with a file; collected, and told together."""
+    """What is wrong with a file; collected, and reported together."""
 
     path: Path
     found: list[tuple[int, str]] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""`--seeds`: a seed for each student, so that each draws questions of their own where an exercise asks some."""
+"""`--seeds`: a seed for each student, so that each gets different questions where an exercise draws them."""
 
 from __future__ import annotations
 

@@ -189,7 +189,7 @@ def make_decoder(cls: type[Message]) -> Decode:
 _HEADER_FORMAT, _HEADER_VALUE = "I", "256"
 
 
-LARGE = 4096  # elements of a sequence of numbers that is a part of its own
+LARGE = 4096  # elements of a sequence of numbers that is a separate part
 
 
 class Encoder(CodeWriter):

@@ -138,7 +138,7 @@ def load_helper(path: Path | None = None) -> ctypes.PyDLL:
     if problem := middleware.explain_middleware():
         raise NativeHelperError(problem)
     try:
-        # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock of its own.
+        # PyDLL keeps the interpreter's lock during calls: the helper's table of types has no lock.
         helper = ctypes.PyDLL(str(path or LIBRARY))
         for name, (result, arguments) in _SIGNATURES.items():
             function = getattr(helper, name)

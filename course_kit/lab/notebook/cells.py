@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from types import FrameType, TracebackType
 
     ExceptionTuple = tuple[type[BaseException], BaseException, TracebackType | None]
-    CellEnd = Callable[..., None]  # told what names lead to, and whether the cell was `stopped` or has `failed`
+    CellEnd = Callable[..., None]  # gets what names lead to, and whether the cell was `stopped` or has `failed`
 
     from course_kit.lab.notebook.output import Output, Stream
     from course_kit.lab.runtime.failures import Locate
@@ -87,7 +87,7 @@ class Notebook:
         return None
 
     def expect(self, verb: object, *, awaited: bool) -> None:
-        """A verb was called, or awaited; a cell that ends without having awaited it is told so."""
+        """A verb was called, or awaited; a cell that ends without awaiting it gets a note."""
         if self._attached:
             self._verbs = [*(other for other in self._verbs if other is not verb), *([] if awaited else [verb])]
 

@@ -345,7 +345,7 @@ _EXECUTE = 3  # the place of an action server's execute callback, after the serv
 
 
 def _guard_callbacks(patches: Patches, locate: Locate) -> None:
-    """Callbacks that are none are told where they are given and not when they are used."""
+    """Report what is no callback where it is given, not when it is used."""
     for method, place in _CALLBACKS.items():
         _require_callable(patches, Node, method, place, locate)
     _require_callable(patches, ActionServer, "__init__", _EXECUTE, locate, "execute_callback")

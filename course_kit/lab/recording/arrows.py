@@ -36,7 +36,7 @@ _AS_CLIENT_SAW_IT = {
     "result_sent": "result_received",
 }
 GOAL_KINDS = _FROM_SERVER | _FROM_CLIENT
-UNSEEN = "another program"  # takes part, and nobody has told us its name
+UNSEEN = "another program"  # takes part, and its name is unknown
 RUN = 4  # feedback messages in a row that are all drawn
 
 Timed = tuple[tuple[int, int], Arrow]  # when it crossed, in nanoseconds, and its place among those of that moment

@@ -86,7 +86,7 @@ class CallbackSpans:
         return reported
 
     def steps(self, awaitable: Awaitable[Any], where: Where, what: str) -> _Steps:
-        """What is to be awaited instead of something, so that its pieces are reported."""
+        """An awaitable in place of something, which reports its pieces."""
         return _Steps(self, awaitable, where, what)
 
     def begin(self, where: Where, what: str) -> int:

@@ -165,7 +165,7 @@ class Timeline:
         return list(dict.fromkeys(span.lane for span in self.busy))
 
     def __str__(self) -> str:
-        """What each thread did, in words; a run of the same is told once."""
+        """What each thread did, in words; repetitions appear once."""
         if not self.busy:
             return _EMPTY
         lines = []

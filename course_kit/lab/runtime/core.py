@@ -117,7 +117,7 @@ class Lab:
         return self.recorder
 
     def attach_panel(self, key: Hashable, close: Callable[[], None]) -> None:
-        """Have a panel closed with the lab, or before another one of the same key is attached."""
+        """Have a panel closed with the lab, or before a new one with the same key is attached."""
         before = self._panels.pop(key, None)
         if before is not None:
             before()

@@ -120,7 +120,7 @@ class Engine:
             )
 
     def call_back(self, function: Callable[[], object]) -> None:
-        """Call a function of the learner's on the lab's thread; what it raises is told."""
+        """Call a learner's function on the lab's thread; report what it raises."""
         begun = time.monotonic()
         try:
             function()

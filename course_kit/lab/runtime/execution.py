@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from course_kit.lab.runtime.executor import LabExecutor
     from course_kit.ros.messages import Message
 
-    Execute = Callable[[ServerGoalHandle], Message]  # an execute callback; of one with `async`, what is to be awaited
+    Execute = Callable[[ServerGoalHandle], Message]  # an execute callback; one with `async` returns an awaitable
 
 
 class Execution:
@@ -87,7 +87,7 @@ class Execution:
             self._ended = True
 
     def stop(self) -> None:
-        """Have it end soon; what it returns or raises is of no interest any more."""
+        """Have it end soon; ignore what it returns or raises."""
         self.stopped = True
         self._go_on()
         thread = self.thread
@@ -209,7 +209,7 @@ def _hold(patches: Patches, owner: Any, method: str, lock: AbstractContextManage
 def execute_apart(
     patches: Patches, executions: Executions, crashed: Callable[[BaseException, CallbackRun], None]
 ) -> None:
-    """Have goals executed by `executions`, and `crashed` told of what raises."""
+    """Have `executions` execute goals; `crashed` gets what they raise."""
     execute_goal = ActionServer._execute_goal  # noqa: SLF001 - all of a server's goals pass here, however they are begun
 
     async def execute_goal_apart(

@@ -1,6 +1,6 @@
 """The executor of the lab, rclpy's single-threaded one, which outlives the errors of callbacks; its thread and context.
 
-Ending a process while a thread is inside rcl_wait aborts it ("terminate called"). So the thread is told to stop,
+Ending a process while a thread is inside rcl_wait aborts it ("terminate called"). So the thread is asked to stop,
 woken and joined before anything is destroyed; `threading._register_atexit` has that done at interpreter exit
 early enough, before Python begins to take its threads away.
 """

@@ -51,7 +51,7 @@ def test_a_declared_one_needs_no_more_than_its_reason(tiny: Tiny) -> None:
     assert not proof.holds
     assert "Declared as equivalent, but high sees it: another number" in text(proof)
     tiny.declare(entry.format("limits = {}", ""))
-    assert "there is no such mutant any more: another number: limits = {}" in text(tiny.prove())
+    assert "this mutant no longer exists: another number: limits = {}" in text(tiny.prove())
 
 
 def test_a_solution_without_full_marks_proves_nothing(tiny: Tiny) -> None:
