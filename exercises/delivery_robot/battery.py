@@ -12,8 +12,8 @@ The names and types are right already; keep them. The rest is yours.
 - It is low when `percentage` is below `low_fraction`: then `power_supply_health` is DEAD, else GOOD.
 - All of this and each change of a parameter shows in the messages within 1 s.
 - The rate is `publish_hz`: on average the messages come after the right period, give or take a quarter.
-- An invalid value of the three parameters, such as NaN, is refused. The reason names the parameter. What rclpy itself
-  says about a range is enough.
+- An invalid value of the three parameters, such as NaN, is refused. The reason names the parameter. rclpy's own
+  message about a range is enough.
 """
 
 import rclpy

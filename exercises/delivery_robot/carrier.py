@@ -6,17 +6,17 @@ The names and types are right already; keep them. The rest is yours.
   lies at 0.0 m.
 - First the door. Each delivery calls `/door/open` with `data` true, and drives only when the answer says `success`.
   More calls are allowed, also to close the door.
-- Then the way. The robot drives with `speed_mps`: a way takes its length / `speed_mps`, not less, and at most twice
+- Then the way. The robot drives with `speed_mps`: a way takes at least its length / `speed_mps`, and at most twice
   that plus 1 s.
 - There, the goal ends SUCCEEDED with `delivered` true, and `distance` is what the robot drove for it, within 0.05 m.
   The next goal starts from there.
 - Feedback: at least one message with the `phase` `door` before the door answers; while the robot drives at least five
   a second with `driving`. `distance_remaining` begins with the whole way, never grows, and is at most 0.1 m in the
-  last message. `battery` is the `percentage` that `/battery` said last.
+  last message. `battery` is the last `percentage` on `/battery`.
 - When a goal has ended, `/odometry_distance` and `/docked` are right within 0.5 s.
-- No. A room that is not in `room_names` is rejected. While `/battery` says DEAD every goal but `dock` is rejected; it
-  counts from 0.5 s after the message on. A goal is rejected while another one runs, also of two that come in the same
-  instant. The one that runs is not disturbed.
+- No. A room that is not in `room_names` is rejected. While `/battery` says DEAD every goal but `dock` is rejected;
+  this holds from 0.5 s after the message. A goal is rejected while another one runs, also of two that come in the
+  same instant. The one that runs is not disturbed.
 - The door says no: the goal ends ABORTED within 1 s, with `delivered` false, and the robot has not moved. The
   `message` contains the door's.
 - The door says nothing: without an answer for `door_timeout_s` the goal ends ABORTED, not before and at most 2 s

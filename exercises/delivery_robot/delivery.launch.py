@@ -36,7 +36,7 @@
   is cancelled while the door opens.
 - The door dies while it opens: the goal ends ABORTED after `door_timeout_s`, as without an answer, and the carrier
   lives on.
-- The door is back, another one or yours: within 5 s a delivery works again. Your launch file may start it again.
+- When a door is back, yours or another one, a delivery works again within 5 s. Your launch file may start it again.
 - Each program is run by itself, too, as a script: it starts its node, spins it and keeps running, and `rclpy.init()`
   sees the arguments of the command line.
 - A node has to be there within 5 s of the start, after at most 2 s of computing.

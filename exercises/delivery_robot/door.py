@@ -7,8 +7,8 @@ The names and types are right already; keep them. The rest is yours.
 - Close. `data` false closes it: the answer, `success` true, comes within 1 s, also while the door is locked.
 - Locked. While `locked` is true, a request to open is refused within 1 s: `success` false. The `message` then says
   why. When `locked` is false again, the next request opens the door.
-- Not blocked. While the door opens, the node answers everything else at once: requests, also to open, and its
-  parameters. Whoever asked before the door was locked gets it opened.
+- Not blocked. While the door opens, the node answers everything else at once: requests (also to open), and questions
+  about its parameters. A request that came before the door was locked still opens it.
 """
 
 import rclpy

@@ -30,17 +30,17 @@ The names and types of node and topics are right already; keep them. The rest is
   after the one before was answered.
 - A change acts on every command that is sent 0.2 s or more after it was confirmed, and within 1 s on the status line.
   Whoever changes a parameter has an answer within 1 s; nothing else waits meanwhile.
-- An invalid value is refused, and the old value stays in force. The reason names the parameter and states, as a
-  number, the end of its range that the value breaks: `max_velocity must be above 0.0 and at most 5.0`. What rclpy
-  itself says about a range is enough, and for `robot_name` its name is.
+- An invalid value is refused, and the old value stays. The reason names the parameter and states, as a number, the
+  end of its range that the value breaks: `max_velocity must be above 0.0 and at most 5.0`. rclpy's own message about
+  a range is enough; for `robot_name`, naming the parameter is enough.
 - The ends of the ranges: `max_velocity` 0.0 is refused, and so are NaN and infinity for both numbers. No test outside
   the ranges comes closer to them than 0.0001. `max_velocity` 5.0 is valid, and so are `wheel_diameter` 0.01 and 1.0.
 - A value of another type is refused, even an integer for a double, and so is an undeclared parameter. No reason is
   needed there.
 - Together or not at all: when a valid and an invalid value are set atomically, nothing changes.
 - Values given at the start count, on the command line (`--ros-args -p max_velocity:=2.5`) or in a parameter file.
-- An invalid value at the start is never in force, and the program's output names the parameter. Either the node stops
-  with an error: the program ends, and a traceback is enough output. Or the default replaces the value, with a
+- An invalid value at the start never takes effect, and the program's output names the parameter. Either the node
+  stops with an error: the program ends, and a traceback is enough output. Or the default replaces the value, with a
   warning: your logger's `warning()`, or any output that names the parameter.
 - If your answer only defines the class, the grader calls `VelocityLimiter()`, without arguments, and spins it on a
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
