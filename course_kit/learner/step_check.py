@@ -11,7 +11,7 @@ from course_kit.grading.checks import discovery
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import GRADER
+from course_kit.grading.checks.exchange_log import GRADER, NOTHING_SENT
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
@@ -135,8 +135,9 @@ def _describe_failure(failed: Failed, context: CheckContext) -> str:
 
 def _exchange(context: CheckContext, seen: Evidence) -> list[str]:
     """What was sent and what came, one a line."""
-    found = context.record.steps(seen)
-    marks = {True: "->", False: "<-"}
-    return [
-        f"  {marks[arrow.sender == GRADER] if arrow.sender != arrow.receiver else '  '} {arrow.text}" for arrow in found
-    ]
+    lines = []
+    for arrow in context.record.steps(seen):
+        mark = "  " if arrow.sender == arrow.receiver else "->" if arrow.sender == GRADER else "<-"
+        if arrow.text != NOTHING_SENT:
+            lines.append(f"  {mark} {arrow.text.rstrip(': ')}")
+    return lines

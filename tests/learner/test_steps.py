@@ -150,6 +150,8 @@ def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel
         "  -> request /subtract_two_ints: a=5, b=3",
         "  <- response: sum=2",
     ]
+    assert kernel.run(cells_of("00_welcome")["clock"].solution).ok
+    assert kernel.run("%check clock").result["text/plain"].splitlines()[1] == "  <- /ticks: data=1.0"
     counted = kernel.run(
         "from course_kit.learner import progress; progress.read_progress()[0]['01_services/subtract'].passed"
     )

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from course_kit.ros.sequence import Kind
 
 GRADER, NODE = "grader", "your node"
+NOTHING_SENT = "(nothing)"  # the turn of a check that only listens
 _MOST = 8  # steps; what happened before them is left out, and that is said
 _LONGEST = 110  # characters of a step's text
 _LONGEST_TEXT = 40  # of a text in a message

@@ -13,7 +13,7 @@ from course_kit.grading.checks.answers import Answer, Change, describe_wanted, d
 from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import Exchange, in_one_line
+from course_kit.grading.checks.exchange_log import NOTHING_SENT, Exchange, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
     RemoteParameters,
@@ -414,7 +414,7 @@ class GradedNode:
         return self.context.grader_node.inbox(self._end(topic).interface, topic)
 
     def _exchange(self) -> Exchange:
-        return self._turn or self.context.record.add_sent("(nothing)", minor=True)
+        return self._turn or self.context.record.add_sent(NOTHING_SENT, minor=True)
 
 
 def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer: Any) -> OfferedService:

@@ -199,7 +199,8 @@ class Engine:
         at = where_is(sys._current_frames().get(thread_id), self.locate)  # noqa: SLF001 - the documented way to look
         where = f" ({at[0]}: {at[1]})" if at else ""
         owner = turn.node.get_name() if turn.node is not None else "a node"
-        return f"{owner} has been in {name}{where} for {time.monotonic() - turn.since:.0f} s"
+        seconds = time.monotonic() - turn.since
+        return f"{owner} has been in {name}{where}{f' for {seconds:.0f} s' if seconds >= 1.0 else ''}"
 
     def _end_goals(self, ending: list[Node], patience: float = _JOIN) -> None:
         """Nodes are about to be destroyed: end the threads of their goals."""
