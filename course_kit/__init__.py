@@ -32,8 +32,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         os.environ[PATH_VARIABLE] = path
     environment.choose_graph(os.environ.get("JPY_SESSION_NAME", ""))
     environment.apply_settings()  # before rclpy is imported; grading works also where this finds no ROS domain
-    if told := environment.middleware.explain_middleware():
-        sys.stderr.write(f"{told}\n")
+    if reason := environment.middleware.explain_middleware():
+        sys.stderr.write(f"{reason}\n")
     from course_kit import lab
 
     lab.current().notebook.watch_output()

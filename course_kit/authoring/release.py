@@ -161,11 +161,11 @@ def _name(names: Sequence[str]) -> str:
 def _name_folders(names: Iterable[str]) -> str:
     """Files counted by folder: `solutions/ (4), tests/ (210), README.md`."""
     counts = Counter(_folder_of(name) for name in names)
-    shown = [
+    lines = [
         f"{one_line(name)} ({count})" if name.endswith("/") else one_line(name)
         for name, count in sorted(counts.items())
     ]
-    return ", ".join(shown) or "nothing"
+    return ", ".join(lines) or "nothing"
 
 
 def _folder_of(name: str) -> str:

@@ -135,8 +135,8 @@ def find_faults(sets: Corpus, reports: Reports) -> list[Fault]:
     """All that does not hold of one exercise."""
     found = []
     for name, rule in RULES.items():
-        for said in rule(sets, reports):
-            proof, text = said if isinstance(said, tuple) else (None, said)
+        for fault in rule(sets, reports):
+            proof, text = fault if isinstance(fault, tuple) else (None, fault)
             where = _describe_submission(proof, sets.exercise) if proof is not None else ""
             found.append(Fault(sets.exercise.id, name, where, text))
     return found

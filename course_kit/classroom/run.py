@@ -123,15 +123,15 @@ class ClassRun:
         isolated = self.plan.require_isolation
         grading = ClassGrading(self._records, progress, stops, self.hidden_folders, require_isolation=isolated)
         try:
-            kept, groups = self._take_stock()
-            progress.begin(len(self.intake.entries), kept)
+            earlier, groups = self._take_stock()
+            progress.begin(len(self.intake.entries), earlier)
             if groups:
                 graders = graders or start()
                 grading.run(groups, graders)
         finally:
             if graders is not None:
                 graders.close()
-        return self._gradebook([*kept, *grading.done])
+        return self._gradebook([*earlier, *grading.done])
 
     def as_it_is(self) -> Gradebook:
         """The results there are, of what is handed in; nothing is graded."""
@@ -162,13 +162,13 @@ class ClassRun:
         with self.reader:
             ready, groups = submissions.sort_out((self._read(entry, known), known) for entry, known in found)
         here = {entry.student for entry in self.intake.entries}
-        kept = []
+        earlier = []
         for submission, known in ready:
             record = submission.kept_record(known)
-            kept.append(record if record.same_as in here else replace(record, same_as=""))
-            if kept[-1] != known:
-                self._records.keep(kept[-1])
-        return kept, groups
+            earlier.append(record if record.same_as in here else replace(record, same_as=""))
+            if earlier[-1] != known:
+                self._records.keep(earlier[-1])
+        return earlier, groups
 
     def _read(self, entry: Entry, known: GradeRecord | None) -> ClassSubmission:
         exercise = next(exercise for exercise in self.plan.exercises if exercise.id == entry.exercise)

@@ -54,8 +54,8 @@ class ClassSubmission:
         """What an executor is asked to do; None when there is nothing to run."""
         if self.text is None:
             return None
-        shown = self.entry.source
-        return GradingRequest(self.exercise, self.text, shown, self.seed, hidden, require_isolation=require_isolation)
+        name = self.entry.source
+        return GradingRequest(self.exercise, self.text, name, self.seed, hidden, require_isolation=require_isolation)
 
     def report_unreadable(self) -> Report:
         """The report of one that has no text."""
@@ -139,8 +139,8 @@ def read_submission(  # noqa: PLR0913 - what a submission is read for
             return replace(submission, text=text, size=len(text.source.encode(errors="replace")))
     except UnreadableError as problem:
         if not os.path.lexists(path):
-            gone = f"{path.name} is no longer there: it was removed while the class was graded."
-            return ClassSubmission(entry, exercise, seed, problem=gone, status="error")
+            sentence = f"{path.name} is no longer there: it was removed while the class was graded."
+            return ClassSubmission(entry, exercise, seed, problem=sentence, status="error")
         return ClassSubmission(entry, exercise, seed, problem=str(problem), size=_size(path))
     except GradingError as problem:
         return ClassSubmission(entry, exercise, seed, problem=str(problem), size=_size(path), status="error")

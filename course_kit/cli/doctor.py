@@ -163,17 +163,17 @@ def check_settings() -> Finding:
 
 def rclpy_itself() -> Finding:
     """Whether rclpy loads, asked in a separate process: a wrong RMW ends the process that imports it."""
-    said, failed = _run("import rclpy; print(rclpy.__file__)", ROS_DOMAIN_ID="0")  # nothing joins it
+    text, failed = _run("import rclpy; print(rclpy.__file__)", ROS_DOMAIN_ID="0")  # nothing joins it
     if failed:
         advice = "Run ./course lab, which installs it; or source a ROS 2 Jazzy first and delete .venv."
         if os.environ.get("RMW_IMPLEMENTATION"):
             advice = f"RMW_IMPLEMENTATION is {os.environ['RMW_IMPLEMENTATION']}: unset RMW_IMPLEMENTATION."
-        return Finding("rclpy", f"cannot be imported: {said}", "bad", advice)
+        return Finding("rclpy", f"cannot be imported: {text}", "bad", advice)
     try:
         version, place = importlib.metadata.version("ros-rclpy"), "PyPI wheels"
     except importlib.metadata.PackageNotFoundError:
         version = checkup.version_of_package("rclpy") or "of unknown version"
-        place = f"the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {said}"
+        place = f"the ROS 2 {os.environ.get('ROS_DISTRO', '')} in {text}"
     advice = _advice_about_rclpy(version)
     return Finding("rclpy", f"{version} from {place}", "note" if advice else "ok", advice)
 
@@ -230,11 +230,11 @@ def check_interfaces() -> Finding:
     program = (
         "from example_interfaces.srv import AddTwoInts as T; T.__class__.__import_type_support__(); print(T.__module__)"
     )
-    said, failed = _run(program)
+    text, failed = _run(program)
     if not failed:
         return Finding("message types", "example_interfaces and course_interfaces can be imported in any program")
     return Finding(
-        "message types", said, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
+        "message types", text, "bad", "Delete .venv and run ./course lab: it builds the small library they need."
     )
 
 

@@ -282,12 +282,12 @@ def _watch(options: argparse.Namespace) -> int:
 def _list(options: argparse.Namespace) -> int:
     from course_kit.learner import course_list
 
-    rows, told = course_list.list_rows()
+    rows, problems = course_list.list_rows()
     if options.format == "json":
         print_json(course_list.format_json(rows))
     else:
         print(course_list.format_list(rows))
-    for sentence in told:
+    for sentence in problems:
         note(sentence)
     return 0
 
@@ -298,9 +298,9 @@ def _drills(options: argparse.Namespace) -> int:
     if options.drill is not None:
         print(course_list.begin_drill(options.drill))
         return 0
-    text, told = course_list.describe_drills()
+    text, problems = course_list.describe_drills()
     print(text)
-    for sentence in told:
+    for sentence in problems:
         note(sentence)
     return 0
 

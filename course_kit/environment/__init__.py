@@ -181,8 +181,8 @@ def heed_interrupts() -> None:
 
 
 def _apply_defaults() -> dict[str, str]:
-    if told := middleware.choose_middleware():
-        sys.stderr.write(f"course-kit: {told}\n")
+    if problem := middleware.choose_middleware():
+        sys.stderr.write(f"course-kit: {problem}\n")
     made = default_settings()
     for name, value in made.items():
         if os.environ.get(name) in _PROFILES:  # inherited from a process in which the user had chosen otherwise

@@ -91,8 +91,8 @@ class Reaction:
 
 def describe_fields(fields: Sequence[float]) -> str:
     """The fields of a geometry_msgs/Twist that are not 0."""
-    told = [f"{name}={value:.6g}" for name, value in zip(_NAMES, fields, strict=True) if value != 0.0]
-    return ", ".join(told) or "all fields 0"
+    parts = [f"{name}={value:.6g}" for name, value in zip(_NAMES, fields, strict=True) if value != 0.0]
+    return ", ".join(parts) or "all fields 0"
 
 
 def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reaction:
@@ -124,15 +124,15 @@ def cause_of(
         return True, "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     others = [name for name in names if name != _NAMES[0]]
     if others:
-        told = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
-        return False, None, told
+        hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
+        return False, None, hint
     if names:
-        told = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
+        hint = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
         if _is_close(got.fields[0], fields[0]):
-            told = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
+            hint = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
         elif _is_close(got.fields[0], -right.fields[0]):
-            told = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
-        return False, "math.formula", told
+            hint = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
+        return False, "math.formula", hint
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     slips = (
         (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
@@ -142,10 +142,10 @@ def cause_of(
         (_ratio(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
-    usual = [told for value, told in slips if _is_close(got.wheel, value)]
+    usual = [hint for value, hint in slips if _is_close(got.wheel, value)]
     if not usual and abs(got.wheel - right.wheel) <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        told = "Digits were lost in the calculation: look for //, int() and round()."
-        return True, "math.integer_division", told
+        hint = "Digits were lost in the calculation: look for //, int() and round()."
+        return True, "math.integer_division", hint
     none = "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
     return True, "math.formula", (usual or [none])[0]
 
@@ -314,8 +314,8 @@ class LimiterSteps(Model):
             return
         if "one_each" not in self.lost:
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
-        told = "; ".join(filter(None, (sent, f"{COMMAND}: {describe_fields(fields)}")))
-        evidence = Evidence(told, str(right), str(got))
+        text = "; ".join(filter(None, (sent, f"{COMMAND}: {describe_fields(fields)}")))
+        evidence = Evidence(text, str(right), str(got))
         failed = self.explain_reaction(node, evidence, fields, got)
         raise self.blame(node, failed, lambda model: model.drive(node, fields))
 

@@ -276,9 +276,9 @@ class RobotModel(Model):
 
     def note_arrival(self, move: Move) -> Move:
         """The robot is then where the result says, unless that is nowhere in the arena."""
-        said = _moves.place_of(move.ended.result.final_position)
-        if all(-1.0 <= value <= ARENA + 1.0 for value in said):
-            self.at = said
+        place = _moves.place_of(move.ended.result.final_position)
+        if all(-1.0 <= value <= ARENA + 1.0 for value in place):
+            self.at = place
         else:
             self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         return move

@@ -106,12 +106,12 @@ def _not_here(result: MarkedAnswers) -> str:
         for marks in result.marks
         if marks.pattern.code or marks.reason.code
     ]
-    said = f"{len(result.marks) - len(unfinished)} of {len(result.marks)} answers are complete."
+    text = f"{len(result.marks) - len(unfinished)} of {len(result.marks)} answers are complete."
     if unfinished:
-        said += f" Still to do: {'; '.join(unfinished)}."
+        text += f" Still to do: {'; '.join(unfinished)}."
     return (
         "your instructor marks the scenarios of this seed, whose answers are not in this edition of the course. "
-        f"{said} To practise, leave the seed out."
+        f"{text} To practise, leave the seed out."
     )
 
 

@@ -246,8 +246,8 @@ def declared(node: GradedNode) -> Evidence:
 def types(node: GradedNode) -> Evidence:
     """Each parameter has its type."""
     found = {name: value.type for name, value in node.parameters(NODE).values(list(TYPES)).items()}
-    told, wanted = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, TYPES))
-    evidence = Evidence("get_parameters", wanted, told)
+    listed, wanted = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, TYPES))
+    evidence = Evidence("get_parameters", wanted, listed)
     if empty := [name for name, kind in found.items() if kind == NOT_SET]:
         why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
         raise Failed(evidence, why, "parameter.default")

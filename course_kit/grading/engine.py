@@ -90,19 +90,19 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if seed is None:
         seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
     if path is not None:
-        shown = submission.decode_name(str(path))
+        name = submission.decode_name(str(path))
         try:
             return _grade_file(exercise, Path(path), seed, worker, only=only, require_isolation=require_isolation)
         except submission.UnreadableError as problem:
-            return report_unreadable(exercise, shown, submission.decode_name(str(problem)))
+            return report_unreadable(exercise, name, submission.decode_name(str(problem)))
     if attach and require_isolation:
         raise GradingError(
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
         )
-    shown = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
+    name = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
-        return _grade(exercise, job, shown, used, require_isolation)
+        return _grade(exercise, job, name, used, require_isolation)
 
 
 def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, **wishes: Any) -> Report:
@@ -112,8 +112,8 @@ def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, exercise)
-        shown = submission.decode_name(str(path))
-        return grade_submission(GradingRequest(exercise, text, shown, seed, **wishes), used)
+        name = submission.decode_name(str(path))
+        return grade_submission(GradingRequest(exercise, text, name, seed, **wishes), used)
 
 
 def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:
@@ -123,9 +123,9 @@ def grade_submission(request: GradingRequest, worker: Worker | None = None) -> R
     job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
     missing = [name for name in request.exercise.files if name not in request.text.files]
     note = f"missing: {', '.join(missing)}" if missing else request.text.note
-    shown = f"{request.shown} ({note})" if note else request.shown
+    title = f"{request.shown} ({note})" if note else request.shown
     with Worker() if worker is None else nullcontext(worker) as used:
-        return _grade(request.exercise, job, shown, used, request.require_isolation)
+        return _grade(request.exercise, job, title, used, request.require_isolation)
 
 
 def report_unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:

@@ -381,10 +381,10 @@ def _put_all_on_stdout(shell: InteractiveShell) -> None:
 @contextmanager
 def _errors_of_c_code_on_stdout() -> Iterator[None]:
     """ROS 2 logs there."""
-    kept = os.dup(_STDERR)
+    stderr = os.dup(_STDERR)
     os.dup2(_STDOUT, _STDERR)
     try:
         yield
     finally:
-        os.dup2(kept, _STDERR)
-        os.close(kept)
+        os.dup2(stderr, _STDERR)
+        os.close(stderr)

@@ -249,6 +249,6 @@ def prepare_workspace(workspaces: Path) -> None:
             return
         data = content["data"]
         layout = {**data[_LAYOUT], "main": json.loads(first)["data"][_LAYOUT]["main"]}
-        kept = {name: value for name, value in data.items() if name.startswith("file-browser")}
-        content["data"] = {**kept, _LAYOUT: layout}
+        values = {name: value for name, value in data.items() if name.startswith("file-browser")}
+        content["data"] = {**values, _LAYOUT: layout}
         environment.write_atomically(file, json.dumps(content))

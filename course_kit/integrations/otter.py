@@ -39,8 +39,8 @@ def check(exercise: str, name: str, *, seed: int | None = None) -> None:
     report = magics_of_notebook("otter.check").report(exercise, seed)
     if report is None:
         raise AssertionError(nothing_from(exercise))
-    if told := feedback(report, name):
-        raise AssertionError(told)
+    if text := feedback(report, name):
+        raise AssertionError(text)
 
 
 def feedback(report: Report, name: str) -> str:

@@ -60,11 +60,11 @@ class SubmissionCells:
         """Any cell is about to run."""
         marked = _MARK.match(source)
         for exercise, cells in self._cells.items():
-            gone = set(deleted)
+            deleted_cells = set(deleted)
             if cell_id is not None and not (marked and marked[1] == exercise):
-                gone.add(cell_id)  # its mark was removed, or names another exercise
-            self._cells[exercise] = {key: cell for key, cell in cells.items() if key not in gone}
-            self._gone.update(dict.fromkeys(gone, datetime.now().astimezone()))
+                deleted_cells.add(cell_id)  # its mark was removed, or names another exercise
+            self._cells[exercise] = {key: cell for key, cell in cells.items() if key not in deleted_cells}
+            self._gone.update(dict.fromkeys(deleted_cells, datetime.now().astimezone()))
 
     def note_unmarked(self, source: str, number: int) -> None:
         """Any cell was run."""
@@ -96,27 +96,27 @@ class SubmissionCells:
         """What the notebook shows and is not graded, a sentence each."""
         graded = self.cells_of(exercise)
         saved = _SavedNotebook.read_saved()
-        said = []
+        notes = []
         if any(not cell.number for cell in graded):
-            said.append(
+            notes.append(
                 f"A cell that begins with %%submission {exercise} was not run since the kernel started. It was graded, "
                 "too, as it would be in a class. Delete it if it does not belong to your answer."
             )
         for cell_id, cell in self._cells.get(exercise, {}).items():
             now = saved.sources.get(cell_id)
             if cell in graded and now is not None and saved.is_newer_than(cell) and now.strip() != cell.source.strip():
-                said.append(
+                notes.append(
                     f"In[{cell.number}] was edited after you ran it (saved at {saved.when:%H:%M:%S}). "
                     "Run it again to have the change graded."
                 )
         last = max((cell.number for cell in graded), default=0)
         classes = {name for cell in graded for name in _CLASS.findall(cell.source)}
-        said += [
+        notes += [
             f"In[{number}] defines {name} again, without %%submission {exercise} in its first line: it is not graded."
             for name, number in self._unmarked.items()
             if name in classes and number > last
         ]
-        return said
+        return notes
 
 
 @dataclass

@@ -104,8 +104,8 @@ def _all_fit(values: Collection[Any], kind: FieldType, rules: list[Rule]) -> boo
 
 def _one_by_one(value: bytes | bytearray) -> str:
     """How some bytes are written as the elements of a byte[]; the first two tell it."""
-    shown = ", ".join(repr(bytes([number])) for number in value[:2])
-    return f"[{shown}{', ...' if len(value) > 2 else ''}]"  # noqa: PLR2004
+    text = ", ".join(repr(bytes([number])) for number in value[:2])
+    return f"[{text}{', ...' if len(value) > 2 else ''}]"  # noqa: PLR2004
 
 
 def _is_accepted_as_is(name: str, kind: FieldType, value: object) -> bool:

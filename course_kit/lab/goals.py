@@ -183,10 +183,10 @@ class Goal:
 
     def __repr__(self) -> str:
         fields = copy_message(self.request)
-        shown = ", ".join(f"{name}={value!r}" for name, value in fields.items()) if isinstance(fields, dict) else ""
+        text = ", ".join(f"{name}={value!r}" for name, value in fields.items()) if isinstance(fields, dict) else ""
         # Whether it is executing already is a matter of microseconds; a stored notebook shows the same each time.
         state = "accepted" if self.status in {"ACCEPTED", "EXECUTING"} else self.status
-        return f"Goal({shown}) for {self.action}: {state}"
+        return f"Goal({text}) for {self.action}: {state}"
 
     def _wait_for_end(self, timeout: float) -> Wait:
         tracker = self._tracker

@@ -177,8 +177,8 @@ def show_arguments(file: Path) -> str:
     context = LaunchContext({}, file)
     for argument in _list_declared(load_description(file).entities, context):
         declared.setdefault(argument.name, argument)
-    shown = "\n\n".join(_describe_argument(argument, context) for argument in declared.values()) or "  No arguments."
-    return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{shown}"
+    text = "\n\n".join(_describe_argument(argument, context) for argument in declared.values()) or "  No arguments."
+    return f"Arguments (pass arguments as '<name>:=<value>'):\n\n{text}"
 
 
 def doubt_arguments(given: Iterable[str], declared: Collection[str]) -> list[str]:

@@ -54,5 +54,5 @@ def in_a_sentence(error: Exception, file: Path) -> LaunchError:
     place = place_in(file, error)
     if type(error).__name__ == "PackageNotFoundError":  # of ament_index_python, which says where it has looked, too
         return LaunchError(f"{str(error.args[0]).partition(',')[0].capitalize()}.", place)
-    said = str(error) if isinstance(error, ImportError) else f"{type(error).__name__}: {error}"
-    return LaunchError(said, place)
+    text = str(error) if isinstance(error, ImportError) else f"{type(error).__name__}: {error}"
+    return LaunchError(text, place)

@@ -61,9 +61,9 @@ class LaunchedProcess:
         )
         self.streams: dict[IO[bytes], tuple[LineReader, bool]] = {}
         pipes = ((self.process.stdout, show_stdout), (self.process.stderr, show_stderr))
-        for stream, shown in pipes:
+        for stream, screen in pipes:
             if stream is not None:
-                self.streams[stream] = (LineReader(stream.fileno()), shown)
+                self.streams[stream] = (LineReader(stream.fileno()), screen)
 
 
 class LaunchService:
@@ -189,10 +189,10 @@ class LaunchService:
                 self._take_output(*key.data)
 
     def _take_output(self, child: LaunchedProcess, stream: IO[bytes]) -> None:
-        lines, shown = child.streams[stream]
+        lines, screen = child.streams[stream]
         for line in lines.read():
             text = line.rstrip("\r")
-            self.say(f"[{child.label}] {text}", shown=shown)
+            self.say(f"[{child.label}] {text}", shown=screen)
         if lines.ended:
             self._selector.unregister(stream)
 

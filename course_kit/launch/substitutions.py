@@ -129,11 +129,11 @@ class Command(Substitution):
             raise LaunchError(f"Command({command!r}) has not ended within {_COMMAND_S:.0f} s.") from None
         except OSError as error:
             raise LaunchError(f"Command({command!r}) cannot be run: {error.strerror}.") from None
-        said = done.stderr.strip()
+        errors = done.stderr.strip()
         if done.returncode:
-            raise LaunchError(f"Command({command!r}) failed with exit code {done.returncode}. {said}".strip())
-        if said:
-            raise LaunchError(f"Command({command!r}) wrote to stderr: {said}")
+            raise LaunchError(f"Command({command!r}) failed with exit code {done.returncode}. {errors}".strip())
+        if errors:
+            raise LaunchError(f"Command({command!r}) wrote to stderr: {errors}")
         return done.stdout
 
 

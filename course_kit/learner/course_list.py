@@ -60,9 +60,9 @@ def list_rows(folder: Path | None = None, *, practice: bool = False) -> tuple[li
     loaded = [_load(name, folder) for name in sorted(names)]
     listed = [exercise for exercise in loaded if isinstance(exercise, Exercise) and exercise.practice == practice]
     found = [Row(exercise, records.get(exercise.id, progress.ProgressRecord())) for exercise in listed]
-    told = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
+    problems = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
     found.sort(key=lambda row: (row.exercise.order, row.exercise.id))
-    return found, [sentence for sentence in told if sentence]
+    return found, [sentence for sentence in problems if sentence]
 
 
 def _load(name: str, folder: Path | None) -> Exercise | str:
@@ -196,7 +196,7 @@ def _comparison(exercise: Exercise | None) -> str:
 
 def describe_drills() -> tuple[str, list[str]]:
     """All drills with their symptoms, a cross for each that is done, and what to tell the user about unusable files."""
-    found, told = list_rows(practice=True)
+    found, problems = list_rows(practice=True)
     lines = ["Small repairs, five to ten minutes each: practice without points.", ""]
     for row in found:
         mark, done = ("x", ": done") if row.known.passed else (" ", "")
@@ -206,7 +206,7 @@ def describe_drills() -> tuple[str, list[str]]:
     following = next((row.exercise.id for row in found if not row.known.passed), None)
     if following is not None:
         lines.append(f"Next: {environment.course_command()} drills {following}")
-    return "\n".join(lines), told
+    return "\n".join(lines), problems
 
 
 def begin_drill(drill_id: str) -> str:

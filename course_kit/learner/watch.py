@@ -59,11 +59,11 @@ def watch_file(exercise_id: str, path: Path | None = None) -> int:
 def wait_for_saves(path: Path, stop: threading.Event, poll_s: float = _POLL_S) -> Iterator[None]:
     """Yield once at the beginning and once after each save, when the file has come to rest; ends when `stop` is set."""
     seen = before = None
-    gone = 0
+    misses = 0
     while not stop.wait(poll_s):
         now = _signature(path)
-        gone = gone + 1 if now is None else 0
-        if gone == _GONE_POLLS:
+        misses = misses + 1 if now is None else 0
+        if misses == _GONE_POLLS:
             print(f"{path} is gone. Waiting for it to come back.", flush=True)
         if now is not None and now == before and now != seen:
             seen = now

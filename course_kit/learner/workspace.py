@@ -89,12 +89,12 @@ def bring_up_to_date(folder: Path, course: Mapping[str, bytes], *, restore: bool
     if (now := {**known, **handed_out}) != known:
         manifest = {"format_version": _FORMAT_VERSION, "handed_out": now}
         environment.write_atomically(folder / environment.paths.MANIFEST, f"{json.dumps(manifest, indent=1)}\n")
-    told = [f"New version of {', '.join(renewed)}; you had not changed the old one."] if renewed else []
+    lines = [f"New version of {', '.join(renewed)}; you had not changed the old one."] if renewed else []
     if beside:
-        told.append(
+        lines.append(
             f"You have changed files that have a new version. Yours stay; the new version of {', '.join(beside)}."
         )
-    return told
+    return lines
 
 
 def clear_for_learner(name: str, content: bytes) -> bytes:

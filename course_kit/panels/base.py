@@ -69,8 +69,8 @@ class WordedWidget:
         return still(self.describe())
 
     def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
-        shown = self.widget._repr_mimebundle_(**options) or {}
-        bundle: dict[str, Any] = dict(shown[0] if isinstance(shown, tuple) else shown)  # anywidget adds metadata
+        data = self.widget._repr_mimebundle_(**options) or {}
+        bundle: dict[str, Any] = dict(data[0] if isinstance(data, tuple) else data)  # anywidget adds metadata
         bundle["text/plain"] = self.describe()
         bundle["text/html"] = self.still()
         return bundle

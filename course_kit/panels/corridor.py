@@ -177,17 +177,17 @@ class CorridorPicture(GoalFollower):
     def _show(self, standing: GoalState) -> None:
         if not self._ended:
             self._ask_who_is_new()
-        said = status_line(standing, f'The delivery to "{standing.asked.room}"' if standing.asked is not None else "")
+        text = status_line(standing, f'The delivery to "{standing.asked.room}"' if standing.asked is not None else "")
         if standing.result is not None and standing.result.message:
-            said += f" Its message: {standing.result.message}."
+            text += f" Its message: {standing.result.message}."
         with self._lock:
             picture, words, target = self._draw(), self._journey.describe(), self._journey.target
             self.widget.rooms = list(self._journey.rooms)
-        own = said if standing.is_running or not target else ""  # somebody else has sent it off since
+        own = text if standing.is_running or not target else ""  # somebody else has sent it off since
         self.widget.view = {
             "picture": picture,
             "line": _ENDED if self._ended else f"{own} {words}".strip(),
-            "said": said,
+            "said": text,
             "running": standing.is_running and not self._ended,
             "tone": standing.tone,
             "ended": self._ended,

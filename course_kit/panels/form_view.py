@@ -66,8 +66,8 @@ class ServiceForm(Panel):
     def still(self) -> str:
         """The form with what is in its fields, and what came last."""
         outcome = self.widget.outcome
-        said = [f"{name}: {value}" for name, value in outcome.get("rows", ())] or [outcome.get("text", "")]
-        picture = form(self.widget, "Request", "Send request", said=said)
+        lines = [f"{name}: {value}" for name, value in outcome.get("rows", ())] or [outcome.get("text", "")]
+        picture = form(self.widget, "Request", "Send request", said=lines)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
@@ -119,7 +119,7 @@ class ServiceForm(Panel):
 @contextmanager
 def _catch_prints() -> Iterator[io.StringIO]:
     """What nodes print and log meanwhile: outside of a cell there is no place where a notebook would show it."""
-    kept = io.StringIO()
-    with redirect_stdout(kept), redirect_stderr(kept):
-        yield kept
+    output = io.StringIO()
+    with redirect_stdout(output), redirect_stderr(output):
+        yield output
         lab.current().output.drain()

@@ -324,8 +324,8 @@ class ActionPanel(GoalFollower):
     def still(self) -> str:
         """The form with what is in its fields, and what became of the last goal."""
         view = self.widget.view
-        said = [view["status"], *(f"{name}: {value}" for name, value in view["rows"])]
-        picture = form(self.widget, "Goal", "Send goal", "Cancel goal", said=said)
+        lines = [view["status"], *(f"{name}: {value}" for name, value in view["rows"])]
+        picture = form(self.widget, "Goal", "Send goal", "Cancel goal", said=lines)
         return still(self.describe(), picture, "still_panels.css")
 
     def fill(self, values: Values) -> None:
@@ -351,11 +351,11 @@ class ActionPanel(GoalFollower):
     def _show(self, standing: GoalState) -> None:
         progress, errors = standing.progress, self._errors
         refusal = status("REJECTED", "Another goal") if standing.refused is not None and standing.is_running else ""
-        said = status_line(standing, refusal=refusal) or "No goal yet."
+        text = status_line(standing, refusal=refusal) or "No goal yet."
         self.widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
-            "status": _ENDED if self._ended else _NOT_SENT if errors else said,
+            "status": _ENDED if self._ended else _NOT_SENT if errors else text,
             "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
             "running": standing.is_running,
@@ -366,8 +366,8 @@ class ActionPanel(GoalFollower):
 
 def status_line(standing: GoalState, goal: str = "The goal", refusal: str = "") -> str:
     """How things stand, in sentences; empty before the first goal."""
-    said = status(standing.status, goal) if standing.status else ""
-    return " ".join(filter(None, (said, refusal, standing.note)))
+    text = status(standing.status, goal) if standing.status else ""
+    return " ".join(filter(None, (text, refusal, standing.note)))
 
 
 def _rows(standing: GoalState) -> list[list[str]]:

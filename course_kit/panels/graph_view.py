@@ -108,15 +108,15 @@ class GraphView(Panel):
     def _look(self) -> None:
         with self._lock:  # the page and the thread may ask at the same time
             seen = graph.read_graph(self._node, plumbing=self.widget.plumbing)
-            shown, others = picture = (self._with_lab(seen), lab.others())
+            overview, others = picture = (self._with_lab(seen), lab.others())
             if picture == self._drawn:
                 return
             before, self._shown, self._drawn = self._shown, seen, picture
             with self.widget.hold_sync():
-                self.widget.svg = graph_svg(shown, notebooks_by_node(others))
-                self.widget.text = in_lines(shown)
-                if before is not None and (said := news(before, seen)):
-                    self.widget.news = said
+                self.widget.svg = graph_svg(overview, notebooks_by_node(others))
+                self.widget.text = in_lines(overview)
+                if before is not None and (sentence := news(before, seen)):
+                    self.widget.news = sentence
 
     def _with_lab(self, seen: Overview) -> Overview:
         """The graph with the notebook itself, as far as it takes part; without, it is as hidden as ROS hides it."""
@@ -181,6 +181,6 @@ def news(before: Overview, now: Overview) -> str:
     """A sentence for each node that came or left."""
     came = sorted(set(now.nodes) - set(before.nodes))
     left = sorted(set(before.nodes) - set(now.nodes))
-    said = [f"{short_name(node)} has joined the graph." for node in came]
-    said += [f"{short_name(node)} has left the graph." for node in left]
-    return " ".join(said)
+    lines = [f"{short_name(node)} has joined the graph." for node in came]
+    lines += [f"{short_name(node)} has left the graph." for node in left]
+    return " ".join(lines)

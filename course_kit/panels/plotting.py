@@ -116,15 +116,15 @@ def thin_samples(samples: Samples, most: int) -> Samples:
     """At most so many samples, and among them the highest and lowest of each stretch, so that no peak is lost."""
     if len(samples) <= most:
         return samples
-    kept = []
+    places = []
     for stretch in np.array_split(np.arange(len(samples)), most // 2):
         values = samples[stretch, 1]
         if np.isnan(values).all():
-            kept.append(stretch[0])
+            places.append(stretch[0])
             continue
-        kept += sorted({stretch[np.nanargmin(values)], stretch[np.nanargmax(values)]})
-    kept[-1] = len(samples) - 1  # the latest one is shown as text
-    return samples[kept]
+        places += sorted({stretch[np.nanargmin(values)], stretch[np.nanargmax(values)]})
+    places[-1] = len(samples) - 1  # the latest one is shown as text
+    return samples[places]
 
 
 def _quality(topic: str) -> QoSProfile:
@@ -213,10 +213,10 @@ def plot_svg(samples: Sequence[Sequence[float]], span: float, field: str) -> str
             before = at
         else:
             before = -math.inf
-    said = f"The latest value is {finite[-1]:.4g}." if finite else "No message yet."
+    text = f"The latest value is {finite[-1]:.4g}." if finite else "No message yet."
     return draw(
         "still_plot.svg",
-        summary=f"{field} against time. {said}",
+        summary=f"{field} against time. {text}",
         field=field,
         rows=[(y_of(mark), f"{mark:.4g}") for mark in marks],
         columns=[(x_of(mark), f"{mark:.4g}") for mark in _marks(-span, 0.0) if mark >= -span],

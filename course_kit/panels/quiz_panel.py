@@ -198,11 +198,11 @@ class QuizPanel(Panel):
     def _show_marks(self) -> None:
         """Mark each scenario that is answered in full; half an answer is not marked yet."""
         result, complete = self.result, {name for name, pair in self.answers.items() if all(pair)}
-        shown = [marks for marks in result.marks if marks.scenario.id in complete and marks.scenario.has_answer]
+        marked = [marks for marks in result.marks if marks.scenario.id in complete and marks.scenario.has_answer]
         self.widget.marks = {
-            marks.scenario.id: {"pattern": _facts(marks.pattern), "reason": _facts(marks.reason)} for marks in shown
+            marks.scenario.id: {"pattern": _facts(marks.pattern), "reason": _facts(marks.reason)} for marks in marked
         }
-        self.widget.summary = _summary(len(complete), result, shown)
+        self.widget.summary = _summary(len(complete), result, marked)
 
     def _stop(self) -> None:
         self.widget.unobserve_all()
@@ -220,14 +220,14 @@ def _facts(half: HalfMarks) -> dict[str, object]:
 
 def _summary(answered: int, result: quiz.MarkedAnswers, marked: list[Marks]) -> str:
     """The line above the form; what is not marked tells nothing about its points."""
-    said = f"{answered} of {len(result.marks)} answered."
+    text = f"{answered} of {len(result.marks)} answered."
     needed = f"{quiz.PASS_SHARE * result.max_points:g} of {result.max_points:g}"
     if not result.is_final:
-        return f"{said} Your instructor marks these; to pass: {needed} points."
+        return f"{text} Your instructor marks these; to pass: {needed} points."
     if not marked:
-        return f"{said} To pass: {needed} points."
+        return f"{text} To pass: {needed} points."
     if len(marked) < len(result.marks):
         points = sum(marks.points for marks in marked)
-        return f"{said} {points:g} of {in_points(len(marked))} so far; to pass: {needed}."
+        return f"{text} {points:g} of {in_points(len(marked))} so far; to pass: {needed}."
     verdict = "passed" if result.passed else f"not passed yet (to pass: {needed})"
-    return f"{said} {result.points:g} of {in_points(result.max_points)}, {verdict}."
+    return f"{text} {result.points:g} of {in_points(result.max_points)}, {verdict}."

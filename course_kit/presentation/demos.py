@@ -30,13 +30,13 @@ def list_demos(root: Path) -> list[Path]:
 
 def find_notebook(root: Path, name: str) -> Path:
     """The demo or lesson that a speaker names; the first demo for an empty name."""
-    shown = list_demos(root)
+    demos = list_demos(root)
     if not name:
-        return shown[0]
-    everything = [*shown, *sorted((root / LESSONS).glob("*.ipynb"))]
+        return demos[0]
+    everything = [*demos, *sorted((root / LESSONS).glob("*.ipynb"))]
     wanted = name.replace("\\", "/").rstrip("/").rpartition("/")[2].removesuffix(".ipynb").lower().replace("-", "_")
     wanted = wanted.zfill(2) if wanted.isdecimal() else wanted
-    begun = [path for path in shown if wanted and _names(path)[1].startswith(wanted)]
+    begun = [path for path in demos if wanted and _names(path)[1].startswith(wanted)]
     for group in ([path for path in everything if wanted in _names(path)], begun):
         if len(group) == 1 or (group and wanted.isdecimal()):  # lessons have numbers, too: demos come first
             return group[0]
@@ -48,7 +48,7 @@ def find_notebook(root: Path, name: str) -> Path:
     by_name = {title: path.stem for path in everything for title in _names(path)[:2]}
     near = nearest_name(wanted, by_name)
     hint = f" Did you mean {by_name[near]}?" if near else ""
-    raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_join_names(shown)}.")
+    raise PresentationError(f"There is no demo called '{name}'.{hint} The demos: {_join_names(demos)}.")
 
 
 def _names(path: Path) -> tuple[str, ...]:

@@ -48,9 +48,9 @@ def prepare_folder(root: Path, folder: Path, opened: Path) -> None:
             spoken.append(_describe_notebook(path.relative_to(root).as_posix(), _read(path)))
     for path in (folder / FILES).rglob("*.ipynb"):
         with suppress(PresentationError):  # another one that is damaged is no reason not to show this one
-            shown = projected.project_notebook(_read(path))
-            shown.metadata["language_info"] = workspace.language_info()  # or JupyterLab calls it unsaved
-            nbformat.write(shown, path)
+            notebook = projected.project_notebook(_read(path))
+            notebook.metadata["language_info"] = workspace.language_info()  # or JupyterLab calls it unsaved
+            nbformat.write(notebook, path)
     for name, values in _SETTINGS.items():
         path = folder / SETTINGS / name
         path.parent.mkdir(parents=True, exist_ok=True)

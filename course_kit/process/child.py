@@ -84,15 +84,15 @@ class Child:
 
     def end(self, ladder: Ladder) -> bytes:
         """Have it end, by SIGKILL at the latest, and kill what it has started and left behind."""
-        said = b""
+        data = b""
         while ladder.left:
             number, seconds = ladder.take_signal()
             self.send(number)
             with suppress(subprocess.TimeoutExpired):
-                said, _ = self._popen.communicate(timeout=seconds)  # who waits for a full pipe to be read does not end
+                data, _ = self._popen.communicate(timeout=seconds)  # who waits for a full pipe to be read does not end
                 break
         self.kill()
-        return said or b""
+        return data or b""
 
     def wait_or_kill(self, seconds: float) -> int:
         """Its exit code; it is killed when it has not ended by itself within so many seconds."""

@@ -82,8 +82,8 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
 def _answer_request(request: Mapping[str, Any], submission: int, answer: int) -> None:
     # Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
     data = os.pread(submission, os.fstat(submission).st_size, 0)
-    told = look_at(request["name"], io.BytesIO(data), request)
-    told_as_bytes = json.dumps(told).encode()
+    found = look_at(request["name"], io.BytesIO(data), request)
+    told_as_bytes = json.dumps(found).encode()
     if len(told_as_bytes) > contract.ANSWER_BYTES:
         problem = _TOO_MUCH.format(request["name"])
         told_as_bytes = json.dumps({"found": True, "identity": "", "imports": [], "unreadable": problem}).encode()

@@ -119,12 +119,12 @@ def read_literal(tree: ast.Module, variable: str) -> dict[str, object] | None:
         return None
     try:
         if isinstance(values[0], ast.Dict):
-            told: dict[str, object] = {"entries": _entries(values[0], _bound_names(tree))}
+            facts: dict[str, object] = {"entries": _entries(values[0], _bound_names(tree))}
         else:
-            told = {"value": _text(ast.literal_eval(values[0]))}
+            facts = {"value": _text(ast.literal_eval(values[0]))}
     except _NO_LITERAL:
         return None
-    return told if len(json.dumps(told)) < _LONGEST_LITERAL else {"too_large": True}
+    return facts if len(json.dumps(facts)) < _LONGEST_LITERAL else {"too_large": True}
 
 
 def _assigned_value(node: ast.stmt, variable: str) -> ast.expr | None:

@@ -184,8 +184,8 @@ def _names_in_method(value: object) -> Iterator[str]:
 def _describe_absent(names: tuple[str, ...]) -> str:
     """Which names a package does not have, and in which version."""
     package = names[0].partition(":")[0].partition(".")[0]
-    shown = ", ".join(name.replace(":", ".") for name in names)
-    return f"{package}{_version(package)} has no {shown}"
+    text = ", ".join(name.replace(":", ".") for name in names)
+    return f"{package}{_version(package)} has no {text}"
 
 
 def _version(package: str) -> str:

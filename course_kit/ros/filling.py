@@ -92,11 +92,11 @@ def explain_refusal(field: object, value: object, field_type: str, owner: str) -
         elif "/" in field_type:
             example = _example(value, field_type)
         wanted = f"a value of that type, such as {example}"
-    shown = textwrap.shorten(repr(value), 40, placeholder="...")
+    text = textwrap.shorten(repr(value), 40, placeholder="...")
     comma = "," if ", " in owner else ""  # after "position, a geometry_msgs/Point"
     return (
         f"The field {field!r} in {owner}{comma} has the type {ros_word(field_type)} and takes {wanted}; "
-        f"it was given {shown}, {with_article(type(value).__name__)}."
+        f"it was given {text}, {with_article(type(value).__name__)}."
     )
 
 

@@ -75,23 +75,23 @@ class Overview(NamedTuple):
             if is_plumbing(uses[0]):
                 continue
             types = sorted({kind for use in uses for kind in use.types})
-            said = []
+            remarks = []
             if not any(use.role.offers for use in uses):
-                said.append(f"{_MISSING[kind]} {name}.")
+                remarks.append(f"{_MISSING[kind]} {name}.")
             elif kind == "topic" and all(use.role.offers for use in uses):
-                said.append(f"{_UNUSED} {name}.")
+                remarks.append(f"{_UNUSED} {name}.")
             if len(types) > 1:
-                said.append(f"{name} is used with {len(types)} types, which never meet: {', '.join(types)}.")
-            if said:
-                found[kind, name] = said
+                remarks.append(f"{name} is used with {len(types)} types, which never meet: {', '.join(types)}.")
+            if remarks:
+                found[kind, name] = remarks
         return found
 
 
 def read_graph(node: Node, *, plumbing: bool = False, most: int | None = None) -> Overview:
     """The graph as a node sees it, or so many nodes of it."""
-    shown = [name for name in node_names(node) if plumbing or not names.is_hidden(name)][:most]
-    uses = {use for name in set(shown) for use in uses_of(node, name) if plumbing or not is_plumbing(use)}
-    return Overview(tuple(shown), tuple(sorted(uses, key=_order)))
+    visible = [name for name in node_names(node) if plumbing or not names.is_hidden(name)][:most]
+    uses = {use for name in set(visible) for use in uses_of(node, name) if plumbing or not is_plumbing(use)}
+    return Overview(tuple(visible), tuple(sorted(uses, key=_order)))
 
 
 def _order(use: ChannelUse) -> tuple[str, int, bool, str]:

@@ -74,11 +74,11 @@ def boxes_of(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE) 
     remarks = seen.remarks()
     for (kind, name), uses in seen.channels().items():
         types = sorted({kind for use in uses for kind in use.types})
-        said = remarks.get((kind, name), [])
+        texts = remarks.get((kind, name), [])
         lines = [("kind", kind), *(("name", line) for line in _break_name(name))]
         lines += [("types", line) for kind in types for line in _break_name(kind)]
-        lines += [("remark", line) for text in said for line in _break_name(f"⚠ {text}")]
-        boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *said]))
+        lines += [("remark", line) for text in texts for line in _break_name(f"⚠ {text}")]
+        boxes[kind, name] = GraphBox(kind, name, lines, ". ".join([f"{kind} {name}, {', '.join(types)}", *texts]))
     return boxes
 
 
@@ -151,7 +151,7 @@ def count_parts(seen: Overview) -> str:
 def in_sentences(seen: Overview) -> list[str]:
     """Each node and what it does, then what may be amiss."""
     nodes = [box.words for (kind, _), box in boxes_of(seen).items() if kind == NODE]
-    return nodes + [remark for said in seen.remarks().values() for remark in said]
+    return nodes + [remark for texts in seen.remarks().values() for remark in texts]
 
 
 def in_lines(seen: Overview) -> str:
@@ -163,5 +163,5 @@ def in_lines(seen: Overview) -> str:
         lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
         uses = seen.uses_of(node)
         lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
-    remarks = [remark for said in seen.remarks().values() for remark in said]
+    remarks = [remark for texts in seen.remarks().values() for remark in texts]
     return "\n".join(lines + remarks)

@@ -239,5 +239,5 @@ def _require_int64(name: str, given: Sequence[object]) -> None:
 
 
 def _explain_unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
-    shown = textwrap.shorten(repr(value), 60, placeholder="...")
-    return BadFieldError(f"{rule}; {name!r} was given {shown}, {with_article(type(value).__name__)}.{hint}")
+    text = textwrap.shorten(repr(value), 60, placeholder="...")
+    return BadFieldError(f"{rule}; {name!r} was given {text}, {with_article(type(value).__name__)}.{hint}")

@@ -69,7 +69,7 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
     if not steps:
         return ""
     box, places, width = _lifelines(list(names), max(len(name) for name in names.values()))
-    heads = [(name, places[name], _wrap_label(shown, box - 10, 3)) for name, shown in names.items()]
+    heads = [(name, places[name], _wrap_label(label, box - 10, 3)) for name, label in names.items()]
     top = 19 + _LINE * max(len(lines) for _, _, lines in heads)
     rows, y = [], top
     for step, text in steps:

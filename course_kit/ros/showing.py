@@ -71,8 +71,8 @@ class _Copy:
         return copied
 
     def _sequence(self, values: object, length: int, depth: int) -> Plain:
-        kept = values[-self._elements :] if self._last else values[: self._elements]  # type: ignore[index] # it has it
-        copied = [self.copy_value(_as_python(element), depth) for element in kept]
+        part = values[-self._elements :] if self._last else values[: self._elements]  # type: ignore[index] # it has it
+        copied = [self.copy_value(_as_python(element), depth) for element in part]
         if length <= self._elements:
             return copied
         return ["...", *copied] if self._last else [*copied, f"+{length - self._elements} more"]

@@ -36,8 +36,8 @@ def run_checks(graph: Graph) -> list[CheckupResult]:
 
 def _package_check() -> CheckupResult:
     broken = packages.find_damaged_package()
-    said = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.reinstall_command(broken)}"
-    return CheckupResult("package", [said] if broken else [], [])
+    text = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.reinstall_command(broken)}"
+    return CheckupResult("package", [text] if broken else [], [])
 
 
 def version_of_package(name: str) -> str:
@@ -73,8 +73,8 @@ def _qos_check(graph: Graph) -> CheckupResult:
     for topic, publisher, subscription in _pairs(graph):
         severity, reason = _compatibility(publisher, subscription)
         if severity != "OK":
-            said = f"QoS compatibility {severity} found on topic '{topic}': {reason}"
-            (found.errors if severity == "error" else found.warnings).append(said)
+            text = f"QoS compatibility {severity} found on topic '{topic}': {reason}"
+            (found.errors if severity == "error" else found.warnings).append(text)
     return found
 
 

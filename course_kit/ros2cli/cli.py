@@ -37,10 +37,10 @@ def clean_environment(environ: dict[str, str]) -> dict[str, str]:
     clean = {name: value for name, value in environ.items() if name not in {_BOOTSTRAP, "PYTHONHOME"}}
     ours = os.path.join(sys.prefix, "")  # noqa: PTH118
     for name in ("LD_LIBRARY_PATH", "PYTHONPATH"):
-        kept = [folder for folder in clean.get(name, "").split(os.pathsep) if folder and not folder.startswith(ours)]
+        folders = [folder for folder in clean.get(name, "").split(os.pathsep) if folder and not folder.startswith(ours)]
         clean.pop(name, None)
-        if kept:
-            clean[name] = os.pathsep.join(kept)
+        if folders:
+            clean[name] = os.pathsep.join(folders)
     return clean
 
 

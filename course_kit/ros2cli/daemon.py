@@ -175,8 +175,8 @@ def _start() -> bool:
         env=environment.child_environment(),
     )
     assert process.stdout is not None  # noqa: S101 - for the type checker: it is a pipe
-    with process.stdout as said:
-        ready = bool(select.select([said], [], [], _START_WITHIN)[0]) and said.readline() == b"ready\n"
+    with process.stdout as output:
+        ready = bool(select.select([output], [], [], _START_WITHIN)[0]) and output.readline() == b"ready\n"
     process.returncode = 0  # it outlives this process on purpose; no ResourceWarning for that
     return ready
 
@@ -192,14 +192,14 @@ def main() -> None:
     environment.apply_settings()  # while the command that has started us still holds the domain
     daemon_socket = DaemonSocket.for_settings()
     with daemon_socket.listen() as listening:
-        told = os.dup(sys.stdout.fileno())
+        output = os.dup(sys.stdout.fileno())
         _let_go_of_terminal()
         from course_kit.ros2cli.observe import open_observer
 
         with open_observer(name=f"_ros2cli_daemon_{os.environ['ROS_DOMAIN_ID']}") as looking:
             looking.graph(0.0)  # loads the rest of rclpy: who asks first waits no longer than others
-            os.write(told, b"ready\n")
-            os.close(told)
+            os.write(output, b"ready\n")
+            os.close(output)
             _serve(listening, looking, daemon_socket)
 
 

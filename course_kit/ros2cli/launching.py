@@ -55,9 +55,9 @@ class NotebookLaunch(LaunchService):
     def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
         """Start a process that writes into the notebook; a Python program under the runner of scripts."""
         command = description.command
-        shown = list(command)
+        words = list(command)
         if command[0] == sys.executable and command[1].endswith(".py"):
-            shown[1] = Path(command[1]).name
+            words[1] = Path(command[1]).name
             around = [sys.executable, *_RUNNER, self._script, str(os.getpid()), str(self._descriptor)]
             command = [*around, *command[1:]]
         log_format = f"[{label}] [{{severity}}] [{{name}}]: {{message}}"
@@ -69,7 +69,7 @@ class NotebookLaunch(LaunchService):
             environ={**description.environ, **look},
             inherits=(self._descriptor,),
         )
-        child.command = " ".join(["python", *shown[1:2]])
+        child.command = " ".join(["python", *words[1:2]])
         return child
 
     def say(self, text: str, *, shown: bool = True) -> None:

@@ -71,17 +71,17 @@ class Listener:
         self.subscribe(wait=False, raw=options.raw)
         while True:
             received = self.next_message()
-            shown = self._field(received.message)
-            if not self._matches(shown):
+            text = self._field(received.message)
+            if not self._matches(text):
                 continue
             if options.include_message_info:
                 print(f"---Got new message, message info:---\n{received.info}\n---Message data:---", flush=True)
-            if not hasattr(shown, "get_fields_and_field_types"):
-                print(f"{shown}\n---", flush=True)
+            if not hasattr(text, "get_fields_and_field_types"):
+                print(f"{text}\n---", flush=True)
             elif options.csv:
-                print(to_csv(shown, layout), flush=True)
+                print(to_csv(text, layout), flush=True)
             else:
-                print(f"{to_yaml(shown, layout)}---", flush=True)
+                print(f"{to_yaml(text, layout)}---", flush=True)
             if options.once:
                 return
 
@@ -102,13 +102,13 @@ class Listener:
         """The next message."""
         began = time.monotonic()
         timeout = math.inf if self._options.timeout is None else self._options.timeout
-        told = False
+        has_warned = False
         while not self._session.spin_until(lambda: bool(self._inbox.messages), min(_SPIN_S, timeout)):
             waited = time.monotonic() - began
             if waited >= timeout:
                 raise CommandError(f"{self._silence(timeout)} A longer wait: --timeout SECONDS, or none for any time.")
-            if waited >= _WORD_AFTER and not told:
-                told = True
+            if waited >= _WORD_AFTER and not has_warned:
+                has_warned = True
                 sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
         inbox = self._inbox
         return ReceivedMessage(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())

@@ -74,8 +74,8 @@ def _elements(value: Any, layout: Layout, field_type: str) -> Any:
         if field_type.startswith("sequence<"):
             return f"<sequence type: {field_type[9:-1]}, length: {len(listed)}>"
         return f"<array type: {field_type}>"
-    shown = [to_plain(element, layout) for element in listed[: layout.truncate]]
-    return [*shown, "..."] if len(shown) < len(listed) else shown
+    elements = [to_plain(element, layout) for element in listed[: layout.truncate]]
+    return [*elements, "..."] if len(elements) < len(listed) else elements
 
 
 def to_csv(value: object, layout: Layout) -> str:

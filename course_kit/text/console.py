@@ -13,8 +13,8 @@ CANNOT = 2  # the exit code of a command that could not be carried out
 
 def note(sentence: object) -> None:
     """Say something beside the output of the command; an empty text says nothing."""
-    if told := make_printable(str(sentence)):  # names of files and words of submissions may stand in it
-        sys.stderr.write(f"course-kit: {told}\n")
+    if text := make_printable(str(sentence)):  # names of files and words of submissions may stand in it
+        sys.stderr.write(f"course-kit: {text}\n")
         sys.stderr.flush()
 
 

@@ -167,9 +167,9 @@ def change_parameters(program: ParsedProgram) -> Iterator[Mutation]:
             name = call.args[0].value if isinstance(call.args[0], ast.Constant) else None
             if isinstance(name, str):
                 whole, last = _value_of(program, call), made.body[-1]
-                kept = f"self.read_once_{name.replace('.', '_')}"
-                read = parse_statements(f"{kept} = {ast.unparse(whole)}")
-                yield Mutation("parameter read once", whole, parse_expression(kept), also=(last, [last, *read]))
+                attribute = f"self.read_once_{name.replace('.', '_')}"
+                read = parse_statements(f"{attribute} = {ast.unparse(whole)}")
+                yield Mutation("parameter read once", whole, parse_expression(attribute), also=(last, [last, *read]))
 
 
 def _value_of(program: ParsedProgram, call: ast.Call) -> ast.expr:

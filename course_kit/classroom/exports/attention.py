@@ -133,8 +133,8 @@ def _lacks(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[
     for student, exercise in book.missing:
         missing.setdefault(student, []).append(titles.get(exercise, exercise))
     for student, what in missing.items():
-        told = "everything" if len(what) == len(titles) > 1 else ", ".join(what)
-        yield ListedStudent(called[student], told)
+        missed = "everything" if len(what) == len(titles) > 1 else ", ".join(what)
+        yield ListedStudent(called[student], missed)
 
 
 def _errors(book: Gradebook, called: Mapping[str, StudentLabel], titles: Mapping[str, str]) -> Iterator[AttentionGroup]:

@@ -75,9 +75,9 @@ def _change(key: Key, before: Result | None, now: Result | None) -> ResultChange
 def _read(path: Path) -> Mapping[Key, Result] | None:
     """The results of the last run; None if they cannot be read."""
     try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-        if kept["format_version"] != FORMAT_VERSION:
+        before = json.loads(path.read_text(encoding="utf-8"))
+        if before["format_version"] != FORMAT_VERSION:
             return None
-        return {(student, exercise): (result, digest) for student, exercise, result, digest in kept["results"]}
+        return {(student, exercise): (result, digest) for student, exercise, result, digest in before["results"]}
     except (OSError, ValueError, KeyError, TypeError):
         return None

@@ -133,8 +133,8 @@ def explain_check(check: dict[str, Any]) -> str:
     """What a check has found, for the learner; empty when it passed."""
     if check["status"] == "passed":
         return ""
-    shown = [("We sent", "sent"), ("Expected", "expected"), ("We got", "got")]
-    parts = [f"{label}: {check[key]}" for label, key in shown if check[key]]
+    rows = [("We sent", "sent"), ("Expected", "expected"), ("We got", "got")]
+    parts = [f"{label}: {check[key]}" for label, key in rows if check[key]]
     parts += [check["message"]] if check["message"] else []
     parts += [f"Hint: {check['hint']}"] if check["hint"] else []
     return "\n".join(parts) or STATES[check["status"]]

@@ -146,24 +146,24 @@ class Chooser:
 
     def _without_zips(self, files: list[HandIn]) -> tuple[list[HandIn], list[HandIn]]:
         """A student's files but for zips that could be opened, and what was in these."""
-        kept: list[HandIn] = []
+        fitting: list[HandIn] = []
         opened: list[HandIn] = []
         zips = 0
         for file in files:
             if not self._may_unpack or not file.item.is_zip or file.problem:
-                kept.append(file)
+                fitting.append(file)
                 continue
             zips += 1
             contents = listing.StudentFiles((), problem="one zip too many")
             if zips <= archive.MOST_ZIPS:
                 contents = self._open(file)
             if contents.problem or not (contents.files or contents.unseen):
-                kept.append(file)
+                fitting.append(file)
                 self._leave(file.student, [(file.path, contents.problem or "an empty zip")], "the same")
                 continue
             self._note(file, contents.tools, contents.unseen)
             opened += self._without_kit([file.with_item(item) for item in contents.files])
-        return kept, opened
+        return fitting, opened
 
     def _open(self, file: HandIn) -> listing.StudentFiles:
         if problem := self._listing.fetch([file.item]).get(file.path):
@@ -196,8 +196,8 @@ class Chooser:
         if exercise.files:
             for_it = _as_one(for_it, exercise)
         programs = [file for file in for_it if may_be_submission(file.item, exercise)]
-        told = len(self._exercises) == 1 or bool(for_it and all(file.exercise for file in for_it))
-        alone = told and (len(programs) == 1 or (not programs and len(for_it) == 1))
+        is_named = len(self._exercises) == 1 or bool(for_it and all(file.exercise for file in for_it))
+        alone = is_named and (len(programs) == 1 or (not programs and len(for_it) == 1))
         seen = {file.path: self._summarize_file(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
         for file in programs or for_it:

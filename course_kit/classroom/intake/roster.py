@@ -180,8 +180,8 @@ def _drop_repeated_people(people: list[Person]) -> tuple[Person, ...]:
 def plain_text(text: str) -> str:
     """A text without accents, signs and capitals, words apart by one blank."""
     letters = unicodedata.normalize("NFKD", text.casefold())
-    kept = "".join(letter if letter.isalnum() else " " for letter in letters if not unicodedata.combining(letter))
-    return unicodedata.normalize("NFC", " ".join(kept.split()))
+    plain = "".join(letter if letter.isalnum() else " " for letter in letters if not unicodedata.combining(letter))
+    return unicodedata.normalize("NFC", " ".join(plain.split()))
 
 
 def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -85,5 +85,5 @@ def format_duration(seconds: float) -> str:
     days, rest = divmod(minutes * _MINUTE_S, _DAY_S)
     hours, rest = divmod(rest, _HOUR_S)
     parts = [(days, "d"), (hours, "h"), (rest // _MINUTE_S, "min")]
-    told = [f"{count} {unit}" for count, unit in parts if count]
-    return " ".join(told[:2])
+    pieces = [f"{count} {unit}" for count, unit in parts if count]
+    return " ".join(pieces[:2])

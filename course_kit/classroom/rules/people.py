@@ -56,10 +56,10 @@ class Mistakes:
         require_none([self])
 
     def __str__(self) -> str:
-        told = [what for _, what in sorted(self.found, key=lambda mistake: mistake[0])]
-        more = len(told) - _MOST_TOLD
-        told = [*told[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
-        return f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(told)
+        lines = [what for _, what in sorted(self.found, key=lambda mistake: mistake[0])]
+        more = len(lines) - _MOST_TOLD
+        lines = [*lines[:_MOST_TOLD], *([f"and {more} more"] if more > 0 else [])]
+        return f"{self.path} cannot be used. Correct it, then run this again:\n  " + "\n  ".join(lines)
 
 
 def require_none(files: Iterable[Mistakes]) -> None:
@@ -188,14 +188,14 @@ class StudentTable(Generic[Said]):
     def match_people(self, people: People) -> StudentTable[Said]:
         """The same by the students of a class, called by any of their names; whoever is not in it is a mistake."""
         found: StudentTable[Said] = StudentTable(Mistakes(self.mistakes.path, [*self.mistakes.found]))
-        for (called, exercise), (said, line) in self.said.items():
+        for (called, exercise), (value, line) in self.said.items():
             try:
                 meant = people.students_called(called)
             except ValueError as problem:
                 found.mistakes.add(line, str(problem))
                 continue
             for student in meant:
-                _, before = found.said.setdefault((student, exercise), (said, line))
+                _, before = found.said.setdefault((student, exercise), (value, line))
                 if before != line:
                     found.mistakes.add(line, f"{called} is {student}, who stands in line {before} already")
         return found

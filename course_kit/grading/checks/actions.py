@@ -51,10 +51,10 @@ class Feedback(_GoalInbox[ReceivedFeedback]):
 
     def keep(self, message: Message, received_s: float) -> None:
         """See `Inbox`."""
-        kept = self._of_goals.get(bytes(message.goal_id.uuid))
-        if kept is not None:
-            del kept[_MOST_FEEDBACK - 1 :]
-            kept.append(ReceivedFeedback(bound_message(message.feedback), received_s))
+        changes = self._of_goals.get(bytes(message.goal_id.uuid))
+        if changes is not None:
+            del changes[_MOST_FEEDBACK - 1 :]
+            changes.append(ReceivedFeedback(bound_message(message.feedback), received_s))
 
 
 class Statuses(_GoalInbox[tuple[float, int]]):

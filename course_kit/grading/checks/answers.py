@@ -116,8 +116,8 @@ class Answer(Reply):
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         for path, wanted, got in differences(fields, self.response):
-            said = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
-            self.fail(said, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
+            text = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
+            self.fail(text, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
         return self
 
     def refused(

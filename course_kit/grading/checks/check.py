@@ -107,8 +107,8 @@ def _run(check: Check, context: CheckContext) -> CheckResult:
         return CheckResult(check.id, check.title, "error", check.points, message=text)
     else:
         status, diagnosis, message, steps, graph = "passed", None, "", (), seen.graph
-    told = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
-    return CheckResult(check.id, check.title, status, check.points, *told, graph=graph)
+    details = (seen.sent, seen.expected, seen.got, diagnosis, message, steps)
+    return CheckResult(check.id, check.title, status, check.points, *details, graph=graph)
 
 
 def name_lost_node(context: CheckContext, failed: Failed) -> None:

@@ -106,7 +106,7 @@ class ExchangeLog:
         turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
         if not turns:
             turns = [turn for turn in self._turns if not turn.minor or turn is self._turns[-1]]
-        followed = (step for told in self._followed for step in told())
+        followed = (step for steps in self._followed for step in steps())
         pairs = sorted((*(pair for turn in turns for pair in turn.steps), *followed), key=lambda pair: pair[0])
         found = [step for _, step in pairs]
         if not found:
@@ -133,11 +133,11 @@ def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:
 def in_one_line(message: Message) -> str:
     """A ROS message in one line, `value=21.5, from_unit='celsius'`; nested fields with a dot."""
     fields = list(_fields(message))
-    told = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]
+    listed = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]
     digits = _DIGITS if len(fields) <= _FEW else _FEWER_DIGITS
-    words = [f"{name}={_value(value, digits)}" for name, value in told]
-    if len(told) < len(fields):
-        words.append("the rest 0" if told else "all fields 0")
+    words = [f"{name}={_value(value, digits)}" for name, value in listed]
+    if len(listed) < len(fields):
+        words.append("the rest 0" if listed else "all fields 0")
     return ", ".join(words)
 
 

@@ -188,8 +188,8 @@ class GradedNode:
         for path, expected_value, got in differences(found, message):
             expected, came = f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
             evidence = Evidence(self._last_sent, expected, came)
-            said = why or f"{path or topic} has to be {describe_wanted(expected_value)}, and is {got!r}."
-            raise Failed(evidence, said, diagnosis, breaks=breaks)
+            text = why or f"{path or topic} has to be {describe_wanted(expected_value)}, and is {got!r}."
+            raise Failed(evidence, text, diagnosis, breaks=breaks)
         return message
 
     def expect_nothing(self, *names: str, seconds: float = 0.3, why: str = "", breaks: str = "") -> None:
@@ -221,8 +221,8 @@ class GradedNode:
             got = f"{name}: {in_one_line(self.inbox(name).messages[-1])}"
             self._heard[name] = self.inbox(name).count
             self._exchange().add_received(got, "message")
-            said = why or f"Nothing that we sent calls for this message on {name}."
-            raise Failed(replace(evidence, got=got), said, breaks=breaks)
+            text = why or f"Nothing that we sent calls for this message on {name}."
+            raise Failed(replace(evidence, got=got), text, breaks=breaks)
 
     # --- parameters
 

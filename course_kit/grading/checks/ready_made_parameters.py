@@ -51,8 +51,8 @@ def parameter_declared(
             raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
         if wrong := [name for name, value in defaults.items() if type(found[name].value) is not type(value)]:
             point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
-            told = " and ".join(f"{name} is {found[name].type}" for name in wrong)
-            raise Failed(evidence, f"{told}.{point}", "parameter.type")
+            text = " and ".join(f"{name} is {found[name].type}" for name in wrong)
+            raise Failed(evidence, f"{text}.{point}", "parameter.type")
         if others := {name: found[name].value for name, value in defaults.items() if found[name].value != value}:
             raise Failed(
                 evidence, f"Started without settings, your node has {describe_wanted(others)}.", "parameter.default"
@@ -104,8 +104,8 @@ def parameter_acts(
                 if new == old:
                     why = "Your node accepted the change, but the output is the same as before."
                     code = "parameter.read_once"
-                shown = f"set {describe_values(setting)}; {subscription}: {message}"
-                raise Failed(Evidence(shown, describe_wanted(wanted), str(got)), why, code)
+                text = f"set {describe_values(setting)}; {subscription}: {message}"
+                raise Failed(Evidence(text, describe_wanted(wanted), str(got)), why, code)
             node.set(before).accepted()
 
     return make_check(talk, **declared)
@@ -138,8 +138,8 @@ def parameter_refuses(
             code = "parameter.undeclared" if None in before.values() else "parameter.type"
             change = node.set(setting)
             change.refused(diagnosis="validation.missing" if alike else code)
-            said = change.result.reason
-            if alike and (not said.strip() or any(word not in said for word in reason)):
+            reason_given = change.result.reason
+            if alike and (not reason_given.strip() or any(word not in reason_given for word in reason)):
                 expected = f"refused, with a reason{' that names ' + ' and '.join(reason) if reason else ''}"
                 why = "Your node was right to refuse, but the reason has to say why."
                 change.fail(why, expected=expected, diagnosis="validation.no_reason")

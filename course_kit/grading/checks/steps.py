@@ -200,5 +200,5 @@ class Steps:
 
 
 def _state_of(model: Any) -> str:
-    kept = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
-    return repr({name: value for name, value in kept.items() if not callable(value)})
+    values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+    return repr({name: value for name, value in values.items() if not callable(value)})

@@ -71,7 +71,7 @@ def explain_limit(process: ProcessStatus, job: Job) -> Cause | None:
     computed = (
         limits.cpu_s if process.signal == signal.SIGXCPU else process.cpu_s
     )  # what is dead is not counted any more
-    told = {
+    causes = {
         "time": f"Your program was stopped: it had used the processor for {computed:.0f} s (the "
         f"limits are {limits.cpu_s} s of processor time and {limits.wall_s:g} s in all).",
         "memory": f"Your program needed more than the {limits.memory_mb} MB of memory it may use.",
@@ -79,7 +79,7 @@ def explain_limit(process: ProcessStatus, job: Job) -> Cause | None:
         "processes": f"Your program started more than the {limits.tasks} processes and threads it "
         "may have at the same time.",
     }
-    return (f"limit.{limit}", told[limit]) if limit else None
+    return (f"limit.{limit}", causes[limit]) if limit else None
 
 
 def explain_start(process: ProcessStatus, job: Job) -> Cause:

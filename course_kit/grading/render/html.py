@@ -59,8 +59,8 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
 
 def _failures(report: Report) -> list[tuple[str, str]]:
     """What is said about failures, and by what."""
-    told = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
-    return [*told, (report.title, report.problem)] if report.problem else told
+    failures = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
+    return [*failures, (report.title, report.problem)] if report.problem else failures
 
 
 def get_ready() -> None:

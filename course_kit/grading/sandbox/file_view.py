@@ -93,10 +93,10 @@ def named_paths(words: Iterable[str], folder: str) -> list[str]:
 
 def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
     kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
-    shown = {path for path in places if _is_safe(path)} | set(wanted)
-    is_shown = set(_checkout()) & set(map(os.path.realpath, shown))
+    safe = {path for path in places if _is_safe(path)} | set(wanted)
+    is_shown = set(_checkout()) & set(map(os.path.realpath, safe))
     masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
-    return FileView().with_more(sorted({*_system(), *shown, *kit}), masked)
+    return FileView().with_more(sorted({*_system(), *safe, *kit}), masked)
 
 
 def _links(path: str) -> Iterator[str]:

@@ -66,15 +66,15 @@ class Trial:
     def outcome(self) -> Isolation:
         """Wait until all has been tried; which kinds work. Once only."""
         with os.fdopen(self._reader) as lines:  # one for each kind that works, and reasons after "!"
-            told = [line.rstrip("\n") for line in lines]
+            answers = [line.rstrip("\n") for line in lines]
         os.waitpid(self._child, 0)
         self._folder.cleanup()
-        if self._user and "network" not in told:  # as root of a container that may not map a second user
+        if self._user and "network" not in answers:  # as root of a container that may not map a second user
             alone = Trial(with_guest=False).outcome()
             if alone.network:
                 return alone
-        reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in told if line.startswith("!")))
-        kinds = {name: name in told for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
+        reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in answers if line.startswith("!")))
+        kinds = {name: name in answers for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
         return Isolation(**kinds, root=self._root, reason=reasons)
 
 

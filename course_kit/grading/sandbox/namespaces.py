@@ -56,15 +56,15 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
     """Only a process that stays outside may map more than one number; it has to be root there."""
     own = Path("/proc/self").readlink().name
     maps = [f"{number} {number} 1\n{guest} {guest} 1" for number in (os.geteuid(), os.getegid())]
-    told, tell = os.pipe()
-    stdin = [(os.POSIX_SPAWN_DUP2, told, 0)]
+    ready, tell = os.pipe()
+    stdin = [(os.POSIX_SPAWN_DUP2, ready, 0)]
     try:
         helper = os.posix_spawn(_SHELL, [_SHELL, "-c", _MAP_WHEN_TOLD, _SHELL, own, *maps], {}, file_actions=stdin)
     except OSError:
         os.close(tell)
         raise
     finally:
-        os.close(told)
+        os.close(ready)
     try:
         libc.call_libc("unshare", CLONE_NEWUSER | kinds)
         os.write(tell, b"now\n")

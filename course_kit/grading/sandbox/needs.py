@@ -105,11 +105,11 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
         promised.cpu_s + 1,
         promised.file_mb * _KB,
     )
-    for (what, option, told), least in zip(_RESOURCES, needed, strict=True):
-        allowed = _number(resource.getrlimit(what)[1]) // (_KB if "kB" in told else 1)
+    for (what, option, text), least in zip(_RESOURCES, needed, strict=True):
+        allowed = _number(resource.getrlimit(what)[1]) // (_KB if "kB" in text else 1)
         if allowed < least:
             yield (
-                f"A process may {told.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
+                f"A process may {text.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
     yield from _too_few_tasks(_tasks(promised), guest=guest)

@@ -28,10 +28,10 @@ def print_exception(problem: BaseException) -> None:
 
 
 def _own_part(trace: TracebackType | None) -> TracebackType | None:
-    kept = trace
-    while kept is not None and Path(kept.tb_frame.f_code.co_filename).parent == _OURS:
-        kept = kept.tb_next
-    return kept
+    part = trace
+    while part is not None and Path(part.tb_frame.f_code.co_filename).parent == _OURS:
+        part = part.tb_next
+    return part
 
 
 def note_thread_failure(hook: threading.ExceptHookArgs, evidence: int) -> None:

@@ -114,8 +114,8 @@ class OutputCollector:
 
     def fault(self) -> str:
         """What of the sandbox has failed by itself, for people; empty while all is well."""
-        if told := self._facts.get("problem"):
-            return str(told)
+        if problem := self._facts.get("problem"):
+            return str(problem)
         if self.over and not _ENDS & set(self._facts):
             return "the process that watches the submission was killed, perhaps because the machine is out of memory"
         return ""

@@ -283,15 +283,15 @@ def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: 
 def _describe_value(names: Mapping[str, object], variable: str) -> Record:
     """What a program has set, as texts."""
     own = [str(name)[:_LONGEST_NAME] for name in names if not str(name).startswith("_")]
-    told: Record = {"set_names": own[:_MOST_NAMES]}
+    record: Record = {"set_names": own[:_MOST_NAMES]}
     if variable not in names:
-        return told
+        return record
     value = names[variable]
     if isinstance(value, Mapping):
-        told["entries"] = [[_literal(key), _literal(entry)] for key, entry in value.items()]
+        record["entries"] = [[_literal(key), _literal(entry)] for key, entry in value.items()]
     else:
-        told["value"] = _literal(value)
-    return told if len(json.dumps(told)) < _LONGEST_VALUE else {"set_names": told["set_names"], "too_large": True}
+        record["value"] = _literal(value)
+    return record if len(json.dumps(record)) < _LONGEST_VALUE else {"set_names": record["set_names"], "too_large": True}
 
 
 def _literal(value: object) -> str:

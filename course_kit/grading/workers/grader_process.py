@@ -55,16 +55,16 @@ def main(supervisor: Channel, job: Job, lives: mmap) -> None:
     set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
-    told: Record = {"do": "done", "problem": ""}
+    record: Record = {"do": "done", "problem": ""}
     try:
         _run(supervisor, job, lives)
     except ChannelClosedError:
         return
     except GradingError as problem:
-        told["problem"] = bounds.cut_text(str(problem))
+        record["problem"] = bounds.cut_text(str(problem))
     except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
-        told["problem"] = bounds.cut_text(f"{type(problem).__name__}: {problem}")
-    supervisor.send(told)
+        record["problem"] = bounds.cut_text(f"{type(problem).__name__}: {problem}")
+    supervisor.send(record)
 
 
 def _run(supervisor: Channel, job: Job, lives: mmap) -> None:

@@ -154,8 +154,8 @@ class Notebook:
                 return len(text)
             if threading.current_thread() is threading.main_thread():
                 self._output.drain()
-            if shown := self._limits[name].take(text):
-                write(shown)
+            if words := self._limits[name].take(text):
+                write(words)
             return len(text)
 
         routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
@@ -344,11 +344,11 @@ class CellLimit:
         """What is shown of a text."""
         if self._left <= 0:
             return ""
-        shown = "".join(text.splitlines(keepends=True)[: self._left])
-        self._left -= shown.count("\n")
+        words = "".join(text.splitlines(keepends=True)[: self._left])
+        self._left -= words.count("\n")
         if self._left > 0:
-            return shown
-        return f"{shown}... This cell has printed {LINES:,} lines: the rest is left out.\n"
+            return words
+        return f"{words}... This cell has printed {LINES:,} lines: the rest is left out.\n"
 
 
 _INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)

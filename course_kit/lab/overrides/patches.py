@@ -37,10 +37,10 @@ def quieten_finalizers(patches: Patches) -> None:
     from rclpy.executors import Executor
 
     finalize = Executor.__del__
-    gone = contextlib.suppress(AttributeError, ValueError, InvalidHandle)  # kept: at the very end modules are empty
+    harmless = contextlib.suppress(AttributeError, ValueError, InvalidHandle)  # kept: at the very end modules are empty
 
     def finalize_quietly(executor: Executor) -> None:
-        with gone:
+        with harmless:
             finalize(executor)
 
     patches.set(Executor, "__del__", finalize_quietly)

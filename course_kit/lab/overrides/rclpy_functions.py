@@ -355,7 +355,7 @@ def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback 
     patches: Patches, owner: Any, method: str, place: int, locate: Locate, option: str = "callback"
 ) -> None:
     original: Callable[..., Any] = getattr(owner, method)
-    shown = "ActionServer" if method == "__init__" else method
+    name = "ActionServer" if method == "__init__" else method
 
     @functools.wraps(original)
     def checked(subject: Any, *arguments: Any, **options: Any) -> Any:
@@ -365,7 +365,7 @@ def _require_callable(  # noqa: PLR0913, PLR0917 - a method, where its callback 
             caller = _caller()
             if not callable(given) and caller is not None and is_own(caller.f_code.co_filename):
                 where, line = own_line(caller.f_code.co_filename, caller.f_lineno, locate)
-                raise CallbackError(_no_function(shown, given, where, line))
+                raise CallbackError(_no_function(name, given, where, line))
         return original(subject, *arguments, **options)
 
     patches.set(owner, method, checked)

@@ -66,8 +66,8 @@ class Diagram:
         lines = [self._describe_left_out()] if self.left_out else []
         digits = len(str(len(self.arrows)))
         for number, arrow in enumerate(self.arrows, 1):
-            said = f"{number:>{digits}}. {_ends(arrow)}  {_line(_label(arrow))}"
-            lines += textwrap.wrap(said, WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False)
+            text = f"{number:>{digits}}. {_ends(arrow)}  {_line(_label(arrow))}"
+            lines += textwrap.wrap(text, WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False)
         return "\n".join(lines)
 
     def __repr__(self) -> str:

@@ -268,8 +268,8 @@ class MessageHooks:
             try:
                 await _run(subscription.callback, *arguments)
             finally:
-                for told in tuple(self.on_delivery):
-                    told(subscription)
+                for listener in tuple(self.on_delivery):
+                    listener(subscription)
 
         return self._report_callback(deliver, subscription, "topic")
 

@@ -171,8 +171,8 @@ class Timeline:
         lines = []
         for lane in self.lanes:
             lines.append(lane)
-            said = [_describe_callback(span) for span in self.busy if span.lane == lane]
-            lines += [f"    {text}" for text in dict.fromkeys(said)]
+            spans = [_describe_callback(span) for span in self.busy if span.lane == lane]
+            lines += [f"    {text}" for text in dict.fromkeys(spans)]
         if self.waiting:
             lines.append("waiting to be handled")
             lines += [f"    {text}" for text in dict.fromkeys(_how_long(wait) for wait in self.waiting)]
@@ -208,8 +208,8 @@ class Timeline:
         for span in self.busy:
             if span.lane == lane:
                 kind = "failed" if span.failed else "busy"
-                said = self._words(_describe_callback(span), span)
-                found.append(self._bar(kind, span, _label_callback(span), _TOP + _LANE * number, said))
+                text = self._words(_describe_callback(span), span)
+                found.append(self._bar(kind, span, _label_callback(span), _TOP + _LANE * number, text))
         return _keep_texts_apart(found)
 
     def _bar(self, kind: str, span: CallbackSpan | MessageWait, text: str, y: int, words: str) -> TimelineBar:
@@ -231,9 +231,9 @@ class Timeline:
     def _summary(self) -> str:
         stuck = sum(span.end is None for span in self.busy)
         waits = sum(wait.end is None for wait in self.waiting)
-        said = f"Time lines of {len(self.lanes)} thread{'' if len(self.lanes) == 1 else 's'}."
-        said += f" {stuck} callback{' has' if stuck == 1 else 's have'} not ended." if stuck else ""
-        return said + (f" {waits} message{' is' if waits == 1 else 's are'} not handled." if waits else "")
+        text = f"Time lines of {len(self.lanes)} thread{'' if len(self.lanes) == 1 else 's'}."
+        text += f" {stuck} callback{' has' if stuck == 1 else 's have'} not ended." if stuck else ""
+        return text + (f" {waits} message{' is' if waits == 1 else 's are'} not handled." if waits else "")
 
 
 def _keep_texts_apart(bars: list[TimelineBar]) -> list[TimelineBar]:

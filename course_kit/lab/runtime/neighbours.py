@@ -142,11 +142,11 @@ class Neighbours:
 
     def _tell(self, node: str, sentence: str) -> None:
         """Say it with whose node it is, and what stops it; one that is no notebook's may have been killed just now."""
-        shown = short_name(node)
+        short = short_name(node)
         if script := self._script_nodes().get(node):
-            self._lab.note(f"{sentence.format(f'{shown} of your script {script}')} %ros_stop {script} stops it.")
+            self._lab.note(f"{sentence.format(f'{short} of your script {script}')} %ros_stop {script} stops it.")
         elif title := next((other.title for other in self.others() if node in other.nodes), ""):
-            self._lab.note(f"{sentence.format(f'{shown} of {title}')} {_REMEDY}")
+            self._lab.note(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
         own: dict[tuple[str, graph.Role], int] = {}

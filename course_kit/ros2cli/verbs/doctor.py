@@ -28,8 +28,8 @@ def _doctor(options: Namespace, session: Session) -> None:
 
     failed, found = [], checkup.run_checks(graph_of(options, session))
     for check in found:
-        for said in (*(f"ERROR: {error}" for error in check.errors), *check.warnings):
-            sys.stderr.write(f"UserWarning: {said}\n")
+        for line in (*(f"ERROR: {error}" for error in check.errors), *check.warnings):
+            sys.stderr.write(f"UserWarning: {line}\n")
         if check.errors or (options.include_warnings and check.warnings):
             failed.append(check.category)
     sys.stderr.flush()

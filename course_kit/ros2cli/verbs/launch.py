@@ -34,9 +34,9 @@ def _launch(options: Namespace, session: Session) -> int:
     if session.in_kernel:
         from course_kit.ros2cli.launching import run_and_show
 
-        shown = ["--show-args"] if options.show_args else []
+        option = ["--show-args"] if options.show_args else []
         given = [f"{name}{_SEPARATOR}{value}" for name, value in arguments.items()]
-        return run_and_show([sys.executable, "-m", "course_kit.ros2cli", "launch", *shown, str(file), *given])
+        return run_and_show([sys.executable, "-m", "course_kit.ros2cli", "launch", *option, str(file), *given])
     from course_kit.launch import finder
     from course_kit.launch.errors import LaunchError
 

@@ -79,8 +79,8 @@ def _list(options: Namespace, session: Session) -> None:
     if options.node_name:
         nodes = [_find_node(checked_name(options.node_name), graph)]
     else:
-        shown = visible_names({node: [] for node in graph.nodes}, hidden_too=options.include_hidden_nodes)
-        nodes = [node for node in shown if f"{node}{parameters.LIST_SERVICE}" in graph.services]
+        visible = visible_names({node: [] for node in graph.nodes}, hidden_too=options.include_hidden_nodes)
+        nodes = [node for node in visible if f"{node}{parameters.LIST_SERVICE}" in graph.services]
     for node in nodes:
         client = ParameterClient(session, node, options.timeout)
         listed = client.ask(parameters.ask_names(options.param_prefixes))
