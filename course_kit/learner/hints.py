@@ -71,8 +71,8 @@ def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command:
     count = len(found.rungs)
     lines = _wrap(f"{exercise.title} ({exercise.id}): hints {found.about}")
     for number in range(first + 1, last + 1):
-        shown = ", as in the report" if number <= found.in_report else ""
-        lines += ["", *_wrap(f"Hint {number} of {count}{shown}: {found.rungs[number - 1]}")]
+        where = ", as in the report" if number <= found.in_report else ""
+        lines += ["", *_wrap(f"Hint {number} of {count}{where}: {found.rungs[number - 1]}")]
     lines.append("")
     if not count:
         lines += _wrap("There are no hints for this one. Read the report again.")

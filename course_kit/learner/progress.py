@@ -95,8 +95,8 @@ def update_progress(exercise: str, change: Callable[[ProgressRecord], ProgressRe
             with _lock_file(path):
                 records = _read(path)
                 changed = change(records.pop(exercise, ProgressRecord()))
-                kept = records if changed is None else {**records, exercise: changed}
-                content = {"format_version": FORMAT_VERSION, "exercises": kept}
+                after = records if changed is None else {**records, exercise: changed}
+                content = {"format_version": FORMAT_VERSION, "exercises": after}
                 text = json.dumps(content, indent=1, ensure_ascii=False, default=msgspec.to_builtins)
                 environment.write_atomically(path, text, mode=0o600)  # whole, and nobody else's business
     except (ProgressError, OSError) as problem:
