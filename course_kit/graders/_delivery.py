@@ -154,9 +154,9 @@ def require_arrival(node: GradedNode, goal: GradedGoal, room: str, speed_mps: fl
 
 def require_distance(node: GradedNode, goal: GradedGoal, ended: GoalOutcome, metres: float) -> None:
     """The result says that so many metres were driven for this goal."""
-    node.context.memory["driven"] += (said := ended.result.distance)
-    evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={said:.3f}")
-    require(abs(said - metres) <= NEAR_M, evidence, "The robot drove a different distance for this goal.")
+    node.context.memory["driven"] += (driven_m := ended.result.distance)
+    evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={driven_m:.3f}")
+    require(abs(driven_m - metres) <= NEAR_M, evidence, "The robot drove a different distance for this goal.")
 
 
 def deliver(node: GradedNode, room: str) -> GradedGoal:
@@ -170,11 +170,11 @@ def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: 
     """A goal ends ABORTED in time, with a message in which these words stand; the robot has not moved."""
     expected = f"ABORTED, delivered=False, with a message{f' that contains {words!r}' if words else ''}"
     ended = goal.wait_for_end(within_s, expected)
-    said, took_s = ended.result, goal.clock.wall_s()
-    evidence = Evidence(goal.shown, expected, f"{ended.name} after {took_s:.2f} s, {in_one_line(said)}")
+    result, took_s = ended.result, goal.clock.wall_s()
+    evidence = Evidence(goal.shown, expected, f"{ended.name} after {took_s:.2f} s, {in_one_line(result)}")
     goal.require_status(ended, ABORTED, evidence)
     require(took_s >= after_s, evidence, f"The carrier gave up before {after_s:g} s had passed.")
-    right = not said.delivered and said.message.strip() and words in said.message
+    right = not result.delivered and result.message.strip() and words in result.message
     require(right, evidence, "The result has to say whether the parcel arrived and, if not, why.")
     require_distance(node, goal, ended, 0.0)
 

@@ -196,8 +196,8 @@ class Temperatures(Model):
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
             of_another = any(has_right_formula(value, answer.response.value) for value in values)
-            told = "This is the answer to another client's request" if of_another else "Asked alone, it is different"
-            why = f"{told}: your callback mixes up values of two calls."
+            reason = "This is the answer to another client's request" if of_another else "Asked alone, it is different"
+            why = f"{reason}: your callback mixes up values of two calls."
             answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
 
     def expect_conversion(
@@ -312,24 +312,24 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
     first, off = answers[0][0], max(abs(got - right_value(sample)) for sample, got in answers)
     if any(0.0 < abs(got) < _DENORMAL for _, got in answers):
         return "field.type", "A value so close to zero is an integer that was put into a float field."
-    for mistake, told in _MISTAKES.get((first.from_unit, first.to_unit), ()):
+    for mistake, hint in _MISTAKES.get((first.from_unit, first.to_unit), ()):
         if all(_is_close(got, mistake(sample.value)) for sample, got in answers):
-            return integer if "//" in told else formula, told
+            return integer if "//" in hint else formula, hint
     if first.from_unit == first.to_unit:
         if off < _CALCULATED:
             lost = f"One answer is off by {off:.2g}" if off else "The sign of zero was lost"
             return formula, f"{lost}: a value that needs no conversion was calculated or rounded."
     elif all(_is_close(got, sample.value) for sample, got in answers):
         return formula, "They are the values we sent: nothing was converted."
-    told = "They match none of the usual mistakes; check the factor, the offset and the order by hand."
+    hint = "They match none of the usual mistakes; check the factor, the offset and the order by hand."
     digits_lost = off < (2.0 if floors else 1.0)  # // before a factor of 9/5 loses almost two degrees
     if all(got == 0.0 for _, got in answers):
         why = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
-        told, digits_lost = f"Every value came back as 0: {why}", floors
+        hint, digits_lost = f"Every value came back as 0: {why}", floors
     elif digits_lost:
         why = "digits were lost in the calculation (//, int() or round())."
-        told = f"They are off by at most {off:.2g} degrees: {why}"
-    return (integer if digits_lost else formula), told
+        hint = f"They are off by at most {off:.2g} degrees: {why}"
+    return (integer if digits_lost else formula), hint
 
 
 def _is_close(number: float, other: float) -> bool:

@@ -36,9 +36,9 @@ class ChangedFile:
 
     def carry_out(self) -> None:
         """Save the learner's file, put the starter in its place, and say so; if that fails, the file stays."""
-        kept = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
+        again = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
         try:
-            if kept:
+            if again:
                 saved = self.backup
                 environment.files.write_new(saved, self.file.read_bytes())
                 shutil.copystat(self.file, saved)
@@ -47,7 +47,7 @@ class ChangedFile:
             raise GradingError(
                 f"{self.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
             ) from problem
-        print(f"{shorten_path(self.file)} is the starter{kept}.")
+        print(f"{shorten_path(self.file)} is the starter{again}.")
 
 
 def changed_files(exercise: Exercise, place: Path | None = None) -> list[ChangedFile]:
@@ -97,17 +97,17 @@ def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None)
 
 def earned_solution(exercise_id: str) -> str:
     """The text of the solution."""
-    text, said = _solution(load_exercise(exercise_id))
-    if said:
-        raise GradingError(f"{said[:1].upper()}{said[1:]}")
+    text, sentence = _solution(load_exercise(exercise_id))
+    if sentence:
+        raise GradingError(f"{sentence[:1].upper()}{sentence[1:]}")
     return text
 
 
 def show_solution(exercise_id: str, *, anyway: bool) -> int:
     """Print the solution; 1 when it has to be earned first."""
-    text, said = _solution(load_exercise(exercise_id))
-    if said and not anyway:
-        note(said)
+    text, sentence = _solution(load_exercise(exercise_id))
+    if sentence and not anyway:
+        note(sentence)
         return 1
     print(text, end="")
     return 0
