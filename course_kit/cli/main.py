@@ -74,6 +74,7 @@ def build_parser() -> argparse.ArgumentParser:
     for listed in verbs._choices_actions:  # noqa: SLF001 - each command's --help begins with its line in the list
         line, command = listed.help or "", verbs.choices[listed.dest]
         command.description = command.description or f"{line[:1].upper()}{line[1:]}."
+    parser.set_defaults(commands=verbs.choices)
     for command in _with_commands(parser):
         command.add_argument(
             _EXERCISES,
@@ -159,6 +160,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = build_parser()
     arguments = sys.argv[1:] if arguments is None else arguments
     folders, words = _without_folders(arguments)
+    if words and words[0] not in (commands := parser.get_default("commands")) and not words[0].startswith("-"):
+        from course_kit.ros.names import did_you_mean
+
+        meant = did_you_mean(words[0], commands)
+        return refuse(f"there is no command '{words[0]}'.{meant} {environment.course_command()} --help lists them all.")
     options, others = parser.parse_known_args(words)
     if others and "others" not in options:
         parser.error(f"unrecognized arguments: {' '.join(others)}")

@@ -93,11 +93,8 @@ def explain_diagnosis(code: str) -> str:
 
 def show_graph() -> str:
     """List the nodes, topics, services and actions that run on the learner's ROS graph now."""
-    parts = []
-    for name, *options in _LISTINGS:
-        listed = _run("ros2", name, "list", *options)
-        parts.append(f"{name}s:\n{listed or '(none)'}")
-    return "\n".join(parts)
+    listed = {name: _run("ros2", name, "list", *options) for name, *options in _LISTINGS}
+    return "\n".join(f"{name}s:\n{found or '(none)'}" for name, found in listed.items())
 
 
 def call_service(service: str, service_type: str, request: str = "{}") -> str:
@@ -145,4 +142,5 @@ def _run(command: str, *words: str) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"{' '.join(words)} did not end within {_DEADLINE_S:.0f} s."
-    return done.stdout.strip() or done.stderr.strip()
+    beside = done.stderr if command == "ros2" else ""  # which says there why no answer came
+    return (done.stdout + beside).strip() or done.stderr.strip()

@@ -254,7 +254,7 @@ def page(within: Browser | None = None) -> Iterator[Page]:
         opened.set_default_timeout(PATIENCE_MS)
         expect.set_options(timeout=PATIENCE_MS)
         opened.on("pageerror", lambda error: errors.append(f"{error}\n{error.stack}"))
-        opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+        opened.on("console", lambda said: said.type == "error" and errors.append(f"{said.text} {said.location['url']}"))
         yield opened
         context.close()
     ours = [error for error in errors if not re.search(f"{NOTEBOOK_7_ITSELF}|{KERNEL_ENDED}", error)]

@@ -99,8 +99,10 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
 
     expect(page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
     jupyter.server.end_kernels()
-    open_again(lab)  # another day, another kernel
-    guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
+    with page.expect_request("**/course-kit/guesses") as asked:
+        open_again(lab)  # another day, another kernel
+        guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
+    assert asked.value.headers["x-xsrftoken"]  # JupyterHub refuses it without
     expect(guess).to_contain_text("(your guess)")
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     for place in (graph, docked):

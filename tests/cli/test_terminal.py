@@ -52,3 +52,10 @@ def test_who_grades_as_root_is_told_so_before_anything_is_graded(words: list[str
     assert done.returncode != 0  # there is nothing to grade
     first = (done.stderr.splitlines() or [""])[0]
     assert first.startswith("course-kit: you are grading as root. Use an ordinary account") == (os.geteuid() == 0)
+
+
+def test_a_mistyped_command_is_answered_with_the_one_it_is_like(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["grad", "temperature_service"]) == 2
+    said = capsys.readouterr().err
+    assert "there is no command 'grad'. Did you mean grade?" in said
+    assert "hub-singleuser" not in said  # nor any list of all that there is

@@ -130,6 +130,7 @@ def test_it_shows_the_graph_and_calls_a_service(folder: Path) -> None:
         assert "/ask_me [std_srvs/srv/Trigger]" in graph
         words = {"service": "/ask_me", "service_type": "std_srvs/srv/Trigger"}
         assert "here I am" in said(await client.call_tool("call_service", words))
+        assert "No service /nobody" in said(await client.call_tool("call_service", {**words, "service": "/nobody"}))
 
     ask(folder, talk)
 
