@@ -115,6 +115,15 @@ def hub(session: nox.Session, major: str) -> None:
 
 
 @nox.session(python=False)
+def picture(session: nox.Session) -> None:
+    """The moving picture of lesson 0, filmed anew in Chromium; look at it before you commit it."""
+    with tempfile.TemporaryDirectory(prefix="course-picture-") as pillow:
+        session.run(str(OF_THE_COURSE), "-m", "pip", "install", "--quiet", "--target", pillow, "pillow>=11,<14")
+        environ = {"PYTHONPATH": pillow, "COURSE_KIT_PROGRESS": "off"}
+        session.run(str(OF_THE_COURSE), "-m", "tests.browser.moving_picture", env=environ)
+
+
+@nox.session(python=False)
 def otter(session: nox.Session) -> None:
     """Points of a real Otter-Grader beside ours; it needs `pip install -e ".[bench]"` in the course's environment."""
     asked = "import importlib.util as found; print(found.find_spec('otter') is not None)"
