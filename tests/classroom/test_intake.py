@@ -232,3 +232,73 @@ def test_a_folder_a_notebook_a_zip_and_a_repository_of_a_student_are_one_submiss
     }
     assert {entry.student: entry.worry for entry in found.entries if entry.worry} == {"ben": "missing: guard.py"}
     assert dict(found.left) == {"ben/.git": "a folder of a tool"}
+
+
+@pytest.mark.parametrize("packed", [True, False], ids=["zip", "folder"])
+@pytest.mark.parametrize(
+    ("layout", "named"),
+    [
+        ("canvas", "{last}{first}_{number}_{upload}_{file}"),
+        ("moodle", "{first} {last}_{number}_assignsubmission_file_{file}"),
+        ("moodle", "{first} {last}_{number}_assignsubmission_file/{file}"),
+        ("gradescope", "submission_{number}/{file}"),
+    ],
+    ids=["canvas", "moodle flat", "moodle", "gradescope"],
+)
+def test_several_files_of_a_student_are_one_submission_however_a_platform_names_them(
+    tmp_path: Path, layout: str, named: str, *, packed: bool
+) -> None:
+    exercise = read_exercise(several_files.write(tmp_path / "course"))
+    whole = several_files.FILES
+    handed_in = {
+        ("ann", "lee", 901): {**whole, "own.py": "X = 1", "temperature_service.py": "print(1)"},
+        ("ben", "mo", 902): {name: text for name, text in whole.items() if name != "guard.py"},
+        ("cem", "no", 903): {"temperature_service.py": "print(2)"},
+        ("dee", "po", 904): {"pair.yaml": whole["pair.yaml"]},
+    }
+    files = {
+        named.format(first=first, last=last, number=number, upload=10 * number + place, file=name): text
+        for (first, last, number), of_one in handed_in.items()
+        for place, (name, text) in enumerate(of_one.items())
+    }
+    source = lay_out(tmp_path / "in", files)
+    if packed:
+        with zipfile.ZipFile(tmp_path / "in.zip", "w") as archive:
+            for name, text in files.items():
+                archive.writestr(name, text)
+        source = tmp_path / "in.zip"
+    found = collect(source, SERVICE, exercise, layout=layout)
+    by_number = {(entry.student[-3:], entry.exercise): entry for entry in found.entries}
+    assert sorted(by_number) == [
+        ("901", exercise.id),
+        ("901", SERVICE.id),
+        ("902", exercise.id),
+        ("903", SERVICE.id),
+        ("904", exercise.id),
+    ]
+    read = {key: found.root / entry.source for key, entry in by_number.items()}
+    assert {one.name: one.read_text() for one in read["901", exercise.id].iterdir()} == handed_in["ann", "lee", 901]
+    assert read["901", SERVICE.id].read_text() == "print(1)"
+    assert sorted(one.name for one in read["902", exercise.id].iterdir()) == ["gate.py", "pair.launch.py", "pair.yaml"]
+    assert by_number["902", exercise.id].worry == "missing: guard.py"
+    assert by_number["904", exercise.id].worry == "missing: gate.py, guard.py, pair.launch.py"
+    assert (found.left, found.dropped, found.odd) == ((), (), ())
+
+
+def test_of_loose_files_that_were_uploaded_again_the_last_ones_are_one_submission(tmp_path: Path) -> None:
+    exercise = read_exercise(several_files.write(tmp_path / "course"))
+    names = ["gate.py", "guard.py", "pair.launch.py", "pair.yaml", "gate-1.py", "pair-1.launch.py"]
+    files = {f"leeann_901_{place}_{name}": f"print({place})" for place, name in enumerate(names, start=70)}
+    found = collect(lay_out(tmp_path / "in", files), exercise, layout="canvas")
+    [entry] = found.entries
+    assert {one.name: one.read_text() for one in (found.root / entry.source).iterdir()} == {
+        "gate.py": "print(74)",
+        "guard.py": "print(71)",
+        "pair.launch.py": "print(75)",
+        "pair.yaml": "print(73)",
+    }
+    assert entry.source == "901.contents"
+    assert dict(found.left) == {
+        "leeann_901_70_gate.py": "an earlier upload",
+        "leeann_901_72_pair.launch.py": "an earlier upload",
+    }

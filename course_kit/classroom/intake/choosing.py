@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading.file_copy import Copy
 from course_kit.grading.reading.reader import FileSummary, starter_identities
 from course_kit.reader import text
+from course_kit.reader.files import is_name
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Chooser:
         """Choose among a student's files."""
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
-        files, problems = self._files(units)
+        files, problems = self._files(student, units)
         reasons = {file.path: file.problem for file in files if file.problem}
         choices: list[tuple[Exercise, Candidate, dict[str, str]]] = []
         lost = []
@@ -110,7 +111,7 @@ class Chooser:
         if lost or (not entries and (files or problems)):
             self.dropped.append((student, _join_problems(lost or problems) or _NOT_FOUND))
 
-    def _files(self, units: Sequence[HandIn]) -> tuple[list[HandIn], list[str]]:
+    def _files(self, student: str, units: Sequence[HandIn]) -> tuple[list[HandIn], list[str]]:
         """All files of a student, and what kept some from being found."""
         files: list[HandIn] = []
         problems: list[str] = []
@@ -125,11 +126,33 @@ class Chooser:
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.exercise] == 1 or file.item.name in (STAMP, *self._named)
+            if file.item.is_program or of_exercise[file.exercise] == 1 or file.file_name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         files = [file.with_item(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
-        return files + opened, problems
+        return self._gather(student, files) + opened, problems
+
+    def _gather(self, student: str, files: list[HandIn]) -> list[HandIn]:
+        """A student's files; loose ones of a submission of several, of each name the last upload, lie in one folder."""
+        places: defaultdict[str, dict[str, HandIn]] = defaultdict(dict)
+        found = list(files)
+        for file in sorted(files if self._may_unpack else [], key=lambda one: one.attempt):
+            name, loose = _AGAIN.sub("", file.file_name), places[file.folder]
+            if is_name(name) and (file.item.is_program or name in self._named) and not (file.inside or file.problem):
+                if name in self._named and name in loose:
+                    self.left.append((loose[name].path, "an earlier upload"))
+                    found.remove(loose[name])
+                loose[name] = file
+        for place, loose in places.items():
+            if not self._named & loose.keys():
+                continue
+            folder = f"{place}/{student}{archive.CONTENTS}".removeprefix("/")
+            (self._root / folder).mkdir(exist_ok=True)
+            for name, file in loose.items():
+                found.remove(file)
+                found.append(replace(file, item=Item(f"{folder}/{name}", listing.FILE), inside=folder))
+                (self._root / file.path).rename(self._root / folder / name)
+        return found
 
     def _note(self, unit: HandIn, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
         """List what was found beside a student's files; returns what may have been a submission, as sentences."""
@@ -249,7 +272,8 @@ class Chooser:
 def _as_one(files: Sequence[HandIn], exercise: Exercise) -> list[HandIn]:
     """Files of a submission of several: each folder with some of the wanted ones as one, beside what is in no such."""
     folders = {file.folder: file for file in files if file.file_name in exercise.files and file.inside}
-    found = [replace(file, item=Item(folder, listing.FOLDER)) for folder, file in folders.items()]
+    last = {folder: max(file.attempt for file in files if file.folder == folder) for folder in folders}
+    found = [replace(file, item=Item(folder, listing.FOLDER), attempt=last[folder]) for folder, file in folders.items()]
     return found + [
         file for file in files if file.folder not in folders or text.kind_of_file(file.file_name) == text.NOTEBOOK
     ]
