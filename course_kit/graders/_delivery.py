@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_interfaces.action import Deliver
@@ -11,10 +12,9 @@ from std_srvs.srv import SetBool
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.exchange_log import in_one_line
-from course_kit.grading.checks.graded_goal import ABORTED, SUCCEEDED
-from course_kit.grading.checks.parameters import describe_values
+from course_kit.grading.checks.graded_goal import SUCCEEDED
+from course_kit.grading.checks.ready_made_parameters import require_declared
 from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed, GradedGoal, GradedNode, offer_service
-from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.graded_goal import GoalOutcome
@@ -25,8 +25,8 @@ DOOR, DRIVING = Deliver.Feedback.DOOR, Deliver.Feedback.DRIVING
 LOW, GOOD = BatteryState.POWER_SUPPLY_HEALTH_DEAD, BatteryState.POWER_SUPPLY_HEALTH_GOOD
 CHARGING, DISCHARGING = BatteryState.POWER_SUPPLY_STATUS_CHARGING, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
 ROOMS = {"attic": 0.9, "cellar": 0.8, "hall": 0.1, "tower": 30.0}  # metres; nobody waits until the tower is reached
-PLACES = {**ROOMS, "shed": 1.1, "dock": 0.0}
-ALONE_MPS, SLOW_MPS = 2.0, 0.5
+PLACES = {**ROOMS, "shed": 1.4, "dock": 0.0}
+ALONE_MPS, SLOW_MPS = 2.0, 1.0
 BUILDING = {"room_names": list(ROOMS), "room_distances_m": list(ROOMS.values()), "speed_mps": ALONE_MPS}
 CHARGE = 0.75  # that the carrier is told
 SHOWN_S, CALM_S, PATIENCE_S = 1.2, 0.1, 3.0  # what has to happen within a second; what must not; and anything else
@@ -56,22 +56,24 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     for name in wanted:
         node.parameters(name).expect_served()
     discovery.expect_endpoints(node.context, node.endpoints)
-    node.ensure_running()
     for name, values in wanted.items():
-        found = node.parameters(name).values(list(values))
-        read = {key: setting.value for key, setting in found.items()}
-        evidence = Evidence(f"get_parameters of {name}", describe_values(values), describe_values(read))
-        for key, value in values.items():
-            kind = found[key].type
-            require(kind != NOT_SET, evidence, f"The node {name} has not declared {key}.", "parameter.undeclared")
-            same = type(read[key]) is type(value)
-            require(same, evidence, f"The parameter {key} of {name} has the type {kind}.", "parameter.type")
-            require(read[key] == value, evidence, f"{key} of {name} is {read[key]!r}.", "parameter.default")
+        require_declared(node, values, name)
 
 
-def wait_in_vain(node: GradedNode) -> None:
-    """Wait for what must not happen."""
-    node.context.wait_until(lambda: False, CALM_S)
+def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[Any]:
+    """A message with these fields comes within a second, or a moment later; all that came until then are returned."""
+    inbox, context = node.inbox(topic), node.context
+    place = inbox.count
+
+    def is_there() -> bool:
+        return any(not list(differences(wanted, message)) for message in inbox.newer_than(place))
+
+    context.wait_until(is_there, SHOWN_S)
+    seen: list[Any] = inbox.newer_than(place)
+    evidence = Evidence(context.record.last_exchange()[0], f"{topic}: {describe_wanted(wanted)}", f"nothing on {topic}")
+    require(seen, evidence, f"Nothing was published on {topic} for a second.", "topic.silent")
+    require(is_there(), replace(evidence, got=f"{topic}: {in_one_line(seen[-1])}"), why)
+    return seen
 
 
 # --- the battery
@@ -79,20 +81,10 @@ def wait_in_vain(node: GradedNode) -> None:
 
 def expect_state(node: GradedNode, why: str, **wanted: Any) -> float:
     """A message with these fields comes on /battery within a second; its percentage is returned."""
-    inbox, context = node.inbox(STATE), node.context
-    place = inbox.count
-
-    def find_fitting_messages() -> list[Any]:
-        return [message for message in inbox.newer_than(place) if not list(differences(wanted, message))]
-
-    context.wait_until(lambda: bool(find_fitting_messages()), SHOWN_S)
-    seen = inbox.newer_than(place)
-    sent, expected = context.record.last_exchange()[0], f"{STATE}: {describe_wanted(wanted)}"
-    silent = f"The node battery published nothing on {STATE} for a second."
-    require(seen, Evidence(sent, expected, f"nothing on {STATE}"), silent, "topic.silent")
-    in_range = all(-CLOSE < state.percentage < 1.0 + CLOSE for state in seen)
-    require(find_fitting_messages() and in_range, Evidence(sent, expected, f"{STATE}: {in_one_line(seen[-1])}"), why)
-    return float(find_fitting_messages()[0].percentage)
+    shares = [state.percentage for state in expect_soon(node, STATE, why, **wanted)]
+    evidence = Evidence(node.context.record.last_exchange()[0], "percentage from 0.0 to 1.0", str(shares))
+    require(-CLOSE < min(shares) <= max(shares) < 1.0 + CLOSE, evidence, why)
+    return float(shares[-1])
 
 
 def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> None:
@@ -168,25 +160,12 @@ def deliver(node: GradedNode, room: str) -> GradedGoal:
 
 def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: str = "", after_s: float = 0.0) -> None:
     """A goal ends ABORTED in time, with a message in which these words stand; the robot has not moved."""
-    expected = f"ABORTED, delivered=False, with a message{f' that contains {words!r}' if words else ''}"
-    ended = goal.wait_for_end(within_s, expected)
-    result, took_s = ended.result, goal.clock.wall_s()
-    evidence = Evidence(goal.shown, expected, f"{ended.name} after {took_s:.2f} s, {in_one_line(result)}")
-    goal.require_status(ended, ABORTED, evidence)
-    require(took_s >= after_s, evidence, f"The carrier gave up before {after_s:g} s had passed.")
-    right = not result.delivered and result.message.strip() and words in result.message
-    require(right, evidence, "The result has to say whether the parcel arrived and, if not, why.")
+    ended = goal.ends("ABORTED", within_s=within_s, not_before_s=after_s, delivered=False)
+    said = ended.result.message
+    evidence = Evidence(goal.shown, f"a message that contains {words or 'something'!r}", f"message={said!r}")
+    right = said.strip() and words in said
+    require(right, evidence, "The result has to say why the parcel has not arrived.")
     require_distance(node, goal, ended, 0.0)
-
-
-def require_said(node: GradedNode, goal: GradedGoal, topic: str, wanted: float) -> None:
-    """What comes on a topic becomes right within half a second, or a moment later."""
-    inbox = node.inbox(topic)
-    place = inbox.count
-    node.context.wait_until(lambda: any(abs(seen.data - wanted) < NEAR_M for seen in inbox.newer_than(place)), SHOWN_S)
-    got = [seen.data for seen in inbox.newer_than(place)[-1:]]
-    evidence = Evidence(goal.shown, f"{topic}: {wanted:.2f}", f"{topic}: {got or 'nothing'}")
-    require(got and abs(got[0] - wanted) < NEAR_M, evidence, f"{topic} says something else than the results of goals.")
 
 
 def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> GradedGoal:
@@ -204,27 +183,32 @@ def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
     """A delivery succeeds within so many seconds, if not the first then another one."""
     clock, memory = node.context.clock(), node.context.memory
     while True:
+        late, goal = clock.has_passed(seconds), send_until_accepted(node, room, seconds)
+        ended = goal.wait_for_end(seconds + PATIENCE_S, "SUCCEEDED")
+        memory["driven"] += ended.result.distance
+        memory["at"] = PLACES.get(room, 0.0)
+        if ended.status == SUCCEEDED:
+            return
+        if late:
+            goal.ends(within_s=PATIENCE_S)
+        node.wait(CALM_S)
+
+
+def send_until_accepted(node: GradedNode, room: str, seconds: float = SHOWN_S) -> GradedGoal:
+    """A goal is accepted within so many seconds, as by a carrier that has to hear first that the battery is not low."""
+    clock = node.context.clock()
+    while True:
         late, goal = clock.has_passed(seconds), node.goal(DELIVER, room=room)
         goal.wait_for_answer("the goal accepted")
-        if goal.accepted:
-            ended = goal.wait_for_end(seconds + PATIENCE_S, "SUCCEEDED")
-            memory["driven"] += ended.result.distance
-            memory["at"] = PLACES.get(room, 0.0)
-            if ended.status == SUCCEEDED:
-                return
-        if late:
-            goal.accepted_by().ends(within_s=PATIENCE_S)
-        wait_in_vain(node)
+        if late or goal.accepted:
+            return goal.accepted_by()
+        node.wait(CALM_S)
 
 
 def deliver_at_door(node: GradedNode) -> GradedGoal:
     """A delivery that waits for a door which opens slowly."""
     node.set({"opening_s": 5.0}, of="/door").accepted()
-    clock = node.context.clock()
-    while (goal := node.goal(DELIVER, room="kitchen")) and not clock.has_passed(SHOWN_S):
-        goal.wait_for_answer("the goal accepted")
-        if goal.accepted:  # else the carrier has not heard yet that the battery is not low any more
-            break
-    node.context.wait_until(lambda: bool(goal.accepted_by().feedback), SHOWN_S)
-    wait_in_vain(node)
+    goal = send_until_accepted(node, "kitchen")
+    node.context.wait_until(lambda: bool(goal.feedback), CALM_S)
+    node.wait(CALM_S)
     return goal

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from contextlib import suppress
 from typing import Any
 
 from course_interfaces.action import Deliver
@@ -13,7 +12,7 @@ from std_msgs.msg import Bool, Float64
 from std_srvs.srv import SetBool
 
 from course_kit.graders import _delivery as robot
-from course_kit.graders._delivery import CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
+from course_kit.graders._delivery import CALM_S, CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.ready_made import expect_rate
@@ -21,7 +20,6 @@ from course_kit.grading.checks.vocabulary import (
     Approximation,
     Check,
     Evidence,
-    Failed,
     GradedNode,
     check,
     offer_service,
@@ -62,8 +60,7 @@ def battery_rate(node: GradedNode) -> Evidence:
     hertz = node.context.random.uniform(15.0, 25.0)
     node.set({"publish_hz": hertz}, of="/battery").accepted()
     seen = expect_rate(node, STATE, 1.0 / hertz, (0.75 / hertz, 1.25 / hertz))
-    with suppress(Failed):
-        node.set({"publish_hz": 50.0}, of="/battery")  # for the checks below, which who cannot loses no points for
+    node.set({"publish_hz": 50.0}, of="/battery")  # for the checks below, which who refuses loses no points for
     return seen
 
 
@@ -72,7 +69,7 @@ def battery_falls(node: GradedNode) -> None:
     """battery.py alone: it is full at the start, and falls by what the robot drives."""
     robot.have_running(node, "battery.py")
     node.send(DOCKED, data=True)
-    robot.wait_in_vain(node)
+    node.wait(CALM_S)
     robot.expect_state(node, "A battery that was just started is full.", percentage=Approximation(1.0, absolute=CLOSE))
     node.send(DOCKED, data=False)
     robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
@@ -107,7 +104,7 @@ def battery_charges(node: GradedNode) -> None:
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
         node.send(DOCKED, data=False)
         left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
-        robot.wait_in_vain(node)
+        node.wait(CALM_S)
         robot.expect_state(node, "It rises only at the dock.", percentage=Approximation(left, absolute=CLOSE))
         evidence = Evidence(f"{DOCKED}: true", "percentage rises by 0.05 to 0.2 a second", f"by {rate:.3f}")
         if right := 0.05 <= rate <= 0.2:  # noqa: PLR2004 - as the text says
@@ -124,8 +121,8 @@ def battery_refuses(node: GradedNode) -> None:
             change = node.set({name: value}, of="/battery")
             change.refused()
             if name not in change.result.reason:
-                code = "validation.no_reason"
-                change.fail(f"The reason does not name {name}.", expected=f"a reason with {name}", diagnosis=code)
+                why = f"The reason does not name {name}."
+                change.fail(why, expected=f"a reason with {name}", diagnosis="validation.no_reason")
     for name, value in VALID:
         node.set({name: value}, of="/battery").accepted()
 
@@ -208,8 +205,9 @@ def carrier_delivers(node: GradedNode) -> None:
     door = robot.enter(node)
     for room in ("attic", "cellar"):
         goal = robot.ask_for_delivery(node, room, door)
-        robot.wait_in_vain(node)
-        robot.require_said(node, goal, DISTANCE, node.context.memory["driven"])
+        node.wait(CALM_S)
+        driven = Approximation(node.context.memory["driven"], absolute=robot.NEAR_M)
+        robot.expect_soon(node, DISTANCE, f"{DISTANCE} says something else than the results of goals.", data=driven)
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
         robot.open_door(node)
@@ -220,20 +218,24 @@ def carrier_delivers(node: GradedNode) -> None:
 def carrier_feedback(node: GradedNode) -> None:
     """carrier.py alone: feedback tells the phase, the way that is left, and the battery."""
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
-    robot.wait_in_vain(node)
+    node.wait(CALM_S)
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
     robot.open_door(node)
     robot.require_arrival(node, goal, "hall")
     messages = goal.wait_for_last_feedback(
         lambda many: any(seen.feedback.distance_remaining < robot.END_M for seen in many)
     )
-    heard = [seen.feedback for seen in messages]
-    left, driving = [seen.distance_remaining for seen in heard], [seen for seen in heard if seen.phase == robot.DRIVING]
+    heard, driving = (
+        [seen.feedback for seen in messages],
+        [seen.came_s for seen in messages if seen.feedback.phase == robot.DRIVING],
+    )
+    left, took_s = [seen.distance_remaining for seen in heard], driving[-1] - driving[0] if driving else 0.0
+    often = len(driving) >= max(5 * metres / robot.ALONE_MPS, 1 + 3 * took_s)  # a busy machine is now and then late
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
     asks = early and all(seen.phase == robot.DOOR for seen in early)
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
-        (len(driving) >= 5 * metres / robot.ALONE_MPS, f"phase={robot.DRIVING} five times a second on the way"),
+        (often, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
         (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in heard), f"battery={robot.CHARGE}, as {STATE} said"),
@@ -248,6 +250,7 @@ def carrier_rejects(node: GradedNode) -> None:
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
     robot.tell_battery(node, robot.LOW)
+    node.wait(CALM_S)
     clock = node.context.clock()
     while (goal := node.goal(DELIVER, room="attic")) and not clock.has_passed(SHOWN_S):
         goal.wait_for_answer("the goal rejected")
@@ -304,7 +307,7 @@ def carrier_cancel(node: GradedNode) -> None:
     rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
     node.set({**rooms, "speed_mps": robot.SLOW_MPS}, of="/carrier").accepted()
     robot.require_arrival(node, node.goal(DELIVER, room="shed").accepted_by(), "shed", robot.SLOW_MPS)
-    node.context.spoil()
+    node.set(robot.BUILDING, of="/carrier").accepted()
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
@@ -337,6 +340,7 @@ def delivery_whole(node: GradedNode) -> None:
     )
     node.set({"capacity_m": 2.0}, of="/battery").accepted()
     node.set({"opening_s": 0.05}, of="/door").accepted()
+    robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
     for room in ("kitchen", "office"):
         robot.require_some_delivery(node, room, PATIENCE_S)
     why = "The battery has to fall by the 0.8 m that the carrier has driven, divided by capacity_m, which is 2.0."
@@ -354,7 +358,7 @@ def delivery_follows(node: GradedNode) -> None:
     node.set({"locked": False}, of="/door").accepted()
     node.set({"low_fraction": 1.0}, of="/battery").accepted()
     robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
-    robot.wait_in_vain(node)
+    node.wait(CALM_S)
     node.goal(DELIVER, room="lab").rejected(what="a delivery, although the battery is low")
     node.set({"low_fraction": 0.2}, of="/battery").accepted()
 
@@ -363,6 +367,7 @@ def delivery_follows(node: GradedNode) -> None:
 def delivery_cancel(node: GradedNode) -> None:
     """All together: a delivery is cancelled while the door opens."""
     robot.have_running(node, *LAUNCH)
+    node.set({"door_timeout_s": 10.0}, of="/carrier").accepted()  # what is given up is not cancelled
     robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.set({"opening_s": 0.1}, of="/door").accepted()
     robot.require_some_delivery(node, "lab", PATIENCE_S)
@@ -378,6 +383,7 @@ def delivery_killed(node: GradedNode) -> None:
         node.context.spoil()
         goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.3))
         withdraw_service(node, OPEN)
+    node.context.turn_to("carrier.py")
     robot.require_aborted(node, goal, 0.3 + robot.GIVES_UP_S)
     node.get("door_timeout_s", of="/carrier")
 
@@ -385,9 +391,8 @@ def delivery_killed(node: GradedNode) -> None:
 @robot_check(points=1.0, after=["delivery_killed"], proves=["back"])
 def delivery_back(node: GradedNode) -> None:
     """All together: when there is a door again, the next delivery works."""
-    alone = node.context.memory["runs"][0] != LAUNCH_FILE
     offer_service(node, OPEN, SetBool, success=True, message="open")
-    robot.require_some_delivery(node, "cellar" if alone else "kitchen", 5.0)
+    robot.require_some_delivery(node, "dock", 5.0)
     node.context.spoil()
 
 

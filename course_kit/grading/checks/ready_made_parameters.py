@@ -39,27 +39,25 @@ def parameter_declared(
         >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
         ...                    title="max_speed is 1.0 at the start", points=1.0, proves=["parameter"])
     """
+    return make_check(lambda graded: require_declared(graded, defaults, node), **declared)
 
-    def talk(graded: GradedNode) -> Evidence:
-        graded.ensure_running()
-        remote = graded.parameters(node)
-        names, found = remote.names(), remote.values(list(defaults))
-        evidence = Evidence(
-            "get_parameters", describe_wanted(defaults), describe_wanted({k: v.value for k, v in found.items()})
-        )
-        if missing := [name for name in defaults if name not in names]:
-            raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
-        if wrong := [name for name, value in defaults.items() if type(found[name].value) is not type(value)]:
-            point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
-            text = " and ".join(f"{name} is {found[name].type}" for name in wrong)
-            raise Failed(evidence, f"{text}.{point}", "parameter.type")
-        if others := {name: found[name].value for name, value in defaults.items() if found[name].value != value}:
-            raise Failed(
-                evidence, f"Started without settings, your node has {describe_wanted(others)}.", "parameter.default"
-            )
-        return evidence
 
-    return make_check(talk, **declared)
+def require_declared(graded: GradedNode, values: dict[str, Any], node: str) -> Evidence:
+    """See that a node, after its start, has parameters with these values and so with their types."""
+    graded.ensure_running()
+    remote = graded.parameters(node)
+    names, found = remote.names(), remote.values(list(values))
+    got = describe_wanted({name: setting.value for name, setting in found.items()})
+    evidence = Evidence(f"get_parameters of {node}", describe_wanted(values), got)
+    if missing := [name for name in values if name not in names]:
+        raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
+    if wrong := [name for name, value in values.items() if type(found[name].value) is not type(value)]:
+        point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
+        text = " and ".join(f"{name} is {found[name].type}" for name in wrong)
+        raise Failed(evidence, f"{text}.{point}", "parameter.type")
+    if others := {name: found[name].value for name, value in values.items() if found[name].value != value}:
+        raise Failed(evidence, f"As it was started, your node has {describe_wanted(others)}.", "parameter.default")
+    return evidence
 
 
 def parameter_acts(
