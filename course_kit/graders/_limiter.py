@@ -35,7 +35,7 @@ _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is s
 _ANSWER_S = 1.0  # of a change
 _LINE_S = 1.0  # in which a change shows on /status
 _ONCE = "Publish once for each command, in the callback that receives it, and never without one."
-_SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.05, 1.1  # how long what nobody asked for is waited for; the last at the end
+_SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.1  # how long what nobody asked for is waited for; the last at the end
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
@@ -203,7 +203,7 @@ class LimiterSteps(Model):
         # Changes and commands, and whether they were refused.
         self.past: list[tuple[dict[str, Any] | list[float], bool]] = []
         self.heard_at: list[float] = []  # when lines of /status have come, told at the end
-        self.quiet_until = self.sent_at = 0.0  # seconds of time.monotonic()
+        self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
 
     def begin(self, node: GradedNode) -> None:
@@ -214,7 +214,7 @@ class LimiterSteps(Model):
         """Valid values are accepted."""
         self.settle_status(node, values)
         if values.get("enabled") and not self.settings.enabled:
-            self.require_quiet(node, _AT_ONCE_S)
+            self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic())
         change = node.set(values, of=NODE)
         change.accepted(breaks=breaks)
         self.in_time(change)
@@ -297,7 +297,7 @@ class LimiterSteps(Model):
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
-        self.require_quiet(node, 0.0, enabled=self.settings.enabled)
+        self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic(), enabled=self.settings.enabled)
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
@@ -307,6 +307,7 @@ class LimiterSteps(Model):
             if "reacts" in self.lost:
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
+        self.answered_at = time.monotonic()
         right = right_reaction(self.settings, fields)
         if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_is_close, right.fields, got.fields))):
             self.seen = self.settings

@@ -196,7 +196,7 @@ class Temperatures(Model):
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
             of_another = any(has_right_formula(value, answer.response.value) for value in values)
-            reason = "This is the answer to another client's request" if of_another else "Asked alone, it is different"
+            reason = "This is the answer to another request" if of_another else "Asked alone, it is different"
             why = f"{reason}: your callback mixes up values of two calls."
             answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
 

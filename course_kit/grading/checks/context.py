@@ -182,7 +182,7 @@ class CheckContext:
         watched, looked = 0.0, time.monotonic()
         while not condition():
             looked = time.monotonic()
-            if clock.wall_s() - watched >= _WATCH_S:
+            if clock.wall_s() - watched >= min(_WATCH_S, seconds):
                 watched = clock.wall_s()
                 if of_the_living and not self.program.is_alive():
                     self.spoiled = True
@@ -205,6 +205,6 @@ class CheckContext:
         return condition()
 
     def _look(self) -> MachineState:
-        own = ProcessorUse(time.process_time(), scheduling.own_waiting())
-        busy_s = machine.processors_worked() or None
-        return MachineState(self.program.processor_use(), own, busy_s, scheduling.own_waiting(helpers_only=True))
+        waited_s, helpers_waited_s = scheduling.own_waiting()
+        own, busy_s = ProcessorUse(time.process_time(), waited_s), machine.processors_worked() or None
+        return MachineState(self.program.processor_use(), own, busy_s, helpers_waited_s)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 ANSWER_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
 _MET, _OFFERS = "met", "offers"  # remembered of a running submission
 _FILE = "parameters.yaml"
+_CLIENTS = 2  # that ask together: each of them is woken by every answer
 
 
 class GradedNode:
@@ -97,7 +98,7 @@ class GradedNode:
         Args:
             service: its name.
             requests: each a message or a dict.
-            at_a_time: how many wait for their answer at most, each sent by another client.
+            at_a_time: how many wait for their answer at most, sent by two clients.
             within_s: seconds in which all are answered.
 
         Raises:
@@ -110,9 +111,9 @@ class GradedNode:
         self.ensure_running()
         end, node = self._end(service), self.context.grader_node
         messages = [message_of(end.interface.Request, request, {}) for request in requests]
-        sent = f"{len(messages)} requests from {at_a_time} clients, at most {at_a_time} unanswered at a time"
+        sent = f"{len(messages)} requests, at most {at_a_time} unanswered at a time"
         evidence = Evidence(sent, f"{len(messages)} answers within {within_s:g} s, each to its own request")
-        clients = [node.client(end.interface, service, number) for number in range(at_a_time)]
+        clients = [node.client(end.interface, service, number % _CLIENTS) for number in range(at_a_time)]
         responses = call_many(self.context, clients, messages, within_s, evidence)
         pairs = zip(messages, responses, strict=True)
         return [Answer(in_one_line(request), in_one_line(other), 0.0, other) for request, other in pairs]
@@ -197,7 +198,7 @@ class GradedNode:
 
         Args:
             names: the topics; all that the node publishes when none is named.
-            seconds: how long it is listened to; 0 for what has come already.
+            seconds: how long it is listened to; 0 or less for what has come already.
             why: what is wrong with one, for the learner.
             breaks: as in `expect`.
 

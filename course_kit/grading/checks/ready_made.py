@@ -179,7 +179,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         expect: gives the fields of the right response for a request.
         within_s: seconds in which an answer comes; with `at_a_time`, in which all do.
         not_before_s: seconds before which none comes, where the work takes its time.
-        at_a_time: ask so many at the same time, each by another client; one after the other when 0.
+        at_a_time: ask so many at the same time; one after the other when 0.
         declared: see `CheckFields`.
 
     Example:
@@ -204,7 +204,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
                 code, why = None, "The response came back as ROS 2 creates it: your callback filled in nothing."
             if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
                 code = None
-                why = "This is the answer to another client's request: your callback mixes up values of two calls."
+                why = "This is the answer to another request: your callback mixes up values of two calls."
             answer.expect(**fields, diagnosis=code, why=why)
 
     return make_check(talk, **declared)

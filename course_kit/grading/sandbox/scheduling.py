@@ -23,13 +23,15 @@ class _Times(NamedTuple):
     waited: float
 
 
-def own_waiting(*, helpers_only: bool = False) -> float:
-    """Seconds the thread of this process that suffered most was ready to run and got no processor."""
+def own_waiting() -> tuple[float, float]:
+    """Seconds the thread of this process that suffered most was ready to run and got no processor; and its helpers."""
     with suppress(OSError):
         own = os.path.basename(os.readlink(f"{_PROC}/self"))  # noqa: PTH115, PTH119 - hot
-        threads = _threads(int(own))
-        return max((times.waited for name, times in threads.items() if not helpers_only or name != own), default=0.0)
-    return 0.0
+        waited = {name: times.waited for name, times in _threads(int(own)).items()}
+        first = waited.pop(own, 0.0)
+        helpers = max(waited.values(), default=0.0)
+        return max(first, helpers), helpers
+    return 0.0, 0.0
 
 
 class WaitTime:
