@@ -13,6 +13,7 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
+from course_kit.grading.checks import graded_node
 from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
@@ -138,3 +139,27 @@ def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:
     checks = [Check("slow", "Slow", 1.0, (), DEADLINE_S, slow), Check("quick", "Quick", 1.0, (), PATIENCE_S, quick)]
     assert [result.status for result in run_all(checks, context)] == ["passed", "passed"]
     assert waited == [False, True]
+
+
+def test_what_has_come_already_is_asked_for_without_a_wait(
+    context: CheckContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spins: list[float] = []
+    monkeypatch.setattr(context.grader_node, "spin_once", spins.append)
+    assert not context.wait_until(lambda: False, 0.0)
+    assert spins == []
+
+
+def test_two_clients_send_all_requests_that_are_made_together(
+    context: CheckContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lanes: list[Any] = []
+
+    def keep_lanes(_context: Any, clients: list[Any], messages: list[Any], *_: Any) -> list[Any]:
+        lanes.extend(clients)
+        return messages
+
+    monkeypatch.setattr(graded_node, "call_many", keep_lanes)
+    GradedNode(context).call_together(SERVICE.name, [REQUEST] * 20, at_a_time=10)
+    assert len(lanes) == 10
+    assert len({id(client) for client in lanes}) == 2
