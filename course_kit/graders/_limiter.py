@@ -260,9 +260,8 @@ class LimiterSteps(Model):
         if "one_each" in self.lost or ("change_enabled" in self.lost and not on):
             node.context.wait_until(lambda: False, _SOON_S)  # else one message too many is taken for the next answer
             return
-        off = "one_each" if on else "one_each_disabled"
-        why = _ONCE if on else f"{_ONCE} With enabled=False, too."
-        node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=off)
+        breaks, why = ("one_each", _ONCE) if on else ("one_each_disabled", f"{_ONCE} With enabled=False, too.")
+        node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=breaks)
 
     def in_time(self, change: Change) -> None:
         """The answer to a change came within a second."""
@@ -293,10 +292,9 @@ class LimiterSteps(Model):
 
     def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
         """A command brings exactly one right message on each topic."""
-        context = node.context
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
-        context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
+        node.context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic(), enabled=self.settings.enabled)
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))

@@ -9,8 +9,7 @@ import pytest
 
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import last_exception, read_activity
-from course_kit.grading.model.job import Job
-from course_kit.grading.model.process_status import ProcessStatus
+from course_kit.grading.model.job import Job, ProcessStatus
 from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from course_kit.grading.checks.answers import TOO_SOON, describe_wanted, differe
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
-from course_kit.grading.diagnosis import goals
+from course_kit.grading.diagnosis import exceptions
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.model.process_status import ProcessStatus
+    from course_kit.grading.model.job import ProcessStatus
     from course_kit.ros.messages import ActionType, Message
     from course_kit.ros.service import SentRequest
 
@@ -240,7 +240,7 @@ class GradedGoal:
         clock, running = self._context.clock(), self.over_at is None
         answer = self.cancel()
         evidence = Evidence(self.shown, expected)
-        hangs.await_answer(self._context, answer.is_answered, evidence, ended=goals.explain_program)
+        hangs.await_answer(self._context, answer.is_answered, evidence, ended=exceptions.explain_program)
         waited_s, late = clock.wall_s(), clock.has_passed(within_s)
         agreed = any(bytes(info.goal_id.uuid) == self._id for info in answer.response().goals_canceling)
         self._cancelling.add_received("cancelling accepted" if agreed else "cancelling refused")
@@ -274,7 +274,7 @@ class GradedGoal:
         else:
             result.send_again()
         clock, evidence = self._context.clock(), Evidence(self.shown, expected)
-        with hangs.explain_end(self._context, evidence, goals.explain_program, "no result: the program ended"):
+        with hangs.explain_end(self._context, evidence, exceptions.explain_program, "no result: the program ended"):
             self._context.wait_until(lambda: self._has_come(result), seconds)
         if result.is_answered():
             response = bound_message(result.response())
@@ -285,7 +285,9 @@ class GradedGoal:
         seconds = min(seconds, clock.fair_s())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         look = partial(hangs.current_activity, self._context)
-        diagnosis, message = goals.explain_silence(look, over, seconds, self.process(), self._context.program.asked_job)
+        diagnosis, message = exceptions.explain_silence(
+            look, over, seconds, self.process(), self._context.program.asked_job
+        )
         raise Failed(replace(evidence, got=f"no result within {seconds:.1f} s"), message, diagnosis)
 
     def wait_for_last_feedback(self, complete: Callable[[list[ReceivedFeedback]], bool]) -> list[ReceivedFeedback]:
@@ -346,9 +348,9 @@ class GradedGoal:
     def require_status(self, ended: GoalOutcome, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""
         process, job = self.process(), self._context.job
-        cause = goals.explain_goal_exception(process, job)
+        cause = exceptions.explain_goal_exception(process, job)
         if ended.status != status:
-            cause = goals.explain_status(ended.name, process, job)
+            cause = exceptions.explain_status(ended.name, process, job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
@@ -370,7 +372,7 @@ class GradedGoal:
         return UUID(uuid=list(self._id))
 
     def _nothing_raised(self) -> bool:
-        return goals.explain_goal_exception(self.process(), self._context.job) is None
+        return exceptions.explain_goal_exception(self.process(), self._context.job) is None
 
 
 def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
-from course_kit.grading.checks.call_batch import call_many
 from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import NOTHING_SENT, Exchange, in_one_line
@@ -114,7 +113,7 @@ class GradedNode:
         sent = f"{len(messages)} requests, at most {at_a_time} unanswered at a time"
         evidence = Evidence(sent, f"{len(messages)} answers within {within_s:g} s, each to its own request")
         clients = [node.client(end.interface, service, number % _CLIENTS) for number in range(at_a_time)]
-        responses = call_many(self.context, clients, messages, within_s, evidence)
+        responses = hangs.call_many(self.context, clients, messages, within_s, evidence)
         pairs = zip(messages, responses, strict=True)
         return [Answer(in_one_line(request), in_one_line(other), 0.0, other) for request, other in pairs]
 

@@ -8,8 +8,8 @@ from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.fair_clock import ProcessorUse
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.diagnosis.tracebacks import Frame
+from course_kit.grading.model.job import ProcessStatus
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.model.process_status import ProcessStatus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

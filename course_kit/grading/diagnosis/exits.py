@@ -15,8 +15,7 @@ from course_kit.grading.model.submission import describe_line
 from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
-    from course_kit.grading.model.job import Job
-    from course_kit.grading.model.process_status import ProcessStatus
+    from course_kit.grading.model.job import Job, ProcessStatus
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")

@@ -70,7 +70,7 @@ class Isolation:
 class Job:
     """One grading."""
 
-    grader: str  # what checks it, see `workers.grader_module`
+    grader: str  # what checks it, see `workers.grader_process`
     mode: str  # "run" for source text, "exec" for a command, "attach" for what is already on the graph
     name: str  # the submission's file name as it appears in tracebacks
     seed: int  # what the random values of the checks are drawn from
@@ -142,3 +142,19 @@ class GradingOutcome(TypedDict):
     stderr: str  # the same of its errors
     problem: str  # why the grading came to no end; empty when it did
     again: bool  # whether it may go better the next time, because something was killed that should not be
+
+
+@dataclass(frozen=True)
+class ProcessStatus:
+    """What the supervisor knows of the submission; hints for the diagnosis, see `sandbox.output_collector`."""
+
+    running: bool
+    exit_code: int | None = None
+    signal: int | None = None
+    limit: str | None = None
+    cpu_s: float = 0.0
+    waited_s: float = 0.0
+    hidden_s: float = 0.0
+    stdout: str = ""
+    stderr: str = ""
+    notes: Record = field(default_factory=dict)

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import memory, namespaces, runner
+from course_kit.grading.sandbox import machine, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import WaitTime, last_task
 from course_kit.process import tree
@@ -142,10 +142,10 @@ class _Watch:
     def _takes_too_much(self, everything: list[int], usage: tree.Usage) -> bool:
         """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
         allowed = self._limits.memory_mb * _MB
-        sockets = memory.bytes_of_sockets() if self._own_network else 0
+        sockets = machine.bytes_of_sockets() if self._own_network else 0
         if usage.memory + usage.tables + sockets <= allowed:
             return False
-        return memory.measure_memory(everything, _PATIENCE_S) + sockets > allowed
+        return machine.measure_memory(everything, _PATIENCE_S) + sockets > allowed
 
     def _started_processes(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else."""
@@ -162,8 +162,7 @@ class _Watch:
         waited_s = self._waiting.look(everything, usage.tasks)
         own = os.times()  # what watching costs is the submission's: it decides how often there is something to see
         cpu_s = usage.cpu_s + own.user + own.system - self._computed_before
-        times = {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
-        return {**times, "tasks": usage.tasks, "memory": usage.memory}
+        return {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
 
 
 def _send(process_id: int, number: signal.Signals) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Isolation
-from course_kit.grading.sandbox import file_view, landlock, memory, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, landlock, machine, namespaces, seccomp
 from course_kit.process.fork import fork_child
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def enter_network(user: int = 0) -> None:
     namespaces.enter(namespaces.CLONE_NEWNET, user)
     namespaces.raise_loopback()
     with suppress(OSError):  # then a socket of TCP may hold more than it counts with
-        memory.bound_tcp_buffers()
+        machine.bound_tcp_buffers()
 
 
 def enter_processes(user: int = 0) -> None:

@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from course_kit import environment
-from course_kit.grading.sandbox import init_process, memory
+from course_kit.grading.sandbox import init_process, machine
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
@@ -90,7 +90,7 @@ class Supervisor:
         self._arguments: tuple[str, ...] = ()
         self._results: list[Record] = []
         self._fault = ""
-        self._killed_before = memory.count_oom_kills()
+        self._killed_before = machine.count_oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
     def run(self, run_grader: RunGrader) -> GradingOutcome:
@@ -292,7 +292,7 @@ class Supervisor:
     def _stop(self) -> None:
         if self._collector is not None and self._collector.was_killed():
             self._again = True
-            if memory.count_oom_kills() != self._killed_before:
+            if machine.count_oom_kills() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
         self._kill()
         if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:

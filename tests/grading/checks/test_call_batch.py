@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 from course_kit import environment
-from course_kit.grading.checks.call_batch import CallBatch
+from course_kit.grading.checks.hangs import CallBatch
 from course_kit.ros.service import ServiceClient
 
 if TYPE_CHECKING:

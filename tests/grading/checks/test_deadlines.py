@@ -13,7 +13,7 @@ from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
 
 from course_kit import environment
-from course_kit.grading.checks import graded_node
+from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
@@ -159,7 +159,7 @@ def test_two_clients_send_all_requests_that_are_made_together(
         lanes.extend(clients)
         return messages
 
-    monkeypatch.setattr(graded_node, "call_many", keep_lanes)
+    monkeypatch.setattr(hangs, "call_many", keep_lanes)
     GradedNode(context).call_together(SERVICE.name, [REQUEST] * 20, at_a_time=10)
     assert len(lanes) == 10
     assert len({id(client) for client in lanes}) == 2

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from std_msgs.msg import Float64
 
-from course_kit.grading.checks import call_batch, fair_clock
-from course_kit.grading.checks.call_batch import CallBatch
+from course_kit.grading.checks import fair_clock, hangs
 from course_kit.grading.checks.fair_clock import CachedState, FairClock, MachineState, ProcessorUse
+from course_kit.grading.checks.hangs import CallBatch
 
 
 class Time:
@@ -27,7 +27,7 @@ class Time:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
     made = Time()
     monkeypatch.setattr(fair_clock, "time", made)
-    monkeypatch.setattr(call_batch, "time", made)
+    monkeypatch.setattr(hangs, "time", made)
     return made
 
 

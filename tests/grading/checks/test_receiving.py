@@ -12,7 +12,7 @@ from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import String
 
 from course_kit.grading.checks import grader_node as graders
-from course_kit.grading.checks.call_batch import CallBatch
+from course_kit.grading.checks.hangs import CallBatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -11,7 +11,7 @@ import pytest
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.sandbox import memory
+from course_kit.grading.sandbox import machine
 from tests.grading.sandbox import attack_modes
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def test_sockets_of_an_ordinary_program_are_far_from_the_limit_on_memory(
     if worker.ready().network:
         sockets = int(report.stdout.split()[2])
         assert sockets > 2
-        assert memory.bytes_of_sockets(sockets) < Limits().memory_mb * 1024 * 1024 / 10
+        assert machine.bytes_of_sockets(sockets) < Limits().memory_mb * 1024 * 1024 / 10
 
 
 @pytest.mark.parametrize(
