@@ -82,7 +82,7 @@ def running_server(folder: Path) -> str:
 
 def _open_running(folder: Path, address: str, arguments: Sequence[str]) -> int:
     """Show a JupyterLab that runs already, as a second one would bring its own kernels and save over its files."""
-    print(f"JupyterLab is running for {folder} already: {address}")
+    print(f"JupyterLab is already running for {folder}: {address}")
     if _NO_BROWSER not in arguments:
         webbrowser.open(address)
     return 0

@@ -86,7 +86,7 @@ def test_course_kit_lab_without_the_door_has_it_too_also_with_a_middleware_that_
     assert shown.splitlines() == [str(SCRIPTS / "ros2"), "up"]
     assert placed.splitlines()[:2] == [str(folder)] * 2
     assert placed.splitlines()[2] == placed.splitlines()[3]
-    assert "JupyterLab is running for" in second.stdout
+    assert "JupyterLab is already running for" in second.stdout
     assert f":{server.address.rpartition(':')[2]}/lab?token={server.token}" in second.stdout
     assert len(told) == 1
     assert "the course uses rmw_fastrtps_cpp" in told[0]

@@ -12,7 +12,7 @@ addEventListener("DOMContentLoaded", () => {
   if (owner)
     document.querySelector("section#start > h2")?.insertAdjacentHTML(
       "afterend",
-      `<p>Or run it in your browser: <a href="https://mybinder.org/v2/gh/${repository}/HEAD?urlpath=${first}">Binder</a>
+      `<p>Try it in your browser first: <a href="https://mybinder.org/v2/gh/${repository}/HEAD?urlpath=${first}">Binder</a>
       (no account; it may take some minutes to start),
       <a href="https://codespaces.new/${repository}">Codespaces</a> (with a GitHub account).</p>`,
     );
