@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +55,7 @@ def test_the_set_up_needs_nothing_that_it_would_have_to_install() -> None:
             assert others == set(), path.name
 
 
+@functools.cache
 def definitions() -> list[tuple[str, ast.stmt]]:
     """What stands at the top of each module of the kit."""
     paths = sorted((REPOSITORY / "course_kit").rglob("*.py"))

@@ -84,13 +84,15 @@ def is_for_types(node: ast.AST) -> bool:
 
 def nodes(tree: ast.AST, *, types: bool) -> Iterator[ast.AST]:
     """All that runs, and with `types` what only a type checker sees, too."""
-    for child in ast.iter_child_nodes(tree):
-        if is_for_types(child) and not types:
-            continue
-        if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
-            continue  # a docstring
-        yield child
-        yield from nodes(child, types=types)
+    below = [tree]
+    while below:
+        for child in ast.iter_child_nodes(below.pop()):
+            if is_for_types(child) and not types:
+                continue
+            if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
+                continue  # a docstring
+            yield child
+            below.append(child)
 
 
 def named(text: str, *, types: bool) -> Iterator[str]:
