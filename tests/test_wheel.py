@@ -14,9 +14,11 @@ import pytest
 from hatchling.builders.wheel import WheelBuilder
 
 import hatch_build
+from course_kit.dev import suite
 from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE
 from tests.environment.overwritten import overwrite_lark
 
+UV = suite.find_uv() or "uv"  # one of the test tools
 MINE = Path("exercises", TEMPERATURE, f"{TEMPERATURE}.py")
 SPY = """
 import os
@@ -44,8 +46,8 @@ class Installed:
         subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(environment)], check=True, timeout=200)
         self.python = environment / "bin" / "python"
         self.packages = Path(sysconfig.get_path("purelib", vars={"base": str(environment)}))
-        with zipfile.ZipFile(wheel) as packed:
-            packed.extractall(self.packages)
+        install = [UV, "pip", "install", "--quiet", "--offline", "--no-deps", "--python", self.python, wheel]
+        subprocess.run(install, check=True, timeout=200)
         others = sysconfig.get_path("purelib")
         (self.packages / "others.pth").write_text(f"import site; site.addsitedir({others!r})\n")
 
@@ -109,7 +111,16 @@ def test_a_learner_works_in_a_folder_of_their_own(installed: Installed) -> None:
     assert "not tried yet" in installed.run("list").splitlines()[1]  # another folder's progress
     command = [str(folder / "course"), "list"]
     said = subprocess.run(command, cwd=folder, env=installed.environ(), capture_output=True, timeout=200, check=True)
-    assert b"1 of 4 passed." in said.stdout
+    assert b"1 of 5 passed." in said.stdout
+
+
+def test_uvx_runs_it(installed: Installed, tmp_path: Path) -> None:
+    """As `pipx run --spec` does: with its dependencies, in an environment that is made for the command."""
+    command = [UV, "tool", "run", "--python", sys.executable, "--from", f"{installed.wheel}[ros]", "course-kit", "list"]
+    environ = {**installed.environ(), "HOME": os.environ["HOME"], "AMENT_PREFIX_PATH": ""}  # uv keeps packages there
+    done = subprocess.run(command, cwd=tmp_path, env=environ, capture_output=True, text=True, timeout=500, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "0 of 5 passed." in done.stdout
 
 
 def test_an_update_of_the_package_brings_new_lessons_and_leaves_what_is_the_learners(installed: Installed) -> None:

@@ -131,30 +131,6 @@ def require_nothing_around(stage: Stage) -> None:
     expect(stage.page.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "19.968px")
 
 
-def test_a_repair_can_be_taken_back_and_a_page_that_is_loaded_again_begins_afresh(stage: Stage) -> None:
-    """Though the kernel still runs, with the repaired class in it. Closing the page asks nothing."""
-    stage.open("04_float_or_int")
-    stage.run_all()
-    stage.page.keyboard.press("Alt+r")
-    expect(stage.repair).to_have_text("Undo the repair")
-    expect(stage.repair).to_be_enabled()
-    stage.repair.click()
-    expect(stage.repair).to_have_text("Repair")
-    expect(stage.repair).to_be_enabled()
-    stage.require("It fails:")
-    stage.repair.click()
-    expect(stage.repair).to_have_text("Undo the repair")
-    stage.page.reload()
-    expect(stage.bar.get_by_role("status")).to_have_text(re.compile("^0 of"))
-    stage.run_all()
-    expect(stage.page.locator(".jp-CodeCell .jp-InputPrompt").first).to_have_text("[1]:")
-    stage.require("It fails:")
-    asked: list[str] = []
-    stage.page.once("dialog", lambda dialog: (asked.append(dialog.message), dialog.accept()))
-    stage.page.goto("about:blank")
-    assert asked == []
-
-
 def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
     asked: list[str] = []
     stage.page.context.on("request", lambda request: asked.append(request.url))
@@ -205,19 +181,37 @@ def test_the_notes_lead_to_the_next_demo_whose_nodes_are_the_only_ones(stage: St
     notes.close()
 
 
-def test_both_windows_can_be_read_at_any_size(stage: Stage) -> None:
-    """Before a demo is run, and repaired. Without a page for the class, the notes say so."""
+def test_both_windows_can_be_read_at_any_size_and_a_repair_can_be_taken_back(stage: Stage) -> None:
+    """Readable before a demo is run, and repaired. A page that is loaded again begins afresh, though the kernel still
+    runs, with the repaired class in it. Closing it asks nothing; without a page for the class, the notes say so.
+    """
     stage.open("04_float_or_int")
     notes = stage.open_notes()
     for size in SIZES:
         require_readable(stage, notes, "opened", size)
     stage.run_all()
     expect(notes.get_by_role("button", name="Repair")).to_be_enabled()
-    stage.repair.click()
+    stage.page.keyboard.press("Alt+r")
+    expect(stage.repair).to_have_text("Undo the repair")
+    expect(stage.repair).to_be_enabled()
     expect(notes.get_by_role("button", name="Undo the repair")).to_be_enabled()
     for size in SIZES:
         require_readable(stage, notes, "repaired", size)
+    stage.repair.click()
+    expect(stage.repair).to_have_text("Repair")
+    expect(stage.repair).to_be_enabled()
+    stage.require("It fails:")
+    stage.repair.click()
+    expect(stage.repair).to_have_text("Undo the repair")
+    stage.page.reload()
+    expect(stage.bar.get_by_role("status")).to_have_text(re.compile("^0 of"))
+    stage.run_all()
+    expect(stage.page.locator(".jp-CodeCell .jp-InputPrompt").first).to_have_text("[1]:")
+    stage.require("It fails:")
+    asked: list[str] = []
+    stage.page.once("dialog", lambda dialog: (asked.append(dialog.message), dialog.accept()))
     stage.page.goto("about:blank")
+    assert asked == []
     expect(notes.get_by_role("status")).to_contain_text("Waiting for the page that the class sees")
     expect(notes.get_by_role("button", name="Start this demo again")).to_be_disabled()
     without_findings(notes, "body")
