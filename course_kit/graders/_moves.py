@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     import random
     from collections.abc import Callable, Iterator, Sequence
 
-    from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.grading.checks.graded_goal import GoalOutcome, GradedGoal
+    from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.checks.vocabulary import GradedNode
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA

@@ -18,9 +18,9 @@ from course_kit.graders._moves import (
     find_jump,
     require_distance,
 )
-from course_kit.grading.checks.actions import ReceivedFeedback
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
+from course_kit.grading.checks.grader_node import ReceivedFeedback
 from course_kit.grading.diagnosis import exceptions
 from course_kit.grading.model.job import Job, ProcessStatus
 

@@ -17,8 +17,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
-from course_kit.grading.checks.actions import Feedback, Statuses
-from course_kit.grading.checks.grader_node import BoundedInbox
+from course_kit.grading.checks.grader_node import BoundedInbox, Feedback, Statuses
 from course_kit.grading.model import bounds
 
 INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}

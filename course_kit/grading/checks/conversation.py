@@ -186,13 +186,7 @@ class Conversation:
         return frozenset(self._failed)
 
     def verdict_of(self, part: CheckPart) -> Evidence:
-        """What came of it for one of its checks.
-
-        Raises:
-            Failed: a step that this check is about has failed.
-            NotRun: it could not be judged, because another check was lost in each try.
-            GradingError: the machine was too slow to judge it.
-        """
+        """What came of it for one of its checks; raises NotRun, or GradingError, where it could not be judged."""
         if part.id in self._failed:
             raise self._failed[part.id]
         done = self._done[part.id]
@@ -214,10 +208,7 @@ class Conversation:
         return node, model, []
 
     def _part_of(self, rule: Rule, sentence: str) -> CheckPart:
-        """The check that a broken sentence costs: the rule's own where that proves it, else the one that does.
-
-        In place of the sentence a check may be named.
-        """
+        """The check that a broken sentence costs, or the check that is named in its place; first the rule's own."""
         own = next((part for part in self.parts if part.id == rule.check), self.parts[0])
         if not sentence or sentence in own.proves:
             return own

@@ -16,11 +16,9 @@ from rclpy.qos import (
 )
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.actions import ActionChannels
-from course_kit.grading.checks.context import GRAPH_STEP_S
+from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.graded_program import SubmissionEndedError
-from course_kit.grading.checks.grader_node import DEPTH
+from course_kit.grading.checks.grader_node import DEPTH, ActionChannels
 from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.interfaces import get_type

@@ -12,10 +12,10 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.actions import ActionChannels
 from course_kit.grading.checks.answers import TOO_SOON, describe_wanted, differences
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
+from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import exceptions
 from course_kit.grading.model.bounds import bound_message
@@ -25,8 +25,8 @@ from course_kit.ros.sequence import Arrow
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from course_kit.grading.checks.actions import ReceivedFeedback
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.model.job import ProcessStatus
     from course_kit.ros.messages import ActionType, Message
     from course_kit.ros.service import SentRequest

@@ -350,11 +350,7 @@ class GradedNode:
         return self.context.program.kill(program)
 
     def ensure_running(self) -> None:
-        """Have a running program whose endpoints are all connected; one that has died or hangs is started again.
-
-        Raises:
-            Failed: it does not come up.
-        """
+        """Have a running program whose endpoints are all connected; one that has died or hangs is started again."""
         context = self.context
         if not context.spoiled and context.memory.get(_MET):
             return

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from rcl_interfaces.srv import ListParameters
 
-from course_kit.grading.checks.context import GRAPH_STEP_S
+from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.graded_program import SubmissionEndedError
 from course_kit.grading.diagnosis import exceptions, exits
 from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
 from course_kit.grading.model.bounds import bound_message

@@ -90,11 +90,7 @@ def check(
 
 
 def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
-    """A check of what a function does with a node; see `check`.
-
-    Raises:
-        ValueError: it has no title, or is worth nothing.
-    """
+    """A check of what a function does with a node; see `check`."""
     check_id, title, points = declared["check_id"], declared["title"], declared["points"]
     if not title:
         raise ValueError(f"the check {check_id} needs a docstring: its first line is shown as the title")

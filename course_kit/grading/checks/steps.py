@@ -136,11 +136,7 @@ class Step:
     arguments: dict[str, Any]
 
     def do(self, node: GradedNode, model: Any) -> None:
-        """Do it, unless the model does not allow it now.
-
-        Raises:
-            Failed: the node disagrees with the model.
-        """
+        """Do it, unless the model does not allow it now."""
         if self.rule.is_allowed(model):
             model.act(node, lambda: self.rule.run(model, node, **self.arguments))
 

@@ -76,11 +76,7 @@ class Channel(Closable):
         return bool(poll.poll(0))
 
     def hang_up(self) -> None:
-        """End the connection for everybody, also for a thread of ours that waits for a message.
-
-        The socket is closed when nobody uses this end any more: the number of what that thread polls must not become
-        another file's meanwhile.
-        """
+        """End the connection for everybody; its number is free only when nobody polls it any more."""
         with suppress(OSError):  # the other end was faster
             self._socket.shutdown(socket.SHUT_RDWR)
 

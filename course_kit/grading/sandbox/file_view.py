@@ -276,12 +276,7 @@ def _change_root(folder: str) -> None:
 
 
 def list_readable(view: FileView) -> Iterator[landlock.ReadableFile]:
-    """The view as a list for Landlock, which knows no masks: a folder with a mask in it is listed entry by entry.
-
-    Its names may be read, for Python looks for modules in them; so may those in what is masked.
-
-    No link is in it: a rule holds for what the link leads to, and that may be what is masked, or around it.
-    """
+    """The view for Landlock, which knows no masks and gives a link's rights to what it leads to: no link is in it."""
     for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
             yield from _list_around_masks(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])

@@ -354,10 +354,7 @@ def _spin(node_class: type) -> None:
     from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 
     class Executor(MultiThreadedExecutor):
-        """Ends with a callback's exception at once; the stock one notices it with the next event only.
-
-        A callback may spin its node, as it may below `rclpy.spin()`: the other threads run what it waits for.
-        """
+        """Ends with a callback's exception at once; a callback may spin its node, as below `rclpy.spin()`."""
 
         turned = threading.Event()
 

@@ -40,9 +40,7 @@ class WaitTime:
     Between two looks that is the time of the thread that has waited longest, minus what everything else of the program
     has computed meanwhile: while that had a processor, the waiting was the program's own doing.
 
-    What children compute that come and go between two looks, nobody need ever be told (SIGCHLD may be ignored). So
-    while a program has children they are taken to have had all processors: these are the `hidden_s`. Those of a command
-    or of a launch file are looked at as well, and only what comes and goes is hidden.
+    Children that nobody looks at are taken to have had all processors while there are some: the `hidden_s`.
     """
 
     def __init__(

@@ -147,11 +147,7 @@ def _user(job: Job) -> int:
 
 
 def _others(job: Job) -> int:
-    """Tasks the kernel counts with the submission's: before Linux 5.14 all of the user's, in any namespace.
-
-    With what others may start meanwhile, such as gradings side by side: a thread that cannot be started because of them
-    would be told as the submission's fault. What it may have itself the init process sees to.
-    """
+    """Tasks the kernel counts with the submission's, before Linux 5.14 all of the user's, and what may yet come."""
     version = tuple(int(part) for part in os.uname().release.split(".")[:2])
     counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
     return 0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE
