@@ -126,8 +126,8 @@ def test_a_folder_that_cannot_be_written_is_refused_at_once(clone: Clone) -> Non
     with not_writable(clone.root):
         told = refusal(clone.course("lab", before=drop_privileges))
     assert f"The folder {clone.root} cannot be written to (Permission denied)" in told
-    assert "COURSE_PYTHON=/usr/bin/python3 ./course lab" in told  # a Python in the owner's home is the owner's alone
-    assert "have its owner run './course lab' once" in told
+    # A Python in the owner's home is the owner's alone.
+    assert "have its owner run 'COURSE_PYTHON=/usr/bin/python3 ./course lab' once" in told
     assert clone.calls() == []
 
 
