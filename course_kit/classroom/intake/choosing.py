@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.classroom.intake import archive, candidates, listing
-from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE, Candidate
+from course_kit.classroom.intake.candidates import BY_CONTENT, CALLED_ALIKE, NAMED, ONLY_ONE
 from course_kit.classroom.intake.listing import Item
 from course_kit.classroom.records import Entry
 from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT, read_stamp
@@ -71,25 +71,24 @@ class Chooser:
             self.odd.append((student, odd))
         files, problems = self._files(student, units)
         reasons = {file.path: file.problem for file in files if file.problem}
-        choices: list[tuple[Exercise, Candidate, dict[str, str]]] = []
+        choices: list[tuple[Exercise, HandIn, dict[str, str]]] = []
         lost = []
         considered: dict[str, set[str]] = {}  # paths, by exercise
         for exercise in self._exercises:
             found = list(self._candidates(files, exercise))
-            considered[exercise.id] = {candidate.file.path for candidate in found}
+            considered[exercise.id] = {candidate.path for candidate in found}
             if not found:
                 continue
-            choice, not_chosen = candidates.choose_candidate(found, exercise, files)
-            best = choice.file
+            best, not_chosen = candidates.choose_candidate(found, exercise, files)
             if best.problem:
                 lost.append(f"{one_line(best.path)}: {best.problem}")
                 why = f"{best.path} would have been used, but cannot be read"
-                reasons.update((candidate.file.path, why) for candidate in found if not candidate.file.problem)
+                reasons.update((candidate.path, why) for candidate in found if not candidate.problem)
                 continue
-            choices.append((exercise, choice, not_chosen))
+            choices.append((exercise, best, not_chosen))
             used = ((path, f"{why}; {best.path} was used instead") for path, why in not_chosen.items())
             reasons.update((path, why) for path, why in used if path not in reasons)
-        chosen = {choice.file.path for _, choice, _ in choices}
+        chosen = {choice.path for _, choice, _ in choices}
         entries = []
         for exercise, choice, not_chosen in choices:
             of_others = [paths for other, paths in considered.items() if other != exercise.id]
@@ -193,10 +192,7 @@ class Chooser:
             return listing.StudentFiles((), problem=problem)
         return archive.unpack_students_zip(self._root, file.item)
 
-    def _entry(
-        self, student: str, exercise: Exercise, choice: Candidate, reasons: dict[str, str], rest: list[str]
-    ) -> Entry:
-        file = choice.file
+    def _entry(self, student: str, exercise: Exercise, file: HandIn, reasons: dict[str, str], rest: list[str]) -> Entry:
         platform = _platform_of(file)
         inside = file.path[len(file.inside) + 1 :]
         if file.has_assignments and "/" in inside:  # as nbgrader lays it out, which notes the time just there
@@ -206,7 +202,7 @@ class Chooser:
                 platform[SUBMITTED_AT] = one_line(stamp)
         others = _list_other_files(reasons, rest)
         name = one_line(file.name)
-        return Entry(student, exercise.id, file.path, name, file.late, platform, choice.why, others, choice.worry)
+        return Entry(student, exercise.id, file.path, name, file.late, platform, file.why, others, file.worry)
 
     def _leave(self, student: str, rest: LeftOut, others: str) -> None:
         """List files of a student; of a heap the first ones, and the number of the others with a reason."""
@@ -214,7 +210,7 @@ class Chooser:
         if len(rest) > _MOST_LISTED:
             self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
 
-    def _candidates(self, files: list[HandIn], exercise: Exercise) -> Iterator[Candidate]:
+    def _candidates(self, files: list[HandIn], exercise: Exercise) -> Iterator[HandIn]:
         for_it = [file for file in files if file.exercise in ("", exercise.id)]
         if exercise.files:
             for_it = _as_one(for_it, exercise)
@@ -232,11 +228,20 @@ class Chooser:
             is_script = bool(exercise.class_name) and "rclpy" in glance.imports
             fits = glance.found or (is_script and file.file_name.removesuffix(".py") not in imported)
             is_starter = glance.identity in self._starters[exercise.id]
-            odd = self._explain_doubt(file, exercise, glance, fits=fits)
+            doubt = self._explain_doubt(file, exercise, glance, fits=fits)
             if glance.program and (lacks := [name for name in exercise.files if name not in glance.program.files]):
-                odd = f"missing: {', '.join(lacks)}"
-            changed = _modified_at(self._root / file.path)
-            yield Candidate(file, sureness, changed, glance, is_starter, fits, odd)
+                doubt = f"missing: {', '.join(lacks)}"
+            yield replace(
+                file,
+                sureness=sureness,
+                changed=_modified_at(self._root / file.path),
+                found=glance.found,
+                identity=glance.identity,
+                imports=glance.imports,
+                is_starter=is_starter,
+                fits=fits,
+                doubt=doubt,
+            )
 
     def _explain_doubt(self, file: HandIn, exercise: Exercise, glance: FileSummary, *, fits: bool) -> str:
         """Why a program will hardly get a point; empty where nothing speaks against it."""

@@ -78,6 +78,17 @@ class HandIn:
     download: str = ""  # the name of the download it is in, where there are several
     exercise: str = ""  # the id of the exercise that this download is of; empty where nothing says so
     inside: str = ""  # of a file in a student's folder or zip: where that is
+    # of one that may be the submission for an exercise, see `candidates`: how sure that is, and when it was written
+    sureness: int = 0
+    changed: float = 0.0
+    found: bool = False  # whether it holds what the exercise asks for
+    identity: str = ""  # equal for programs that differ in comments and blanks alone
+    imports: frozenset[str] = frozenset()
+    is_starter: bool = False  # whether its program is one that the course gave out
+    fits: bool = False  # whether it holds what is asked for, or may do without: a program that uses rclpy
+    doubt: str = ""  # what in it somebody should look at
+    why: str = ""  # of the one that was chosen the reason, in words
+    worry: str = ""  # of that one why somebody should look at the choice; empty when there is no doubt
 
     @property
     def path(self) -> str:
