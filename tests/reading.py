@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 
 if TYPE_CHECKING:
@@ -15,5 +15,5 @@ if TYPE_CHECKING:
 
 
 def read(path: Path, exercise_id: str) -> Submission:
-    with Copy(path) as copy, Reader() as reader:
+    with copy_file(path) as copy, Reader() as reader:
         return reader.read(copy, load_exercise(exercise_id))

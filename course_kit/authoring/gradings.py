@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from course_kit.grading import pool
 from course_kit.grading.engine import GradingRequest, report_unreadable
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
 from course_kit.process import Closable
@@ -62,7 +62,7 @@ class Gradings(Closable):
                 path = Path(folder) if exercise.files else Path(folder, *program)
                 return self.request_for_program(exercise_id, path, seed, first_failure=first_failure)
         try:
-            with Copy(program, several=bool(exercise.files)) as copy:
+            with copy_file(program, several=bool(exercise.files)) as copy:
                 text = self._reader.read(copy, exercise)
         except UnreadableError as problem:
             return report_unreadable(exercise, program.name, str(problem))

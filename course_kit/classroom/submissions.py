@@ -12,7 +12,7 @@ from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import ReadingStoppedError
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def read_submission(  # noqa: PLR0913 - what a submission is read for
     """Read a submission; never fails, as there is a report for whatever was handed in."""
     path = root / entry.source
     try:
-        with Copy(path, several=bool(exercise.files)) as copy:
+        with copy_file(path, several=bool(exercise.files)) as copy:
             submission = ClassSubmission(entry, exercise, seed, copy.digest, copy.size)
             if known is not None and submission.has_result(known):
                 return submission

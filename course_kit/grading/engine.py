@@ -15,7 +15,7 @@ from course_kit.grading.model import bounds, catalogue, exercise_folders, submis
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.report import CheckReport, Report
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
@@ -108,7 +108,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
 def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, **wishes: Any) -> Report:
     """Have a file read and grade it."""
     with ExitStack() as opened:
-        copy = opened.enter_context(Copy(path, several=bool(exercise.files)))
+        copy = opened.enter_context(copy_file(path, several=bool(exercise.files)))
         reader = opened.enter_context(Reader())
         used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
         text = reader.read(copy, exercise)

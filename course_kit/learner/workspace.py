@@ -20,7 +20,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
 from course_kit.text.console import note, refuse
 
@@ -256,7 +256,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
 
 def _glance(readings: Reader, path: Path, exercise: Exercise) -> FileSummary:
     """What a file looks like; one that cannot be read is graded if it is all there is, and the report says why."""
-    with suppress(UnreadableError, GradingError), Copy(path, whole=False, several=bool(exercise.files)) as copy:
+    with suppress(UnreadableError, GradingError), copy_file(path, whole=False, several=bool(exercise.files)) as copy:
         return readings.summarize(copy, exercise)
     return FileSummary()
 

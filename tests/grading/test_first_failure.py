@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from tests.grading.conftest import EXERCISE, ROOT
 
@@ -21,7 +21,7 @@ SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
 
 def graded(path: Path, worker: Worker, *, first_failure: bool) -> Report:
     exercise = load_exercise(EXERCISE)
-    with Reader() as reader, Copy(path) as copy:
+    with Reader() as reader, copy_file(path) as copy:
         text = reader.read(copy, exercise)
     return engine.grade_submission(
         engine.GradingRequest(exercise, text, path.name, 1, first_failure=first_failure), worker

@@ -13,7 +13,7 @@ from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise, read_exercise
 from course_kit.grading.pool import Pool
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from tests import outside_exercises
 from tests.outside_exercises import ID
@@ -87,6 +87,6 @@ def test_workers_that_begin_with_both_keep_them_apart(tmp_path: Path) -> None:
     with closing(Pool(1)) as pool, Reader() as reader:
         for made in (other, one):
             exercise = read_exercise(made)
-            with Copy(exercise.solution) as copy:
+            with copy_file(exercise.solution) as copy:
                 report = pool.grade(GradingRequest(exercise, reader.read(copy, exercise), "it", 1))
             assert report.score == 3.0, (made, report.problem)

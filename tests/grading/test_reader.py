@@ -14,7 +14,7 @@ import pytest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import Copy, copy_file
 from course_kit.grading.reading.reader import Reader, ReadingStoppedError
 from course_kit.reader import contract
 from tests.reading import read
@@ -80,7 +80,7 @@ def test_calls_that_may_wait_for_long_are_seen(text: str, waits: bool, program: 
 
 
 def test_a_reader_that_somebody_has_killed_gets_a_successor(program: Path) -> None:
-    with Reader() as reader, Copy(program) as copy:
+    with Reader() as reader, copy_file(program) as copy:
         first = reader.read(copy, EXERCISE)
         killed = reader._process.pid
         os.kill(killed, signal.SIGKILL)
@@ -100,7 +100,11 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
                 one.kill()
         return False
 
-    with Reader(kill) as reader, Copy(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was reading"):
+    with (
+        Reader(kill) as reader,
+        copy_file(tmp_path / "slow.py") as copy,
+        pytest.raises(GradingError, match="was reading"),
+    ):
         reader.read(copy, EXERCISE)
     assert len(killed) == 2
 
@@ -108,7 +112,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
 def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> None:
     (tmp_path / "slow.py").write_text(SLOW)
     stopped: list[bool] = []
-    with Reader(lambda: bool(stopped)) as reader, Copy(program) as copy, Copy(tmp_path / "slow.py") as slow:
+    with Reader(lambda: bool(stopped)) as reader, copy_file(program) as copy, copy_file(tmp_path / "slow.py") as slow:
         assert reader.read(copy, EXERCISE)
         stopped.append(True)
         with pytest.raises(ReadingStoppedError):
@@ -128,12 +132,12 @@ import sys
 from pathlib import Path
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.reading.reader import Reader
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 
 reader = Reader()
 reader.start()
 print(reader._process.pid, flush=True)
-with Copy(Path(sys.argv[1])) as copy:
+with copy_file(Path(sys.argv[1])) as copy:
     reader.read(copy, load_exercise("temperature_service"))
 sys.stdin.read()
 """
@@ -169,7 +173,7 @@ NO_FILES = """
 import resource, sys
 from pathlib import Path
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 
 held = []
 try:
@@ -180,7 +184,7 @@ except OSError:
     if sys.argv[2] == "none":
         held.append(open("/dev/null"))
 try:
-    Copy(Path(sys.argv[1]))
+    copy_file(Path(sys.argv[1]))
 except GradingError as problem:
     sys.stdout.write(str(problem))
 """
@@ -214,14 +218,14 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 @pytest.mark.parametrize("text", [SOLUTION, f"{SOLUTION}\ndef (\n"], ids=["right", "no Python"])
 def test_a_submission_is_read_while_it_is_looked_at(text: str, program: Path, asked: list[str]) -> None:
     program.write_text(text)
-    with Reader() as reader, Copy(program) as copy:
+    with Reader() as reader, copy_file(program) as copy:
         due = reader.read(copy, EXERCISE)
-    with Reader() as known, Copy(program) as copy:
+    with Reader() as known, copy_file(program) as copy:
         summary = known.summarize(copy, EXERCISE)
         assert summary.found
         assert summary.prints
         assert known.read(copy, EXERCISE) == due
-    with Reader(lambda: True, memory=known.memory) as again, Copy(program) as copy:
+    with Reader(lambda: True, memory=known.memory) as again, copy_file(program) as copy:
         assert again.read(copy, EXERCISE) == due
         assert again.summarize(copy, EXERCISE, whatever=True) == summary
         with pytest.raises(ReadingStoppedError):
@@ -234,11 +238,11 @@ def test_another_name_text_or_exercise_is_another_reading(program: Path, tmp_pat
     for path in (program, second):
         path.write_text(SOLUTION)
     with Reader() as known:
-        with Copy(program) as copy:
+        with copy_file(program) as copy:
             known.summarize(copy, EXERCISE)
             assert known.read(copy, CHOICE).name == program.name
         program.write_text("answers = {}\n")
-        with Copy(second) as copy, Copy(program) as after:
+        with copy_file(second) as copy, copy_file(program) as after:
             assert known.read(copy, EXERCISE).name == "second.py"
             assert known.read(after, EXERCISE).source == "answers = {}\n"
             assert not known.summarize(after, EXERCISE).found

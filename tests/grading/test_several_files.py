@@ -8,7 +8,7 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading.model.exercise import read_exercise
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.render.html import render_page
 from course_kit.grading.render.text import render_text
@@ -71,7 +71,7 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     with Reader() as reader:
         read = []
         for path in (tmp_path / "it", packed, tmp_path / "it.ipynb", alone):
-            with Copy(path, several=True) as copy:
+            with copy_file(path, several=True) as copy:
                 read.append(reader.read(copy, exercise))
     folder, archive, cells, one = ({name: text.source.strip() for name, text in each.files.items()} for each in read)
     assert folder == archive == cells

@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import LARGEST, Copy
+from course_kit.grading.reading.file_copy import LARGEST, copy_file
 from tests.reading import read
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def test_a_file_that_is_closed_to_whoever_grades_is_nobody_s_zero(tmp_path: Path
     os.seteuid(user or 65534)  # root may read everything
     try:
         with pytest.raises(GradingError, match=r"^closed.py cannot be read: Permission denied.$"):
-            Copy(closed)
+            copy_file(closed)
     finally:
         os.seteuid(user)
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
 from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
@@ -64,7 +64,7 @@ class ProgramTexts(Closable):
 
     def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
         """The fingerprints of any file that is read as a submission for an exercise."""
-        with suppress(UnreadableError, GradingError), Copy(path, several=bool(exercise.files)) as copy:
+        with suppress(UnreadableError, GradingError), copy_file(path, several=bool(exercise.files)) as copy:
             return self._reader.summarize(copy, exercise, whatever=True)
         return FileSummary()
 

@@ -46,26 +46,14 @@ _BROKEN = (zipfile.BadZipFile, EOFError, ValueError, OverflowError, NotImplement
 class Archive(Closable):
     """A zip as a `Listing`: what is fetched lies below the workspace afterwards."""
 
-    def __init__(self, path: Path, workspace: Path | None) -> None:
+    def __init__(self, opened: zipfile.ZipFile, workspace: Path | None) -> None:
+        self._zip = opened
         self._workspace = workspace
         self._had: dict[str, str] = {}  # what was unpacked already, and the problem if it could not be
         self.left: list[tuple[str, str]] = []  # path and reason of members that are in no folder's list
         self.lost: list[tuple[str, str]] = []  # of these, what may be somebody's only file
         self._members: dict[str, zipfile.ZipInfo] = {}
         self._folders: dict[str, dict[str, Item]] = {"": {}}
-        try:
-            self._zip = zipfile.ZipFile(path)
-        except OSError as problem:
-            raise GradingError(f"{path} cannot be read: {problem.strerror or problem}.") from problem
-        except _BROKEN as problem:
-            raise GradingError(f"{path.name} cannot be read as a zip archive: {problem}.") from problem
-        try:
-            self._take_in()
-            if workspace is not None:
-                make_empty(workspace)
-        except BaseException:
-            self.close()
-            raise
 
     def close(self) -> None:
         """Close the file."""
@@ -97,7 +85,8 @@ class Archive(Closable):
                 problems[item.path] = self._had[item.path]
         return problems
 
-    def _take_in(self) -> None:
+    def list_members(self) -> None:
+        """Note what is in it, by folder."""
         members = self._zip.infolist()
         separator = _separator(members)
         for member in members:
@@ -209,13 +198,31 @@ def make_empty(workspace: Path) -> None:
     workspace.mkdir()
 
 
+def open_archive(path: Path, workspace: Path | None) -> Archive:
+    """Open a zip and list what is in it; the workspace is empty afterwards."""
+    try:
+        archive = Archive(zipfile.ZipFile(path), workspace)
+    except OSError as problem:
+        raise GradingError(f"{path} cannot be read: {problem.strerror or problem}.") from problem
+    except _BROKEN as problem:
+        raise GradingError(f"{path.name} cannot be read as a zip archive: {problem}.") from problem
+    try:
+        archive.list_members()
+        if workspace is not None:
+            make_empty(workspace)
+    except BaseException:
+        archive.close()
+        raise
+    return archive
+
+
 def unpack_students_zip(root: Path, item: Item) -> StudentFiles:
     """Open a zip that a student has handed in, beside itself; what goes wrong is theirs alone."""
     folder = f"{item.path}{CONTENTS}"
     try:
         if (root / item.path).stat().st_size > LARGEST_OF_ONE:  # a list of names alone may fill the memory
             return StudentFiles((), problem=f"it is too much: at most {LARGEST_OF_ONE >> 20} MB are opened")
-        with Archive(root / item.path, root / folder) as archive:
+        with open_archive(root / item.path, root / folder) as archive:
             found = look_through(archive, Item("", FOLDER))
             wanted = [
                 file for file in found.files if file.is_program or file.name.endswith(YAML) or len(found.files) == 1

@@ -17,7 +17,7 @@ from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import FileSummary, starter_identities
 from course_kit.reader import text
 from course_kit.reader.files import is_name
@@ -55,7 +55,6 @@ class Chooser:
         self._listing = opened.listing
         self._may_unpack = opened.is_copy
         self._exercises = exercises
-        self._starters = {exercise.id: starter_identities(exercise) for exercise in exercises}
         self._named = {name for exercise in exercises for name in exercise.files}
         self.entries: list[Entry] = []
         self.left: LeftOut = []
@@ -219,6 +218,7 @@ class Chooser:
         alone = is_named and (len(programs) == 1 or (not programs and len(for_it) == 1))
         seen = {file.path: self._summarize_file(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
+        starters = starter_identities(exercise)
         for file in programs or for_it:
             glance = seen[file.path]
             sureness = _sureness(file, exercise, glance) or (ONLY_ONE if alone else 0)
@@ -227,7 +227,7 @@ class Chooser:
             # Whatever it is, its student gets a report that says what is wrong with it.
             is_script = bool(exercise.class_name) and "rclpy" in glance.imports
             fits = glance.found or (is_script and file.file_name.removesuffix(".py") not in imported)
-            is_starter = glance.identity in self._starters[exercise.id]
+            is_starter = glance.identity in starters
             doubt = self._explain_doubt(file, exercise, glance, fits=fits)
             if glance.program and (lacks := [name for name in exercise.files if name not in glance.program.files]):
                 doubt = f"missing: {', '.join(lacks)}"
@@ -264,7 +264,7 @@ class Chooser:
         if file.problem or file.item.kind == listing.OTHER or not may_be_submission(file.item, exercise):
             return FileSummary()
         try:
-            copy = Copy(self._root / file.path, whole=False, several=bool(exercise.files))
+            copy = copy_file(self._root / file.path, whole=False, several=bool(exercise.files))
         except UnreadableError:
             return FileSummary()
         with copy:

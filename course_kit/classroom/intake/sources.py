@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.intake import gradescope_export, layouts, listing, recognition
-from course_kit.classroom.intake.archive import LARGEST_OF_ONE, Archive, make_empty
+from course_kit.classroom.intake.archive import LARGEST_OF_ONE, Archive, make_empty, open_archive
 from course_kit.classroom.intake.gradescope_export import METADATA
 from course_kit.classroom.intake.layouts import CLONES, most_fit
 from course_kit.classroom.intake.listing import FILE, FOLDER, Folder, Item, move_item
@@ -101,7 +101,7 @@ def _open(path: Path, workspace: Path, exercises: Sequence[Exercise], stack: Exi
         return Download(folder, path.resolve().name, packed=False, starters=starters)
     if not path.is_file():
         raise GradingError(f"There is no folder or zip file {path}.")
-    return Download(stack.enter_context(Archive(path, workspace)), path.stem, packed=True, starters=starters)
+    return Download(stack.enter_context(open_archive(path, workspace)), path.stem, packed=True, starters=starters)
 
 
 def _is_folder(path: Path) -> bool:
@@ -171,7 +171,7 @@ def _is_download(path: Path, exercises: Sequence[Exercise]) -> bool:
     if _exercise_of(path.stem, exercises):
         return True
     try:
-        with Archive(path, None) as archive:
+        with open_archive(path, None) as archive:
             items = recognition.list_entries(archive, "")
             lone = recognition.likely_entries(items)
             within = recognition.look_inside(archive, lone[0]) if len(lone) == 1 else []

@@ -31,19 +31,10 @@ _OF_THE_MACHINE = (
 class Copy(Closable):
     """A copy of a submission's file in memory: its name, its size in bytes, and SHA-256 of its kind and bytes."""
 
-    def __init__(self, path: Path, *, whole: bool = True, several: bool = False) -> None:
-        """Copy a file; or, where an exercise asks for several, those of a folder as a zip archive."""
-        self.name, self.size = path.name or path.absolute().name, 0
+    def __init__(self, name: str, *, several: bool) -> None:
+        self.name, self.size, self.digest = name, 0, ""
         self._several = several
-        try:
-            self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
-            try:
-                self.digest = self._pack(path) if several and path.is_dir() else self._fill(path, whole=whole)
-            except BaseException:
-                self.close()
-                raise
-        except OSError as problem:  # what concerns the file itself is an UnreadableError
-            raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+        self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
 
     def fileno(self) -> int:
         """Its descriptor."""
@@ -52,6 +43,10 @@ class Copy(Closable):
     def close(self) -> None:
         """Let go of it."""
         self._file.close()
+
+    def fill(self, path: Path, *, whole: bool) -> None:
+        """Take in a file, or the files of a folder."""
+        self.digest = self._pack(path) if self._several and path.is_dir() else self._fill(path, whole=whole)
 
     def _fill(self, path: Path, *, whole: bool) -> str:
         ending = kind_of_file(path.name) or (path.suffix.lower() if self._several else "")
@@ -98,6 +93,20 @@ class Copy(Closable):
             return source.read(most)
         except OSError as problem:
             raise _not_read(path, problem) from None
+
+
+def copy_file(path: Path, *, whole: bool = True, several: bool = False) -> Copy:
+    """Copy a file; or, where an exercise asks for several, those of a folder as a zip archive."""
+    try:
+        copy = Copy(path.name or path.absolute().name, several=several)
+        try:
+            copy.fill(path, whole=whole)
+        except BaseException:
+            copy.close()
+            raise
+    except OSError as problem:  # what concerns the file itself is an UnreadableError
+        raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+    return copy
 
 
 def _list_submission_files(folder: Path) -> list[Path]:

@@ -10,7 +10,7 @@ from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.model.report import CheckReport, Report
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.render.html import render_page
 from tests.classroom.exports import books
@@ -56,7 +56,7 @@ def write_a_report(out: Path) -> Path:
         message="Your callback raised KeyError: 'kelvin' in line 16: factor, shift = self.table[...].",
         hint="Which units can a request name?",
     )
-    with Reader() as reader, Copy(out / record.entry.source) as copy:
+    with Reader() as reader, copy_file(out / record.entry.source) as copy:
         program = reader.read(copy, SERVICE)
     report = replace(_report(record), checks=(failed,), stderr="Traceback (most recent call last):\n" * 30)
     path = out / "report.html"

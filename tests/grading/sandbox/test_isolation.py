@@ -28,11 +28,11 @@ print(report.to_json())
 GRADE_BY_A_WORKER_OF_A_CLASS = """
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.file_copy import Copy
+from course_kit.grading.reading.file_copy import copy_file
 from course_kit.grading.reading.reader import Reader
 from course_kit.grading.pool import Pool
 asked = load_exercise("temperature_service")
-with Copy(Path(sys.argv[1])) as copy, Reader() as reader, Pool(1) as pool:
+with copy_file(Path(sys.argv[1])) as copy, Reader() as reader, Pool(1) as pool:
     report = pool.grade(
         GradingRequest(asked, reader.read(copy, asked), "jane.py", 7, require_isolation=sys.argv[2] == "require")
     )
