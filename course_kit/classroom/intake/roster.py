@@ -200,7 +200,7 @@ def _guess_kinds(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[s
     for place, word in enumerate(words):
         if word in _NAME:
             kinds[place] = LAST if FIRST in kinds else FIRST if LAST in kinds else FULL
-    return _each_once(kinds)
+    return [kind if kind not in kinds[:place] else "" for place, kind in enumerate(kinds)]  # the first of a kind counts
 
 
 def _has_header(row: Sequence[str]) -> bool:
@@ -225,8 +225,3 @@ def _are_participants(cells: Sequence[str]) -> bool:
     """Whether cells are one word, the same in all, with a number each."""
     matches = [_PARTICIPANT.fullmatch(cell) for cell in cells]
     return len(cells) > 1 and all(matches) and len({match["word"] for match in matches if match}) == 1
-
-
-def _each_once(kinds: Sequence[str]) -> list[str]:
-    """Of two columns of a kind the first counts."""
-    return [kind if kind not in kinds[:place] else "" for place, kind in enumerate(kinds)]

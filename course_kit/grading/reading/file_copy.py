@@ -44,11 +44,10 @@ class Copy(Closable):
         """Let go of it."""
         self._file.close()
 
-    def fill(self, path: Path, *, whole: bool) -> None:
-        """Take in a file, or the files of a folder."""
-        self.digest = self._pack(path) if self._several and path.is_dir() else self._fill(path, whole=whole)
-
-    def _fill(self, path: Path, *, whole: bool) -> str:
+    def fill(self, path: Path, *, whole: bool) -> str:
+        """Take in a file, or the files of a folder; returns the digest."""
+        if self._several and path.is_dir():
+            return self._pack(path)
         ending = kind_of_file(path.name) or (path.suffix.lower() if self._several else "")
         digest = hashlib.sha256(ending.encode() + b"\0")
         with open(_open(path), "rb", buffering=0) as source:
@@ -100,7 +99,7 @@ def copy_file(path: Path, *, whole: bool = True, several: bool = False) -> Copy:
     try:
         copy = Copy(path.name or path.absolute().name, several=several)
         try:
-            copy.fill(path, whole=whole)
+            copy.digest = copy.fill(path, whole=whole)
         except BaseException:
             copy.close()
             raise
@@ -123,7 +122,8 @@ def _list_submission_files(folder: Path) -> list[Path]:
 def _open(path: Path) -> int:
     """A descriptor of an ordinary file."""
     try:
-        _require_no_way_out(path)
+        if path.is_symlink() and path.resolve().parent != path.parent.resolve():
+            raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
     except UnreadableError:
         raise
@@ -137,11 +137,6 @@ def _open(path: Path) -> int:
         os.close(descriptor)
         raise
     return descriptor
-
-
-def _require_no_way_out(path: Path) -> None:
-    if path.is_symlink() and path.resolve().parent != path.parent.resolve():
-        raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
 
 
 def _require_a_file(path: Path, mode: int) -> None:

@@ -46,7 +46,8 @@ def note_refused_return(problem: BaseException, evidence: int) -> None:
     for frame, _ in traceback.walk_tb(problem.__traceback__):
         note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
         if variable in frame.f_locals:
-            send_note(evidence, **{note: _type_name(frame.f_locals[variable])})
+            value = frame.f_locals[variable]
+            send_note(evidence, **{note: "None" if value is None else type(value).__name__})
 
 
 def watch_lost_nodes(evidence: int, program: str) -> None:
@@ -70,10 +71,6 @@ def watch_lost_nodes(evidence: int, program: str) -> None:
 def comes_from_callback(problem: BaseException) -> bool:
     """Whether it was raised in a callback that rclpy ran."""
     return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
-
-
-def _type_name(value: object) -> str:
-    return "None" if value is None else type(value).__name__
 
 
 def send_note(evidence: int, **what: object) -> None:

@@ -94,12 +94,13 @@ class Streams:
 def run_setup(job: Job, variables: Mapping[str, str], view: FileView) -> RunSetup:
     """The setup for a job, with these variables and files."""
     user = _user(job)
+    interfaces = {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}  # before others of one name
     return RunSetup(
         limits=job.limits,
         isolation=job.isolation,
         scratch=job.scratch,
         view=_view(job, view),
-        environment={**_NO_BYTECODE, **variables, **_interface_path(job)},
+        environment={**_NO_BYTECODE, **variables, **interfaces},
         priority=job.priority,
         others=0 if user else _others(job),
         user=user,
@@ -129,11 +130,6 @@ def _view(job: Job, view: FileView) -> FileView:
         view = file_view.view_of_command(job.command, job.folder)
         hidden = tuple(path for path in hidden if not Path(job.folder).is_relative_to(path))  # a user's own choice
     return view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden)
-
-
-def _interface_path(job: Job) -> dict[str, str]:
-    """The variable with which the program finds the interfaces of its exercise before others of the same name."""
-    return {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}
 
 
 def _user(job: Job) -> int:
