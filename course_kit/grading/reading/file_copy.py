@@ -122,8 +122,7 @@ def _list_submission_files(folder: Path) -> list[Path]:
 def _open(path: Path) -> int:
     """A descriptor of an ordinary file."""
     try:
-        if path.is_symlink() and path.resolve().parent != path.parent.resolve():
-            raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
+        _require_no_way_out(path)
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
     except UnreadableError:
         raise
@@ -137,6 +136,11 @@ def _open(path: Path) -> int:
         os.close(descriptor)
         raise
     return descriptor
+
+
+def _require_no_way_out(path: Path) -> None:
+    if path.is_symlink() and path.resolve().parent != path.parent.resolve():
+        raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
 
 
 def _require_a_file(path: Path, mode: int) -> None:
