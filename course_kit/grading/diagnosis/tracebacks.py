@@ -47,7 +47,9 @@ class TracebackException:
 def last_exception(stderr: str, programs: Collection[str]) -> TracebackException | None:
     """The last complete traceback in what programs, by the names of their files, wrote to stderr, or None."""
     lines = stderr.splitlines()
-    begins = [number for number, line in enumerate(lines) if _HEADER in line and not _is_ignored(lines, number)]
+    above = ["", *lines]  # what Python could only mention, such as an exception in a finalizer, has a line above it
+    ignored = [line.startswith("Exception ignored") for line in above]
+    begins = [number for number, line in enumerate(lines) if _HEADER in line and not ignored[number]]
     if not begins:
         return None
     frames = []
@@ -64,11 +66,6 @@ def last_exception(stderr: str, programs: Collection[str]) -> TracebackException
 def _is_own(frame: Frame, programs: Collection[str]) -> bool:
     """Whether a line is the learner's: what another file has imported is told by its whole path."""
     return frame.file in programs or (_SCRATCH in frame.file and PurePath(frame.file).name in programs)
-
-
-def _is_ignored(lines: list[str], header: int) -> bool:
-    """Whether a traceback is of an exception that Python could only mention, such as one in an object's finalizer."""
-    return header > 0 and lines[header - 1].startswith("Exception ignored")
 
 
 @dataclass(frozen=True)
