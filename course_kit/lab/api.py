@@ -96,9 +96,9 @@ def nodes() -> NodeList:
     """The running nodes, by name; prints as what each serves, calls, publishes and listens to."""
     from course_kit.lab.runtime.nodes import NodeList
 
-    lab = current()
-    found = NodeList(lab.live_nodes())
-    found.others = lab.neighbours.others() if lab.has_engine else ()
+    neighbours = current().neighbours
+    found = NodeList(current().live_nodes())
+    found.others = neighbours.others() if neighbours.has_looked else neighbours.first_look()
     return found
 
 

@@ -63,7 +63,8 @@ def check_step(step: LessonStep) -> StepResult:
         context.begin(_MOST_S)
         context.launch()
         try:
-            _require(step, context)
+            for need in step.needs:
+                _require(need, context)
             step.ask(GradedNode(context))
         except Failed as failed:
             result = StepResult(passed=False, text=_describe_failure(failed, context))
@@ -85,23 +86,21 @@ def _endpoint(need: str) -> dict[str, str]:
     return {"kind": kind, "name": name, "type": interface}
 
 
-def _require(step: LessonStep, context: CheckContext) -> None:
-    """Fail with what exists instead, unless everything exists that the step asks about."""
-    node = context.grader_node
-    for need in step.needs:
-        kind, name = need.split()[:2]
-        if kind == "node":
-            remote = RemoteParameters(context, name)
-            _await(context, remote.is_ready, need, [name for name in node.nodes() if not is_hidden(name)])
-            continue
-        end = WantedEndpoint.from_record(_endpoint(need))
-        if end.is_server:
-            there = [f"{offer.name} [{offer.type}]" for offer in end.offers(node)]
-            _await(context, partial(end.is_ready, node), need, there)
-        else:
-            discovery.expect_endpoints(context, [end])
-        if kind != "subscription":
-            _require_only_one(context, end)
+def _require(need: str, context: CheckContext) -> None:
+    """Fail with what is there instead, unless there is what the step asks about."""
+    node, kind, name = context.grader_node, *need.split()[:2]
+    if kind == "node":
+        remote = RemoteParameters(context, name)
+        _await(context, remote.is_ready, need, lambda: [name for name in node.nodes() if not is_hidden(name)])
+        return
+    end = WantedEndpoint.from_record(_endpoint(need))
+    if end.is_server:
+        ready = partial(end.is_ready, node)
+        _await(context, ready, need, lambda: [f"{offer.name} [{offer.type}]" for offer in end.offers(node)])
+    else:
+        discovery.expect_endpoints(context, [end])
+    if kind != "subscription":
+        _require_only_one(context, end)
 
 
 def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
@@ -115,9 +114,12 @@ def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
         raise Failed(Evidence("", f"one node with {what}", many), why)
 
 
-def _await(context: CheckContext, condition: Callable[[], bool], need: str, there: Sequence[str]) -> None:
+def _await(
+    context: CheckContext, condition: Callable[[], bool], need: str, offered: Callable[[], Sequence[str]]
+) -> None:
     if context.wait_until(condition, _APPEARS_S):
         return
+    there = offered()  # asked now: at first nothing has been discovered
     kind, name, *interface = need.split()
     found = f"on the graph: {', '.join(there) or 'none'}"
     of_type = f" of type {interface[0]}" if interface else ""

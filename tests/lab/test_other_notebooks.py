@@ -12,6 +12,7 @@ from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 FIRST, SECOND = "02_actions.ipynb", "exercise.ipynb"
 SERVER = """
@@ -91,6 +92,15 @@ def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) 
     assert FIRST not in first.run("lab.nodes()").result["text/plain"]
     first.run("lab.stop()")
     wait_until(lambda: others(second) == [], lambda: others(second))
+
+
+def test_a_notebook_that_is_opened_lists_the_nodes_of_others_in_its_first_cell(
+    two: tuple[Kernel, Kernel], tmp_path: Path
+) -> None:
+    start(two[0], "Robot", "robot")
+    with Kernel(cwd=tmp_path) as opened:
+        shown = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.nodes()").result["text/plain"]
+    assert shown.splitlines()[-1] == f"    {FIRST}: robot"
 
 
 def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Kernel, Kernel]) -> None:

@@ -159,9 +159,10 @@ def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel
 
 
 def test_what_is_not_there_is_named(kernel: Kernel) -> None:
-    assert kernel.run("lab.stop()").ok
+    assert kernel.run(f"lab.stop()\nlab.stop_script()\n{cells_of('04_choosing_a_pattern')['honk'].solution}").ok
     said = kernel.run("%check subtract").result["text/plain"]
     assert said.startswith("Not yet: No service /subtract_two_ints of type example_interfaces/srv/AddTwoInts is there.")
+    assert said.splitlines()[-1] == "  found: on the graph: /honk [std_srvs/srv/Trigger]"
     assert "There is no step 'substract'. Did you mean subtract?" in kernel.run("%check substract").error
 
 

@@ -72,10 +72,6 @@ class Lab:
             return self._scripts
 
     @property
-    def has_engine(self) -> bool:
-        return self._engine is not None
-
-    @property
     def neighbours(self) -> Neighbours:
         self.engine  # noqa: B018 - it makes them
         return self._neighbours

@@ -38,6 +38,7 @@ _OF_EVERY_NODE = "/parameter_events"
 _LONGEST = 60  # bytes of a title
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
+_DISCOVERY, _QUIET = 1.0, 0.1  # seconds until nodes of this machine are known, and from one look to the next
 _REMEDY = "lab.stop_others() stops what other notebooks run."
 _GOALS = "/_action/send_goal"
 
@@ -73,6 +74,7 @@ class Neighbours:
         self._on_stop, self._script_nodes = on_stop, script_nodes
         self._key = f"{_MARK}p{os.getpid()}"
         self._lab, self._node, self._title = lab, lab.node, title
+        self.has_looked = False
         self._mark = mark_as(mark_of(title, _NOTEBOOK), self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
         self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
@@ -101,6 +103,16 @@ class Neighbours:
             if key in titles and not end.node_name.startswith("_"):
                 nodes.setdefault(key, set()).add(full_name(end.node_name, end.node_namespace))
         return sorted(OtherNotebook(titles[key], tuple(sorted(names)), key) for key, names in nodes.items())
+
+    def first_look(self) -> list[OtherNotebook]:
+        """As `others`, for who has just joined the graph and hears of it by and by."""
+        self.has_looked, before, found = True, [], self.others()
+        deadline = time.monotonic() + _DISCOVERY
+        pause = threading.Event()  # the graph has no event to wait for
+        while (not found or found != before) and time.monotonic() < deadline:
+            pause.wait(_QUIET)
+            before, found = found, self.others()
+        return found
 
     def stop(self, others: list[OtherNotebook]) -> list[OtherNotebook]:
         """Have others stop their nodes; returns those that have not within some seconds."""
