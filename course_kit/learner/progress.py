@@ -1,8 +1,4 @@
-"""What a learner has reached, kept in one file of the course's folder.
-
-The commands record (`grade`, `%grade`, `watch`), the engine does not: grading a class marks nothing as the instructor's
-own. COURSE_KIT_PROGRESS names another file; `off` keeps nothing, as for the tests.
-"""
+"""What a learner has reached, in one file. `grade`, `%grade` and `watch` record; the engine, as for a class, does not."""
 
 from __future__ import annotations
 
@@ -26,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading import Report
 
 FORMAT_VERSION = 1
-VARIABLE = environment.paths.PROGRESS_VARIABLE
+VARIABLE = environment.paths.PROGRESS_VARIABLE  # names another file; `off` keeps nothing, as for the tests
 _PATIENCE_S = 5.0  # for another grader that is writing, which takes it some milliseconds
 _POLL_S = 0.02
 _COUNTED = ("graded", "crashed")  # a file that cannot be read, and a fault of ours, are no try
