@@ -1,4 +1,4 @@
-"""What a learner has reached, in one file. `grade`, `%grade` and `watch` record; the engine, as for a class, does not."""
+"""What a learner has reached, in one file. `grade`, `%grade` and `watch` record; the engine of a class does not."""
 
 from __future__ import annotations
 
