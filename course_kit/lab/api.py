@@ -96,8 +96,7 @@ def nodes() -> NodeList:
     """The running nodes, by name; prints as what each serves, calls, publishes and listens to."""
     from course_kit.lab.runtime.nodes import NodeList
 
-    neighbours = current().neighbours
-    found = NodeList(current().live_nodes())
+    neighbours, found = current().neighbours, NodeList(current().live_nodes())
     found.others = neighbours.others() if neighbours.has_looked else neighbours.first_look()
     return found
 

@@ -108,9 +108,8 @@ class Neighbours:
         """As `others`, for who has just joined the graph and hears of it by and by."""
         self.has_looked, before, found = True, [], self.others()
         deadline = time.monotonic() + _DISCOVERY
-        pause = threading.Event()  # the graph has no event to wait for
         while (not found or found != before) and time.monotonic() < deadline:
-            pause.wait(_QUIET)
+            threading.Event().wait(_QUIET)  # the graph has no event to wait for
             before, found = found, self.others()
         return found
 
