@@ -106,7 +106,7 @@ class Neighbours:
 
     def first_look(self) -> list[OtherNotebook]:
         """As `others`, for who has just joined the graph and hears of it by and by."""
-        self.has_looked, before, found = True, [], self.others()
+        self.has_looked, before, found = True, list[OtherNotebook](), self.others()
         deadline = time.monotonic() + _DISCOVERY
         while (not found or found != before) and time.monotonic() < deadline:
             threading.Event().wait(_QUIET)  # the graph has no event to wait for
