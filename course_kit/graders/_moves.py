@@ -31,6 +31,7 @@ _A_METRE = 5  # feedback messages
 _BARELY_BEGUN = 0.1  # the progress that the first message says at most
 _FITS = 0.05  # how well progress fits distance_remaining
 _ROUNDING = 1e-6
+_QUARTER = math.pi / 2.0
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
@@ -97,10 +98,11 @@ class Move:
 
 
 def draw_way(*lengths: Any) -> Any:
-    """A drawing of a way that has one of these drawn lengths, in any direction."""
+    """A drawing of a way that has one of these drawn lengths, along a wall or in any direction."""
 
     def make(rng: random.Random) -> Way:
-        return Way(rng.choice(lengths).make(rng), rng.uniform(0.0, 2.0 * math.pi))
+        turns = rng.choice((rng.uniform(0.0, 4.0), float(rng.randrange(4))))
+        return Way(rng.choice(lengths).make(rng), turns * _QUARTER)
 
     return draw_by(make)
 
@@ -136,10 +138,10 @@ def place_of(point: Any) -> ArenaPoint:
 
 
 def place_inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
-    """The place in the arena so far away, in this direction or the next one that stays inside."""
+    """The place in the arena so far away, in this direction or the next one inside; along x, y stays the same."""
     for turn in range(24):
-        turned = angle + turn * 2.4
-        place = ArenaPoint(here.x + length * math.cos(turned), here.y + length * math.sin(turned))
+        turned = angle + turn * _QUARTER + turn // 4 * 0.4
+        place = ArenaPoint(here.x + round(length * math.cos(turned), 9), here.y + round(length * math.sin(turned), 9))
         if all(0.0 <= value <= ARENA for value in place):
             return place
     return CENTRE

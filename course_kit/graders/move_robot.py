@@ -48,7 +48,7 @@ BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) fo
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 STOPS = _moves.draw_way(draw_between(1.7, 2.1))
 CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
-SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "second", "nowhere", "second", "outside")
+SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
 _ASK_AGAIN_S = 0.2
 _LOOK_S = 0.005  # how often it is looked how far the robot is
 
@@ -73,7 +73,7 @@ class RobotModel(Model):
 
     # --- the rules
 
-    @step_rule("succeeds", way=MOVES, often=5)
+    @step_rule("succeeds", way=draw_one_of(*[MOVES] * 4, _moves.draw_way(draw_between(5.5, 6.5))))
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
@@ -82,7 +82,7 @@ class RobotModel(Model):
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
         self.make_plain_move(node)
-        for z in (math.nan, 2.5, -1.0):
+        for z in (math.nan, math.inf, -1.0):
             self.special = "any_z"
             self.drive(node, self.target_of(way), z, "any_z")
 
@@ -137,7 +137,7 @@ class RobotModel(Model):
         begin, target = self.at, self.target_of(way)
         first = self.set_off(node, target, share)
         self.special = "second_goal"
-        others = {"outside": ArenaPoint(-0.5, 5.0), "nowhere": ArenaPoint(math.nan, 5.0)}
+        others = {"outside": ArenaPoint(-0.5, 5.0), "nowhere": ArenaPoint(math.nan, 5.0), "same": target}
         self.reject_second(node, first, others.get(kind, place_inside(begin, 1.0, angle)))
         clock, allowed_s = node.context.clock(), _moves.allowed_s(way.length)
         while not clock.has_passed(allowed_s):  # a robot that halts for a rejected goal halts for each

@@ -16,6 +16,7 @@ from std_msgs.msg import Float64, String
 from course_kit.graders._limiter import (
     BEYOND,
     CHANGES,
+    COMMAND,
     DEFAULTS,
     FIELDS,
     LATE_S,
@@ -29,6 +30,7 @@ from course_kit.graders._limiter import (
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import describe_values, start_arguments
 from course_kit.grading.checks.ready_made import expect_rate
+from course_kit.grading.checks.ready_made_parameters import expect_declared, expect_defaults, expect_types
 from course_kit.grading.checks.vocabulary import (
     Check,
     CheckPart,
@@ -43,7 +45,6 @@ from course_kit.grading.checks.vocabulary import (
     endpoints_offered,
     step_rule,
 )  # fmt: skip
-from course_kit.ros.parameters import NOT_SET
 
 if TYPE_CHECKING:
     import random
@@ -51,13 +52,13 @@ if TYPE_CHECKING:
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
-_LINES = 4
+_LINES, _COMMAND_S = 4, 0.3
 _LONGEST_GAP_S = 0.9  # a line that comes with each change makes up for no slow timer
 _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
-_NAMES = (" ", "  my robot: 2 ", "Zo\u00eb \u83ef")
+_NAMES = (" ", "  my robot: 2 of the laboratory on the second floor, beside the window ", "Zo\u00eb \u83ef")
 _WRONG = {
     "max_velocity": (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF),
     "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),
@@ -146,8 +147,10 @@ class Limiter(LimiterSteps):
 
     @step_rule("change_status", value=draw_one_of(*_NAMES))
     def set_name(self, node: GradedNode, value: str) -> None:
-        """A name, in any language."""
+        """A name, in any language; of a long one with a long number."""
         self.accept(node, {"robot_name": value}, "change_status")
+        if value == _NAMES[1] and "change_velocity" not in self.lost:
+            self.accept(node, {"max_velocity": 4.87654321}, "change_velocity")
         if value != _NAMES[0]:
             self.watch_status(node)
 
@@ -235,39 +238,20 @@ def node_up(node: GradedNode) -> Evidence:
 @check(points=0.5, after=["node_up"], proves=list(TYPES))
 def declared(node: GradedNode) -> Evidence:
     """The four parameters are declared."""
-    names = node.parameters(NODE).names()
-    evidence = Evidence("list_parameters", ", ".join(TYPES), f"the node has {', '.join(names) or 'no parameters'}")
-    if missing := [name for name in TYPES if name not in names]:
-        raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
-    return evidence
+    return expect_declared(node.parameters(NODE), vars(DEFAULTS))
 
 
 @check(points=0.5, after=["declared"], proves=list(TYPES))
 def types(node: GradedNode) -> Evidence:
     """Each parameter has its type."""
-    found = {name: value.type for name, value in node.parameters(NODE).values(list(TYPES)).items()}
-    listed, wanted = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, TYPES))
-    evidence = Evidence("get_parameters", wanted, listed)
-    if empty := [name for name, kind in found.items() if kind == NOT_SET]:
-        why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
-        raise Failed(evidence, why, "parameter.default")
-    if wrong := [name for name, kind in found.items() if kind != TYPES[name]]:
-        why = " and ".join(f"{name} is {found[name]}, expected {TYPES[name]}" for name in wrong)
-        point = any((found[name], TYPES[name]) == ("integer", "double") for name in wrong)
-        raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
-    return evidence
+    return expect_types(node.parameters(NODE), vars(DEFAULTS))
 
 
 @check(points=0.5, after=["types"], proves=list(TYPES))
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
-    found = {name: value.value for name, value in node.parameters(NODE).values(list(TYPES)).items()}
-    evidence = Evidence("get_parameters", describe_values(vars(DEFAULTS)), describe_values(found))
-    others = {name: value for name, value in found.items() if value != getattr(DEFAULTS, name)}
-    if others and node.context.job.mode != "attach":
-        why = f"Started without settings, your node has {describe_values(others)}."
-        raise Failed(evidence, why, "parameter.default")
-    return evidence
+    is_ours = node.context.job.mode != "attach"  # else somebody else has set it
+    return expect_defaults(node.parameters(NODE), vars(DEFAULTS) if is_ours else node.get(*TYPES, of=NODE))
 
 
 @check(points=0.5, after=["status"], proves=["status_rate"])
@@ -281,6 +265,12 @@ def status_rate(node: GradedNode) -> Evidence:
     node.ensure_running()  # afresh: nothing else is asked of it than a change, after which the timer may be another one
     with suppress(Failed):
         node.set({"robot_name": _NAMES[1], "max_velocity": 0.7}, of=NODE)
+    inbox, clock = node.inbox(STATUS), node.context.clock()
+    while not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
+        if clock.has_passed(4 * _LINES * _RATE[1]):
+            evidence = Evidence("commands, three a second", f"lines on {STATUS}", f"{inbox.count} lines")
+            raise Failed(evidence, "Commands must not hold up the timer of the status line.")
+        node.send(COMMAND, Twist())
     return expect_rate(node, STATUS, 0.5, _RATE)
 
 
@@ -329,7 +319,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
 def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
     rng = node.context.random
-    given = {"max_velocity": round(rng.uniform(2.1, 4.9), 1), "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
+    given = {"max_velocity": 5.0, "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
     sent = " ".join(start_arguments(given))
     _start(node, given, sent, parameters=given)
     return Evidence(sent, describe_values(given), describe_values(given))
@@ -340,7 +330,7 @@ def start_file(node: GradedNode) -> Evidence:
     """Values given at the start in a parameter file take effect."""
     rng = node.context.random
     name, velocity = f"rover {rng.randrange(100, 1000)}", round(rng.uniform(0.2, 0.9), 1)
-    given = {"robot_name": name, "enabled": False, "max_velocity": velocity}
+    given = {"robot_name": name, "enabled": False, "max_velocity": velocity, "wheel_diameter": rng.choice((0.01, 1.0))}
     sent = f"--params-file parameters.yaml, in which {describe_values(given)}"
     _start(node, given, sent, file=given, of=NODE)
     node.context.spoil()
@@ -350,9 +340,9 @@ def start_file(node: GradedNode) -> Evidence:
 @check(points=1.0, after=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
 def start_invalid(node: GradedNode) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
-    rng = node.context.random
-    _require_not_used(node, {"max_velocity": -rng.uniform(1.5, 3.0)})
-    return _require_not_used(node, {"wheel_diameter": rng.uniform(2.0, 9.0)})
+    _require_not_used(node, {"max_velocity": 0.0})  # which a range lets through
+    _require_not_used(node, {"robot_name": ""})
+    return _require_not_used(node, {"wheel_diameter": math.nan})
 
 
 def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import random
 from typing import TYPE_CHECKING
 
 import pytest
@@ -13,11 +15,13 @@ from course_kit.graders.temperature_service import (
     CELSIUS,
     FAHRENHEIT,
     Sample,
+    Temperatures,
     explain_answers,
     has_every_digit,
     has_right_formula,
     right_value,
 )
+from course_kit.grading.checks.steps import Steps, rules_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -98,3 +102,15 @@ def test_mistakes_are_told_apart(unit: str, formula: Callable[[float], float], c
     found, told = explain_answers(answers, floors=floors)
     assert found == code
     assert told
+
+
+def test_each_kind_of_request_comes_after_each_other() -> None:
+    """What a program keeps of one request shows in the next: hardly a conversation lacks one of the pairs."""
+    model, missing = Temperatures(), 0
+    for seed in range(50):
+        steps = Steps(rules_of(Temperatures), random.Random(seed))  # noqa: S311 - no secrets
+        kinds = [steps.draw_step(model, apart=False).kind for _ in range(steps.round)]
+        each = {kind for kind in kinds if kind != ("ask_fifty",)}
+        missing += len(set(itertools.product(each, each)) - set(itertools.pairwise(kinds)))
+        assert len(each) == 11
+    assert missing <= 2

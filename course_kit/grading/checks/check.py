@@ -70,17 +70,10 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckRes
     titles = {check.id: check.title for check in checks}
     broken = ""
     for check in in_order(checks):
-        if broken:  # then there is no grade
-            yield CheckResult(
-                check.id, check.title, "skipped", check.points, message=f'Not run: the grader failed in "{broken}".'
-            )
-            continue
-        missing = [name for name in check.depends_on if name not in passed]
-        if missing:
-            needed = ", ".join(f'"{titles[name]}"' for name in missing)
-            yield CheckResult(
-                check.id, check.title, "skipped", check.points, message=f"Not run: {needed} must pass first."
-            )
+        missing = ", ".join(f'"{titles[name]}"' for name in check.depends_on if name not in passed)
+        if broken or missing:  # where the grader has failed there is no grade
+            why = f'the grader failed in "{broken}".' if broken else f"{missing} must pass first."
+            yield CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run: {why}")
             continue
         result = replace(_run(check, context), proves=check.proves)
         if result.status == "passed":

@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Check, name_lost_node
 from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnseenError
@@ -61,6 +61,10 @@ class Model:
 
     def begin(self, node: GradedNode) -> None:
         """Called when the program has just been started; for models that have to look what is there."""
+
+    def kind_of(self, rule: str, **arguments: Any) -> object:  # noqa: ARG002 - for a subclass
+        """Of which kind a step is: each kind comes after each other, as far as there are steps. Its rule's name."""
+        return rule
 
     def act(self, node: GradedNode, step: Callable[[], object]) -> None:  # noqa: ARG002 - for a subclass
         """Called for each step, which it does; for models of what may have to be done again."""
@@ -147,7 +151,7 @@ class Conversation:
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
             step = steps.draw_step(model, apart=self._apart)
-            if self._is_lost(step.rule):
+            if self._part_of(step.rule, "").id in self._failed or self._strikes[step.rule.name] >= _STRIKES:
                 continue
             all_tried = number > len(rules_of(self.model))
             wall = _WALL_AFTER_ALL if all_tried else _WALL  # of the time after which the program would be ended
@@ -213,9 +217,6 @@ class Conversation:
         if not sentence or sentence in own.proves:
             return own
         return next((part for part in self.parts if sentence in (part.id, *part.proves)), own)
-
-    def _is_lost(self, rule: Rule) -> bool:
-        return self._part_of(rule, "").id in self._failed or self._strikes[rule.name] >= _STRIKES
 
     def _keep(self, failed: Failed, done: list[Step]) -> None:
         """Keep a failure for the check that it costs, shrunk; of a check that is lost already only the count."""

@@ -35,15 +35,8 @@ class Exchange:
     steps: list[tuple[float, Arrow]] = field(default_factory=list)
 
     def add_received(self, text: str, kind: Kind = "response") -> None:
-        """Keep what the node has sent."""
-        self._keep(Arrow(self.partner, GRADER, kind, _cut(text)))
-
-    def add_missed(self, text: str) -> None:
-        """Keep what should have come and has not."""
-        self._keep(Arrow(self.partner, GRADER, "failure", _cut(text)))
-
-    def _keep(self, step: Arrow) -> None:
-        self.steps.append((time.time(), step))
+        """Keep what the node has sent; as a "failure", what should have come and has not."""
+        self.steps.append((time.time(), Arrow(self.partner, GRADER, kind, _cut(text))))
 
 
 Followed = tuple[float, Arrow]  # a step and when it happened, in seconds of the system's clock

@@ -180,7 +180,8 @@ class GradedGoal:
         try:
             ended = self.wait_for_end(within_s, expected)
             evidence = Evidence(self.shown, expected, f"{ended.name}, {in_one_line(ended.result)}")
-            if status == "CANCELED" and ended.status == SUCCEEDED and self._nothing_raised():
+            went_on = status == "CANCELED" and ended.status == SUCCEEDED
+            if went_on and exceptions.explain_goal_exception(self.process(), self._context.job) is None:
                 why = "Your server agreed to cancel the goal, but went on to its end."
                 raise Failed(evidence, why, "action.cancel_ignored")  # noqa: TRY301 - the sentence is added below
             self.require_status(ended, _STATUS[status], evidence)
@@ -370,9 +371,6 @@ class GradedGoal:
 
     def _uuid(self) -> UUID:
         return UUID(uuid=list(self._id))
-
-    def _nothing_raised(self) -> bool:
-        return exceptions.explain_goal_exception(self.process(), self._context.job) is None
 
 
 def is_spread(heard: Sequence[tuple[float, float]], began: float, over: float) -> bool:

@@ -52,13 +52,7 @@ class GradedNode:
     # --- services
 
     def call(
-        self,
-        service: str,
-        request: Any = None,
-        *,
-        within_s: float = hangs.ANSWER_S,
-        breaks: str = "",
-        **fields: Any,
+        self, service: str, request: Any = None, *, within_s: float = hangs.ANSWER_S, breaks: str = "", **fields: Any
     ) -> Answer:
         """Send a request and wait for the answer.
 
@@ -176,7 +170,7 @@ class GradedNode:
         if inbox.count == place:
             seconds = hangs.describe_seconds(clock.fair_s(), within_s)
             got = f"within {seconds} s nothing on {topic}"
-            self._exchange().add_missed(got)
+            self._exchange().add_received(got, "failure")
             cause = discovery.explain_silent_topic(self.context, self._last_sent.partition(":")[0], topic, seconds)
             raise Failed(replace(evidence, got=got), *cause[::-1], breaks=breaks)
         message: Message = inbox.newer_than(place)[0]

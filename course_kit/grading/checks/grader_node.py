@@ -117,9 +117,8 @@ class GraderNode:
         self._inboxes: dict[str, tuple[Subscription, Inbox]] = {}
         self._publishers: dict[str, Publisher] = {}
         self._services: list[OfferedService] = []
-        self._takers: dict[
-            int, Callable[[], object]
-        ] = {}  # by the handle's address, as the wait set names what is ready
+        # By the handle's address, as the wait set names what is ready.
+        self._takers: dict[int, Callable[[], object]] = {}
         self._nothing = rclpy_implementation.GuardCondition(self._context.handle)  # a wait set must not be empty
         self._wait_set: rclpy_implementation.WaitSet | None = None
 

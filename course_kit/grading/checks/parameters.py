@@ -154,7 +154,7 @@ def parameter_file(values: Mapping[str, object], node: str) -> str:
 def _to_yaml(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else repr(value)
+    return f"'{value}'" if isinstance(value, str) else repr(value).replace("nan", ".nan")
 
 
 def _evidence(question: Question) -> Evidence:

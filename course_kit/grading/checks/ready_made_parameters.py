@@ -9,25 +9,22 @@ from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.ready_made import make_check
 from course_kit.grading.checks.steps import draw_values
+from course_kit.ros.parameters import NOT_SET, to_message, type_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from typing_extensions import Unpack
 
     from course_kit.grading.checks.check import Check
     from course_kit.grading.checks.graded_node import GradedNode
+    from course_kit.grading.checks.parameters import RemoteParameters
     from course_kit.grading.checks.ready_made import CheckFields
 
 _EFFECT_S = 0.2  # rclpy may tell the callbacks of a change after it has answered
 
 
-def parameter_declared(
-    defaults: dict[str, Any],
-    *,
-    node: str,
-    **declared: Unpack[CheckFields],
-) -> Check:
+def parameter_declared(defaults: dict[str, Any], *, node: str, **declared: Unpack[CheckFields]) -> Check:
     """A check that a node has parameters, with these values at the start, and so with their types.
 
     Args:
@@ -46,17 +43,43 @@ def require_declared(graded: GradedNode, values: dict[str, Any], node: str) -> E
     """See that a node, after its start, has parameters with these values and so with their types."""
     graded.ensure_running()
     remote = graded.parameters(node)
-    names, found = remote.names(), remote.values(list(values))
-    got = describe_wanted({name: setting.value for name, setting in found.items()})
-    evidence = Evidence(f"get_parameters of {node}", describe_wanted(values), got)
-    if missing := [name for name in values if name not in names]:
+    expect_declared(remote, values)
+    expect_types(remote, values)
+    return expect_defaults(remote, values)
+
+
+def expect_declared(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
+    """A node has parameters with these names."""
+    names = remote.names()
+    evidence = Evidence("list_parameters", ", ".join(defaults), f"the node has {', '.join(names) or 'no parameters'}")
+    if missing := [name for name in defaults if name not in names]:
         raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
-    if wrong := [name for name, value in values.items() if type(found[name].value) is not type(value)]:
-        point = " A double needs a decimal point." if any(found[name].type == "integer" for name in wrong) else ""
-        text = " and ".join(f"{name} is {found[name].type}" for name in wrong)
-        raise Failed(evidence, f"{text}.{point}", "parameter.type")
-    if others := {name: found[name].value for name, value in values.items() if found[name].value != value}:
-        raise Failed(evidence, f"As it was started, your node has {describe_wanted(others)}.", "parameter.default")
+    return evidence
+
+
+def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
+    """A node's parameters have the types of these values."""
+    found = {name: one.type for name, one in remote.values(list(defaults)).items()}
+    wanted = {name: type_of(to_message(name, value).value) for name, value in defaults.items()}
+    told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
+    evidence = Evidence("get_parameters", expected, told)
+    if empty := [name for name, kind in found.items() if kind == NOT_SET]:
+        why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
+        raise Failed(evidence, why, "parameter.default")
+    if wrong := [name for name, kind in found.items() if kind != wanted[name]]:
+        why = " and ".join(f"{name} is {found[name]}, expected {wanted[name]}" for name in wrong)
+        point = any((found[name], wanted[name]) == ("integer", "double") for name in wrong)
+        raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
+    return evidence
+
+
+def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
+    """A node that was just started has these values."""
+    found = {name: one.value for name, one in remote.values(list(defaults)).items()}
+    evidence = Evidence("get_parameters", describe_values(defaults), describe_values(found))
+    if others := {name: value for name, value in found.items() if value != defaults[name]}:
+        why = f"As it was started, your node has {describe_values(others)}."
+        raise Failed(evidence, why, "parameter.default")
     return evidence
 
 
@@ -110,10 +133,7 @@ def parameter_acts(
 
 
 def parameter_refuses(
-    settings: Sequence[dict[str, Any]],
-    *,
-    reason: Sequence[str] = (),
-    **declared: Unpack[CheckFields],
+    settings: Sequence[dict[str, Any]], *, reason: Sequence[str] = (), **declared: Unpack[CheckFields]
 ) -> Check:
     """A check that a node refuses changes of parameters with a reason, and that their values stay.
 

@@ -130,10 +130,12 @@ def rules_of(model: type) -> list[Rule]:
 
 @dataclass(frozen=True)
 class Step:
-    """One step: a rule, and what was drawn for it."""
+    """One step: a rule, what was drawn for it, and of which kind it is."""
 
     rule: Rule
     arguments: dict[str, Any]
+    kind: object
+    options: set[_Option]
 
     def do(self, node: GradedNode, model: Any) -> None:
         """Do it, unless the model does not allow it now."""
@@ -142,7 +144,7 @@ class Step:
 
 
 class Steps:
-    """Draws steps without end: each option of each rule once, in any order, then all again.
+    """Draws steps without end: each option of each rule once, then all again; each kind of step after each other kind.
 
     Of a model with few states each option comes in each state: what depends on what was before is not left to chance.
     """
@@ -151,41 +153,51 @@ class Steps:
         self._rng, self._rules = rng, tuple(rules)
         self._hands: dict[int, list[int]] = {}
         self.round = sum(rule.often for rule in rules)
-        self._waiting: list[Rule] = []
+        self._waiting: list[Step] = []
         self._drawn = 0
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
+        self._met: set[tuple[object, object]] = set()  # kinds of steps, one after the other
+        self._last: object = None
 
     def draw_step(self, model: Any, *, apart: bool) -> Step:
         """The next step; `apart`, all of one rule come one after the other."""
-        state = _state_of(model)
-        seen = self._seen.get(state)
+        seen = self._seen.setdefault(_state_of(model), set())
         self._drawn += 1
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
-        if by_state and seen is not None and len(self._seen) <= _FEW_STATES:
+        untried = []
+        if by_state and seen and len(self._seen) <= _FEW_STATES:
             allowed = [rule for rule in self._rules if rule.is_allowed(model)]
             untried = [(rule, option) for rule in allowed for option in rule.options() if option not in seen]
-            if untried:
-                rule, chosen = self._rng.choice(untried)
-                return self._step(rule, state, chosen)
-        if not self._waiting:
-            self._waiting = [rule for rule in self._rules for _ in range(rule.often - 1)]
-            self._rng.shuffle(self._waiting)
-            self._waiting += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
-        if apart:
-            self._waiting.sort(key=lambda rule: rule.name)
-        return self._step(self._waiting.pop(), state)
+        step = self._draw(model, *self._rng.choice(untried)) if untried else self._take(model, apart=apart)
+        seen |= step.options
+        self._met.add((self._last, step.kind))
+        self._last = step.kind
+        return step
 
-    def _step(self, rule: Rule, state: str, wanted: _Option | None = None) -> Step:
-        arguments, tried = {}, self._seen.setdefault(state, set())
+    def _take(self, model: Any, *, apart: bool) -> Step:
+        """From the hand of a round: a step whose kind has not come after the last one's yet, if there is one."""
+        if not self._waiting:
+            rules = [rule for rule in self._rules for _ in range(rule.often - 1)]
+            self._rng.shuffle(rules)
+            rules += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
+            self._waiting = [self._draw(model, rule) for rule in rules]
+        if apart:
+            self._waiting.sort(key=lambda step: step.rule.name)
+        elif self._drawn > len(self._rules):
+            new = (place for place, step in enumerate(self._waiting) if (self._last, step.kind) not in self._met)
+            return self._waiting.pop(max(new, default=-1))
+        return self._waiting.pop()
+
+    def _draw(self, model: Any, rule: Rule, wanted: _Option | None = None) -> Step:
+        arguments, options = {}, {_Option(rule.name)}
         for name, draw in rule.draws.items():
             if not isinstance(draw, Draw) or not draw.options:
                 arguments[name] = draw_values(draw, self._rng)
                 continue
             place = wanted.place if wanted and wanted.argument == name else self._deal_option(draw)
-            tried.add(_Option(rule.name, name, place))
+            options.add(_Option(rule.name, name, place))
             arguments[name] = draw_values(draw.options[place], self._rng)
-        tried.add(_Option(rule.name))
-        return Step(rule, arguments)
+        return Step(rule, arguments, model.kind_of(rule.name, **arguments), options)
 
     def _deal_option(self, draw: Draw) -> int:
         """The place of the next option, as from a hand of cards."""

@@ -48,7 +48,7 @@ def test_what_is_followed_stands_where_it_happened_in_time() -> None:
     record = ExchangeLog()
     turn = record.add_sent("goal")
     record.follow(lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))])
-    record.add_sent("cancel").add_missed("nothing came")
+    record.add_sent("cancel").add_received("nothing came", "failure")
     assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from typing import Any
 
@@ -60,6 +61,26 @@ def test_in_a_round_each_option_comes_once() -> None:
     for seed in range(30):
         first = [step for _, step in talk(Counter(), seed, 5)]
         assert sorted(step.arguments.get("amount", 0) for step in first) == [0, 0, 1, 2, 3], seed
+
+
+class Forgetful(Model):
+    """A model of three kinds of steps, of which two are one rule's."""
+
+    @step_rule(often=12, even=draw_one_of(True, False))
+    def ask(self, _node: object, even: bool) -> None: ...
+
+    @step_rule(often=6)
+    def refuse(self, _node: object) -> None: ...
+
+    def kind_of(self, rule: str, **arguments: Any) -> object:
+        return (rule, arguments.get("even"))
+
+
+def test_in_a_round_each_kind_of_step_comes_after_each_other() -> None:
+    model = Forgetful()
+    for seed in range(30):
+        kinds = [step.kind for _, step in talk(model, seed, 18)]
+        assert len(set(itertools.pairwise(kinds))) == 9, seed
 
 
 def test_the_same_seed_draws_the_same_steps() -> None:
