@@ -136,11 +136,7 @@ class CheckContext:
     """What a check works with."""
 
     def __init__(
-        self,
-        supervisor: Channel,
-        job: Job,
-        variables: Mapping[str, str] | None = None,
-        lives: mmap | bytes = b"\0",
+        self, supervisor: Channel, job: Job, variables: Mapping[str, str] | None = None, lives: mmap | bytes = b"\0"
     ) -> None:
         """Make a context on which nothing runs yet; `lives` is one byte, which says whether the submission does."""
         self.program = GradedProgram(supervisor, job, variables or {}, lives)
