@@ -28,7 +28,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     shell.register_magic_function(hint_line, "line", "hint")
     shell.register_magic_function(ros2_line, "line", "ros2")
     environment.paths.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
-    if path := exercise_folders.interface_path():  # of exercises that bring types of their own
+    if path := exercise_folders.interface_path():  # of exercises that bring their types
         os.environ[PATH_VARIABLE] = path
     environment.choose_graph(os.environ.get("JPY_SESSION_NAME", ""))
     environment.apply_settings()  # before rclpy is imported; grading works also where this finds no ROS domain

@@ -2,8 +2,8 @@
 
     .venvs/uv-0.13.9/uv      the installer, where this machine has none
     .venvs/wheels-3f9a1c/    an environment; it is made once and never changed
-    .venvs/wheels            link to the one in force where no ROS 2 is sourced
-    .venvs/jazzy             link to the one in force where a ROS 2 Jazzy is sourced
+    .venvs/wheels            link to the one in use where no ROS 2 is sourced
+    .venvs/jazzy             link to the one in use where a ROS 2 Jazzy is sourced
     .venvs/lock              locked while a set-up runs
     .venv                    link to the one that `./course` used last, for people and editors
 

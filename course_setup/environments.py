@@ -1,4 +1,4 @@
-"""Where the environments of a course folder are, which of them is in force, and what each was made for."""
+"""Where the environments of a course folder are, which of them is in use, and what each was made for."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Environments:
         self.face = root / ".venv"
 
     def current(self) -> Environment | None:
-        """The one in force, or None where there is none yet."""
+        """The one in use, or None."""
         return Environment(self.link.resolve()) if self.link.is_dir() else None
 
     def new(self) -> Environment:
@@ -73,7 +73,7 @@ class Environments:
         self._lead(self.face, f"{self.folder.name}/{environment.path.name}")
 
     def remove_unused(self, uv: Path, before: Environment | None) -> None:
-        """Remove what no link leads to, but for the one in force before, in which programs may run still."""
+        """Remove what no link leads to, except the one in use before, in which programs may still run."""
         kept = {link.resolve() for link in (uv.parent, self.face, *(self.folder / kind for kind in KINDS))}
         for path in list(self.folder.iterdir()):
             if path.name.startswith("link-"):

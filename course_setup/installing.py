@@ -96,7 +96,7 @@ class Installer:
 
     def create(self, environment: Environment) -> None:
         """Make an empty environment."""
-        python = os.path.realpath(self.request.python)  # /usr/bin/python3 is another one after the next release upgrade
+        python = os.path.realpath(self.request.python)  # /usr/bin/python3 changes with the next release upgrade
         options = ["--quiet", "--prompt", "course", "--python", python]
         if self.request.system_ros:
             options.append("--system-site-packages")
@@ -104,7 +104,7 @@ class Installer:
         self._require(done, "the Python environment could not be made", _ONLINE)
 
     def install(self, environment: Environment, *, with_tests: bool) -> None:
-        """Install the course, and ROS 2 where there is none."""
+        """Install the course, and ROS 2 if it is missing."""
         extras = [] if self.request.system_ros else ["ros"]
         if with_tests:
             extras += ["test"] if self.request.system_ros else ["test-ros", "test"]

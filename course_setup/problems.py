@@ -55,7 +55,7 @@ def require_wheels(folder: str) -> None:
     """Look whether there are wheels in the folder to install from.
 
     Args:
-        folder: as an absolute path; "" where the network is to be used.
+        folder: as an absolute path; "" to use the network.
     """
     if folder and not any(Path(folder).glob("*.whl")):
         raise SetUpError(

@@ -49,7 +49,7 @@ class RunProgress:
         self._began = self._shown = clock()
 
     def begin(self, total: int, ready: Sequence[GradeRecord]) -> None:
-        """So many submissions, and the results that are there already; whatever was counted before is over."""
+        """So many submissions, and the results that exist; what was counted before is over."""
         self._total, self._before, self._now = total, len(ready), 0
         self._counts = Counter(outcome_of(record) for record in ready)
         self._began = self._clock()

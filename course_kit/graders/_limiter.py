@@ -179,7 +179,7 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
 
 
 def _ratio(number: float, other: float) -> float:
-    """A quotient; NaN where there is none: the settings are a stranger's."""
+    """A quotient, or NaN: the settings are a stranger's."""
     return number / other if other else math.nan
 
 
@@ -207,7 +207,7 @@ class LimiterSteps(Model):
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
 
     def begin(self, node: GradedNode) -> None:
-        """Wrong defaults cost the points of their own check alone; with `--attach` somebody else has set the node."""
+        """Wrong defaults cost the points of one check alone; with `--attach` somebody else has set the node."""
         self.settings = self.start = self.seen = LimiterSettings(**node.get(*TYPES, of=NODE))
 
     def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:

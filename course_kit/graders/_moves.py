@@ -126,7 +126,7 @@ def is_slow(context: CheckContext) -> bool:
 def is_too_hasty(clock: FairClock, context: CheckContext, again: int) -> bool:
     """Whether the fast robot or a busy machine may be to blame for a failure; then the robot gets its own speed."""
     slow, speed = is_slow(context), speed_of(context)
-    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else who knows when what was sent
+    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else nobody knows their order
         return False
     speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
     return True
@@ -200,7 +200,7 @@ def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: 
     if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
         if _accepts(node, target, z, afresh=True):
             why = (
-                "No goal was running any more, and after a fresh start your node accepts this same goal: "
+                "No goal was running, and after a fresh start your node accepts this same goal: "
                 "it never clears its mark that a goal is running."
             )
             raise Failed(evidence, why, breaks="succeeds")
@@ -270,7 +270,7 @@ def require_enough(move: Move) -> None:
 
 
 def require_truth(move: Move) -> None:
-    """What feedback says of a move is true; of a long one that has arrived it is told from its beginning to its end."""
+    """What feedback says of a move is true; feedback of a long one that has arrived covers all of it."""
     long, arrived = move.length >= LONG_M, move.ended.status == SUCCEEDED
 
     def is_complete(messages: Sequence[ReceivedFeedback]) -> bool:
@@ -367,7 +367,7 @@ ASPECTS = {
 
 
 def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited_s: float, *, slow: bool) -> Failed:
-    """Whether cancelling that was not accepted in time was refused indeed, or may the robot have been there already?"""
+    """Whether cancelling was really refused, or the robot may have arrived before."""
     left, code = metres_left(goal, target), failed.diagnosis
     if code == "service.blocks":
         failed.diagnosis = "action.cancel_blocked"

@@ -159,7 +159,7 @@ def door_locked(node: GradedNode) -> None:
     answer.within(SHOWN_S)
     node.call(OPEN, data=False).expect(success=True)
     node.set({"locked": False}, of="/door").accepted()
-    node.call(OPEN, data=True).expect(success=True, why="The door is not locked any more.")
+    node.call(OPEN, data=True).expect(success=True, why="The door is no longer locked.")
 
 
 @robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])

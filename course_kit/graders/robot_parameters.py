@@ -275,7 +275,7 @@ def status_rate(node: GradedNode) -> Evidence:
 
 
 def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Limiter:
-    """Start with these values; they are in force, and act."""
+    """Start with these values; they act."""
     context = node.context
     try:
         node.start(**start, meets=False)

@@ -69,7 +69,7 @@ def run_lab(arguments: Sequence[str]) -> int:
 
 
 def running_server(folder: Path) -> str:
-    """The address of a JupyterLab that shows a folder already; empty where there is none."""
+    """The address of a JupyterLab that shows a folder already, or ""."""
     runtime = Path(paths.jupyter_runtime_dir())
     for file in runtime.glob("jpserver-*.json"):
         with suppress(OSError, ValueError, LookupError, TypeError):  # one that has ended, or another program's file

@@ -1,4 +1,4 @@
-"""The `%%submission` cells of a notebook, as they were last run: which of them count, and what is told of them.
+"""The `%%submission` cells of a notebook, as they were last run: which of them count, and what is said about them.
 
 The kernel knows what was run, not what the notebook shows. JupyterLab tells it which cell is run and which were
 deleted since the last one; and the notebook's file shows what was deleted or edited before it was last saved.

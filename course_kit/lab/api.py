@@ -244,7 +244,7 @@ def diagram(*, last: int | None = None) -> object:
     """The recorded exchange as a sequence diagram: a drawing to go through step by step, numbered lines in a terminal.
 
     Args:
-        last: draw only so many of the latest arrows.
+        last: how many of the latest arrows to draw.
 
     Raises:
         LabError: nothing is being recorded (`%load_ext course_kit` begins it).

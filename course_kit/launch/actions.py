@@ -70,7 +70,7 @@ class IncludeLaunchDescription(Action):
         self._arguments = list(launch_arguments or [])
 
     def execute(self, context: LaunchContext) -> None:
-        """Run the other file's actions, with the arguments in force from here on."""
+        """Run the other file's actions, with the arguments as they are from here on."""
         for name, value in self._arguments:
             context.launch_configurations[as_text(name, context)] = as_text(value, context)
         path = context.file.parent / as_text(self.path, context)

@@ -62,7 +62,7 @@ def explain_absence(name: str) -> str:
 
 
 def contents_of(module: str) -> dict[str, str] | None:
-    """What a module holds; a class also lies in one of its own, such as `launch.actions.execute_process`."""
+    """What a module holds; a class also lies in a separate one, such as `launch.actions.execute_process`."""
     if module in CONTENTS:
         return CONTENTS[module]
     parent, _, last = module.rpartition(".")

@@ -251,7 +251,7 @@ class Node(ExecuteProcess):
         self._arguments = list(arguments or [])
 
     def command(self, context: LaunchContext, temporary: list[Path]) -> list[str]:
-        """The program, its arguments, and what ROS is told."""
+        """The program, its arguments, and ROS's arguments."""
         package = None if self._package is None else as_text(self._package, context)
         command = find_command(package, as_text(self._executable, context), [context.file.parent])
         command += [as_text(argument, context) for argument in self._arguments]
@@ -303,7 +303,7 @@ class Node(ExecuteProcess):
 
 
 def join_namespace(outer: str, inner: str) -> str:
-    """A namespace within another one, absolute; empty where there is none."""
+    """A namespace within another, absolute, or ""."""
     if inner.startswith("/"):
         return inner
     joined = "/".join(part for part in (outer.strip("/"), inner.strip("/")) if part)

@@ -140,7 +140,7 @@ class LaunchService:
         sys.stderr.write(f"[ERROR] [launch]: {error}\n")
 
     def say(self, text: str, *, shown: bool = True) -> None:
-        """Write a line to the log, and to the screen if it is to be shown."""
+        """Write a line to the log, and to the screen if it is shown."""
         self._log.write(f"{text}\n")
         self._log.flush()
         if shown:

@@ -36,7 +36,7 @@ Text = Union[str, PurePath, Substitution, Iterable[object]]  # noqa: UP007 - eva
 
 
 class TextSubstitution(Substitution):
-    """Text as it stands."""
+    """Fixed text."""
 
     def __init__(self, *, text: str) -> None:
         self.text = text
@@ -56,7 +56,7 @@ class LaunchConfiguration(Substitution):
         self._name, self._default = variable_name, default
 
     def perform(self, context: LaunchContext) -> str:
-        """The value; a LaunchError when there is none."""
+        """The value; a LaunchError if it has none."""
         name = as_text(self._name, context)
         if name in context.launch_configurations:
             return context.launch_configurations[name]
@@ -181,7 +181,7 @@ class ExecutableInPackage(Substitution):
         return find_command(as_text(self._package, context), as_text(self._executable, context), near)
 
     def perform(self, context: LaunchContext) -> str:
-        """The path, or the command where a program has none of its own."""
+        """The path, or the command where a program has none."""
         return shlex.join(self.find_words(context))
 
 

@@ -37,7 +37,7 @@ def _environment(folder: Path) -> Environment:
     from markupsafe import Markup, escape  # in C: a class run fills in a hundred thousand values
 
     def filled_in(value: object) -> Markup:
-        """A value as it stands in a page: HTML of other templates as it is, everything else as text."""
+        """A value as a page shows it: HTML of other templates as it is, everything else as text."""
         return value if isinstance(value, Markup) else escape(make_printable(str(value)))
 
     return Environment(

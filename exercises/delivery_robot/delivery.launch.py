@@ -37,8 +37,8 @@
 - The door dies while it opens: the goal ends ABORTED after `door_timeout_s`, as without an answer, and the carrier
   lives on.
 - When a door is back, yours or another one, a delivery works again within 5 s. Your launch file may start it again.
-- Each program is run by itself, too, as a script: it starts its node, spins it and keeps running, and `rclpy.init()`
-  sees the arguments of the command line.
+- Each program is also run by itself, as a script. It starts its node, spins it and keeps running; `rclpy.init()` sees
+  the arguments of the command line.
 - A node has to be there within 5 s of the start, after at most 2 s of computing.
 - How it is built is up to you: executors, callback groups, names of classes, and modules of your own, `*.py` beside
   the others. The launch file may also start one process with all three nodes; the programs alone still have to work.

@@ -46,7 +46,7 @@ The names and types of node and topics are right already; keep them. The rest is
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program, which has to spin its node and keep running. Let `rclpy.init()` see the command-line arguments. How it is
+  program. It has to spin its node and keep running. Let `rclpy.init()` see the command-line arguments. How it is
   built inside is otherwise up to you.
 - The node has to be there within 5 s of each of its starts, after at most 2 s of computing.
 - More nodes, topics, services, actions and parameters are allowed.

@@ -24,7 +24,7 @@ Fill in `convert`. The names and the type are right already; keep them.
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program, which has to spin its node and keep running. How it is built inside is up to you.
+  program. It has to spin its node and keep running. How it is built inside is up to you.
 - The service has to be there within 5 s of the start, after at most 2 s of computing.
 - More nodes, services, topics, actions and parameters are allowed.
 """

@@ -66,7 +66,7 @@ class HandIn:
     """What one student has control of: a file or folder among those of the others, or one of the files in it."""
 
     item: Item  # where
-    student: str  # their identifier, as it stands in the name
+    student: str  # their identifier, as the name has it
     name: str = ""  # their own name, where it is known
     file: str = ""  # what they called it, of a file whose name the platform has lengthened
     late: bool = False  # marked as late by the platform

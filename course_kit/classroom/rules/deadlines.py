@@ -47,7 +47,7 @@ _OFFSET = re.compile(r"[+-]\d\d:?\d\d\Z")
 
 @dataclass(frozen=True)
 class Deadlines:
-    """When what was due, and what it costs to be late."""
+    """Due dates and late penalties."""
 
     due: Mapping[str, datetime] = field(default_factory=dict)  # by exercise; those that are not in it have no due date
     # the zone of dates without an offset, and of what students read; None when none is named

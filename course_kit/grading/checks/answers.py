@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
-TOO_SOON = "This came too soon: the work that takes so long was not done."
+TOO_SOON = "This came too soon: the work takes longer, so it was not done."
 
 
 @dataclass(frozen=True)

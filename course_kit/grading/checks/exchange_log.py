@@ -1,4 +1,4 @@
-"""What crossed the wire during one check, kept as a short list of steps, told from the learner's side."""
+"""What crossed the wire during one check, kept as a short list of steps, from the learner's side."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NOTHING_SENT = "(nothing)"  # the turn of a check that only listens
 _MOST = 8  # steps; what happened before them is left out, and that is said
 _LONGEST = 110  # characters of a step's text
 _LONGEST_TEXT = 40  # of a text in a message
-_FEW = 4  # fields; of larger messages only those are told that are not zero
+_FEW = 4  # fields; of larger messages only those that are not zero
 _DIGITS, _FEWER_DIGITS = 10, 4  # of numbers, in small and in large messages
 
 
@@ -52,7 +52,7 @@ class ExchangeLog:
         self._looking = True
 
     def clear(self) -> None:
-        """Forget everything: another check begins. What still comes for an old turn is not seen any more."""
+        """Forget everything: another check begins. What still comes for an old turn is ignored."""
         self._turns, self._followed = [], []
 
     def forget_all_but(self, last: int) -> None:

@@ -266,7 +266,7 @@ class GraderNode:
 
 
 def _take_message(subscription: Subscription, inbox: Inbox) -> bool:
-    """Take in the next message; False where there is none."""
+    """Take in the next message; False if none has come."""
     taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
     if taken is not None:
         inbox.take(*taken)

@@ -77,7 +77,7 @@ def goal_feedback(
 
     Example:
         >>> goal_feedback("/count_down", [{"order": 4}], at_least=4, first=lambda goal: {"sequence": [goal.order]},
-        ...               check_id="feedback", title="Each number is told", points=1.0, proves=["in_steps"])
+        ...               check_id="feedback", title="Each number is published", points=1.0, proves=["in_steps"])
     """
 
     def talk(node: GradedNode) -> None:

@@ -219,7 +219,7 @@ def _names_in(module: str) -> set[str]:
     try:
         if loaded is None and _HARMLESS.fullmatch(module):
             loaded = importlib.import_module(module)
-    except Exception:  # noqa: BLE001 - there is none of this name, or it is not whole
+    except Exception:  # noqa: BLE001 - no such name, or it is not whole
         return set()
     return set(dir(loaded)) if loaded is not None else set()
 

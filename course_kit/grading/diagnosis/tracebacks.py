@@ -64,7 +64,7 @@ def last_exception(stderr: str, programs: Collection[str]) -> TracebackException
 
 
 def _is_own(frame: Frame, programs: Collection[str]) -> bool:
-    """Whether a line is the learner's: what another file has imported is told by its whole path."""
+    """Whether a line is the learner's: a file that was imported has a whole path."""
     return frame.file in programs or (_SCRATCH in frame.file and PurePath(frame.file).name in programs)
 
 

@@ -97,7 +97,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     diagnoses: dict[str, DiagnosisWords] = {}  # by code, those that it words in its own way or links elsewhere
     sentences: tuple[Sentence, ...] = ()  # its task, sentence by sentence
     endpoints: tuple[_Endpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
-    practice: bool = False  # whether it counts for nothing: a drill
+    practice: bool = False  # whether it has no points: a drill
     symptom: str = ""  # of a drill, what somebody who uses its program sees
 
     @property
@@ -140,7 +140,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))
 
     def diagnosis(self, code: str | None) -> Diagnosis | None:
-        """A diagnosis as this exercise words it, else as the catalogue does; None when there is none of this code."""
+        """A diagnosis as this exercise words it, else as the catalogue does; None if the code is unknown."""
         found = catalogue().get(code or "")
         if found is None:
             return None

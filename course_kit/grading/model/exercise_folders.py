@@ -142,7 +142,7 @@ def _is_same(path: Path, other: Path) -> bool:
 
 def _explain_nothing_found(folder: Path, named_by: str) -> str:
     if not folder.is_absolute():
-        return f"{named_by} names the folder {folder}, which counts for nothing. Write its whole path, from / on."
+        return f"{named_by} names the folder {folder}, which is ignored. Write its whole path, from / on."
     if not folder.is_dir():
         return f"There is no folder {folder}, which {named_by} names."
     return f"There is no exercise in {folder}, which {named_by} names: no {TOML}, neither in it nor in a folder in it."

@@ -22,7 +22,7 @@ class Isolation:
     # has started together with it
     processes: bool = False
     files: bool = False  # own file system: an allow-list, read-only but for the scratch directory, which lies in memory
-    # an allow-list of files kept by Landlock; only used where there is no file system of its own
+    # an allow-list of files kept by Landlock; only used without a separate file system
     landlock: bool = False
     syscalls: bool = False  # system calls that lead out of the sandbox are refused
     user: bool = False  # its own user, without rights; only for a grader that runs as root

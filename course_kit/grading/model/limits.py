@@ -1,4 +1,4 @@
-"""What a submission may use, and how the kernel is told (getrlimit(2))."""
+"""What a submission may use, and how the kernel enforces it (getrlimit(2))."""
 
 from __future__ import annotations
 

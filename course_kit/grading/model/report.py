@@ -71,7 +71,7 @@ class Report:
     problem: str = ""  # why there is no grade, when the status is unreadable or error
     isolation: str = ""  # what kept the submission apart from the machine, in one line
     part: str = ""  # the part that was graded alone, whose points are its full marks; empty for all
-    practice: bool = False  # whether it counts for nothing: a drill is solved, or not yet, and nobody asks for points
+    practice: bool = False  # whether it has no points: a drill is solved, or not yet
 
     @property
     def verdict(self) -> str:

@@ -53,7 +53,7 @@ class FileSummary:
     """What a file that may be a submission holds."""
 
     found: bool = False  # whether that is what the exercise asks for
-    identity: str = ""  # equal for programs that differ in comments and blanks alone, empty when there is none
+    identity: str = ""  # equal for programs that differ in comments and blanks alone, or ""
     imports: frozenset[str] = frozenset()
     prints: frozenset[int] = frozenset()  # hashes of short runs of the program's tokens, see `reader.fingerprints`
     unreadable: str = ""  # why no program can be read

@@ -28,7 +28,7 @@ _STALLED_S = 30.0  # a peer that neither reads nor goes on writing for so long h
 
 
 class ChannelClosedError(ConnectionError):
-    """The process at the other end has gone, or does not speak our language any more."""
+    """The process at the other end has gone, or no longer speaks our language."""
 
 
 class Channel(Closable):
@@ -70,9 +70,9 @@ class Channel(Closable):
         return message
 
     def is_closed(self) -> bool:
-        """Whether nobody holds the other end any more, or we have hung up."""
+        """Whether nobody holds the other end, or we have hung up."""
         poll = select.poll()
-        poll.register(self._socket, 0)  # a hang-up is told without being asked for
+        poll.register(self._socket, 0)  # poll reports a hang-up without being asked
         return bool(poll.poll(0))
 
     def hang_up(self) -> None:

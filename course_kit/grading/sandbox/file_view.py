@@ -1,4 +1,4 @@
-"""The files a submission sees: an allow-list, laid out as a root file system of its own or kept by Landlock.
+"""The files a submission sees: an allow-list, laid out as a separate root file system or kept by Landlock.
 
 It sees Python with its libraries, ROS, the parts of this kit that a program may import, a few devices and its scratch
 directory. There is no home, no checkout, no other submission, and nothing of the grader.
@@ -147,7 +147,7 @@ def _is_safe(path: str) -> bool:
 
 
 def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view the file system of this process. Only in a mount namespace and a PID namespace of its own."""
+    """Make the view the file system of this process. Only in a new mount namespace and a new PID namespace."""
     umask = os.umask(0o022)  # another user has to find the way
     detach_mounts()
     mount_memory(root, _ROOT_MB)

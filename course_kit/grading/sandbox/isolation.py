@@ -87,7 +87,7 @@ def enter_network(user: int = 0) -> None:
 
 
 def enter_processes(user: int = 0) -> None:
-    """Give the later children of this process PIDs, mounts, host name and System V memory of their own."""
+    """Give the later children of this process separate PIDs, mounts, host name and System V memory."""
     namespaces.enter(
         namespaces.CLONE_NEWPID | namespaces.CLONE_NEWNS | namespaces.CLONE_NEWIPC | namespaces.CLONE_NEWUTS, user
     )

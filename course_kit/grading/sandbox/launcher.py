@@ -1,4 +1,4 @@
-"""Where submissions are started: a process that has everything loaded and was never told anything.
+"""Where submissions are started: a process that has everything loaded and knows no secret.
 
 A submission is a fork of it and can read what it has ever held in memory. So it receives orders of one word,
 descriptors, and names of interfaces to load; the fork reads the program to run, and nothing else of the grading.
@@ -39,7 +39,7 @@ _ENDING_S = 30.0  # killing is quick, also of hundreds of processes
 
 
 class SandboxStartError(RuntimeError):
-    """Submissions cannot be started any more, by a fault of ours or of the machine; the text says why."""
+    """Submissions can no longer be started, by a fault of ours or of the machine; the text says why."""
 
 
 class Launcher(Closable):
@@ -56,7 +56,7 @@ class Launcher(Closable):
 
     def load(self, interfaces: Sequence[tuple[str, str]]) -> None:
         """Load interfaces before the next program is started, which then need not do it, each time it starts."""
-        with suppress(OSError):  # it has ended; whoever starts a program is told
+        with suppress(OSError):  # it has ended; starting a program says so
             self._line.send(_LOAD + json.dumps(interfaces).encode())
 
     def start(self, program: Program, setup: RunSetup, inside: Streams, network: Sequence[int]) -> None:
@@ -117,7 +117,7 @@ def _load(names: Sequence[Sequence[str]]) -> None:
     from rclpy.type_support import check_for_type_support
 
     for module, name in names:
-        with suppress(Exception):  # the submission meets it again when it imports it, and is told then
+        with suppress(Exception):  # the submission meets it again when it imports it, and gets the error then
             check_for_type_support(getattr(import_module(module), name))
 
 

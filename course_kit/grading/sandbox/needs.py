@@ -136,7 +136,7 @@ def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
 
 
 def _full_shared_memory() -> Iterator[str]:
-    with suppress(OSError):  # where there is none, ROS 2 does without
+    with suppress(OSError):  # if it is missing, ROS 2 does without
         found = os.statvfs(_SHARED_MEMORY)
         if found.f_blocks and found.f_bavail * found.f_frsize < _SHARED_KB * _KB:
             yield (

@@ -24,7 +24,7 @@ _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
-_EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens any more after that
+_EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens after that
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
 
 
@@ -143,7 +143,7 @@ class OutputCollector:
         return self._evidence[: self._next_dump() or None].decode("utf-8", errors="replace")
 
     def _next_dump(self) -> int:
-        """Where the second dump begins, which is where a thread comes again; 0 when there is none."""
+        """Where the second dump begins, which is where a thread comes again, or 0."""
         seen = set()
         for match in _THREAD.finditer(self._evidence):
             if match["id"] in seen:

@@ -258,7 +258,7 @@ class _Fork(Child):
 
 
 def _become(program: Program, environ: Mapping[str, str]) -> None:
-    """Be a program, and no launch any more."""
+    """Be a program, and no longer a launch."""
     set_name(program.name)
     os.setsid()
     die_with_parent()
@@ -328,7 +328,7 @@ def _has_made_nodes() -> bool:
 
 
 def _find_class(module: ModuleType, program: Program, evidence: int) -> type | None:
-    """The class to start; None where there is none, with notes on what there is."""
+    """The class to start, or None with notes on what exists."""
     from rclpy.node import Node
 
     own = {

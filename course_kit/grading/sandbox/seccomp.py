@@ -93,8 +93,8 @@ _OF_PROCESSES = {
     "aarch64": {_FIRST_ARGUMENT: (122, 119, 118, 274, 238), _SECOND_ARGUMENT: (140, 30)},
 }  # sched_set{affinity, scheduler, param, attr}, migrate_pages; setpriority, ioprio_set
 _LIMITS = {"x86_64": 302, "aarch64": 261}  # prlimit64: it could stop even the init process of a PID namespace
-# Where there is no file system of its own: Landlock does not ask about these. They are answered as done and change
-# nothing: no filter sees which file is meant, and programs copy files of their own with their mode and times.
+# Without a separate file system: Landlock does not ask about these. They are answered as done and change
+# nothing: no filter sees which file is meant, and programs copy their files with mode and times.
 _OF_FILES = {
     "x86_64": (90, 91, 268, 452, 92, 93, 94, 260, 132, 235, 261, 280, 188, 189, 190, 197, 198, 199, 463, 466),
     "aarch64": (52, 53, 452, 54, 55, 88, 5, 6, 7, 14, 15, 16, 463, 466),

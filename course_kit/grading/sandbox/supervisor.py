@@ -56,7 +56,7 @@ class Network(NamedTuple):
     """Where gradings take place: one after the other, and nothing of one lives when the next begins."""
 
     descriptors: tuple[int, ...] = ()  # of the namespaces that a submission is to join; none for the machine's own
-    variables: Mapping[str, str] = {}  # what a submission is to be started with
+    variables: Mapping[str, str] = {}  # what a submission is started with
 
 
 def enter_own_network(user: int) -> Network:
@@ -227,7 +227,7 @@ class Supervisor:
         return bool(self._collector.facts().get("found"))
 
     def _stacks(self, program: bytes) -> str:
-        """What each thread of the program executes, by faulthandler; empty when none is told."""
+        """What each thread of the program executes, by faulthandler; empty if it is silent."""
         if self._collector is None or self._sandbox is None or self._collector.over:
             return ""
         self._collector.forget_stacks()

@@ -68,7 +68,7 @@ def warm_up() -> None:
 
 
 def main(supervisor: Channel, job: Job, lives: mmap) -> None:
-    """Run all checks of the job's exercise; returns when each is told, or why they could not be run."""
+    """Run all checks of the job's exercise; returns when each is reported, or why they could not be run."""
     set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)

@@ -106,7 +106,7 @@ class WarmProcess:
         self._said.file.close()
 
     def last_words(self) -> str:
-        """What was printed last, for a worker that does not answer any more."""
+        """What was printed last, for a worker that no longer answers."""
         self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
         return self._said.last_line() or "It hung, or another program has ended it."
 

@@ -1,6 +1,6 @@
 """The warm process behind a `Worker` or several: everything imported, nothing initialised, a fork for each submission.
 
-It never calls rclpy.init itself: a process that has cannot be forked any more.
+It never calls rclpy.init itself: a process that has can no longer be forked.
 """
 
 from __future__ import annotations

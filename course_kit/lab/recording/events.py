@@ -75,6 +75,6 @@ class EventStream:
             self.forward(Event(kind, *where, copy_message(message), sequence, at or time.monotonic_ns()))
 
     def forward(self, event: Event) -> None:
-        """Report an event as it stands, such as one that comes from another process."""
+        """Report an event unchanged, such as one that comes from another process."""
         for observer in self._observers:
             observer(event)

@@ -241,7 +241,7 @@ class MessageHooks:
         async def hand_over() -> None:
             try:
                 future = client.get_pending_request(sequence)
-            except KeyError:  # nobody waits any more
+            except KeyError:  # nobody waits
                 return
             self._emit("response_received", client, response, sequence)
             if client not in self.direct:

@@ -148,7 +148,7 @@ def _definition(code: CodeType | None, locate: Locate) -> tuple[str, str]:
 
 
 class Failures:
-    """Told by the executor of callbacks that fail."""
+    """Hears from the executor of callbacks that fail."""
 
     def __init__(self, output: Output, locate: Locate, hooks: MessageHooks) -> None:
         self._output = output
@@ -306,7 +306,7 @@ def of_newer_ros(error: BaseException) -> str:
         return ""
     return (
         "This line belongs to a newer ROS 2. In Jazzy rclpy.init() returns nothing, so `with` cannot use it: write "
-        "rclpy.init() on a line of its own, and rclpy.try_shutdown() where the block ends."
+        "rclpy.init() on a separate line, and rclpy.try_shutdown() where the block ends."
     )
 
 
@@ -360,7 +360,7 @@ def _on_arguments(name: str, node: Any, entity: Any) -> str:
 def _on_sub_message(field: str, kind: str) -> str:
     examples = {"Point": "x=1.0, y=2.0, z=0.0", "Vector3": "x=1.0, y=2.0, z=0.0", "Quaternion": "w=1.0"}
     example = f"{kind}({examples.get(kind, '...')})"
-    return f"{field} is a message of its own. Write {example}, or set its fields one by one."
+    return f"{field} is a message itself. Write {example}, or set its fields one by one."
 
 
 def _on_parameter(name: str, node: Any) -> str:

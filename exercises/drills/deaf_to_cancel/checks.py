@@ -24,7 +24,7 @@ CHECKS = [
         "/count_down",
         [{"order": 4}],
         check_id="feedback",
-        title="Each number is told while the goal runs",
+        title="Each number is published while the goal runs",
         points=1.0,
         after=["counts"],
         proves=["in_steps"],
