@@ -45,8 +45,8 @@ _YOURS = (
 )
 _TRY = "## Try it\n\nStart your node. Run this cell again after each change: the new node replaces the old one."
 _GRADING = (
-    "## Grade it\n\nWhat you last ran in the cell above is graded. The grader starts your node in a process of its "
-    "own, on a separate graph: without a `main` that is called it makes `{class_name}()`, without arguments, and "
+    "## Grade it\n\nThis grades what you last ran in the cell above. The grader starts your node in a separate "
+    "process, on a separate graph: without a `main` that is called it makes `{class_name}()`, without arguments, and "
     "spins it on a `MultiThreadedExecutor`. Stuck? `%hint {id}` in a separate cell gives one more hint."
 )
 

@@ -11,6 +11,7 @@ import nbformat
 import pytest
 
 from tests.notebooks.test_form import EXERCISES, LESSONS
+from tests.text.test_guides import MOST_WORDS, sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,9 +49,17 @@ STUMBLES = {
     r"(is|are) not there any more": "say 'no longer there'",
     r"\bstands? (no|nothing|nobody)\b": "say 'there is no'",
     r"\bwhom its\b": "say it as two clauses",
+    r"\bin force\b": "say what holds, or which value a node has",
+    r"\bmend(s|ed)\b": "say 'repair'",
+    r"how manieth": "say 'which', counting from what",
+    r"(is|are) to be (seen|done|had|asked|given|sent|used)\b": "say who does it",
+    r"on a line of its own": "say 'on a separate line'",
+    r"nothing else than": "say 'only'",
 }
+LONG = ("**Further reading**", "Then the server sends feedback: 0, 1, 1; then", "- **For each of your ten scenarios**")
 # Packages whose messages learners read.
-SPEAKING = ("cli", "environment", "integrations", "interfaces", "lab", "launch", "learner", "panels", "ros", "ros2cli")
+SPEAKING = ("authoring", "classroom", "cli", "environment", "graders", "grading", "integrations", "interfaces", "lab")
+SPEAKING += ("launch", "learner", "panels", "presentation", "quiz", "ros", "ros2cli")
 
 
 def prose(path: Path) -> str:
@@ -90,3 +99,11 @@ def test_its_messages_are_in_english_word_order(package: str) -> None:
 @pytest.mark.parametrize("path", [*LESSONS, *EXERCISES, *EDITED], ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_its_sentences_are_in_english_word_order(path: Path) -> None:
     assert not stumbles(prose(path))
+
+
+@pytest.mark.parametrize("path", [*LESSONS, *EXERCISES], ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_its_sentences_are_short(path: Path) -> None:
+    cells = (cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "markdown")
+    found = [one for cell in cells for one in sentences(cell)]
+    assert found
+    assert [one for one in found if len(one.split()) > MOST_WORDS and not one.startswith(LONG)] == []

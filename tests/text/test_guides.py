@@ -1,8 +1,9 @@
-"""Guides have short sentences and plain words; the words in the list are those that readers stumbled over."""
+"""Guides have short sentences and plain words, code plain words; those in the lists are what readers stumbled over."""
 
 from __future__ import annotations
 
 import re
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,14 @@ STUMBLES = re.compile(
     r"as it stands|when what|says who|no matter|shall|so long|only so|the other way round)\b",
     re.IGNORECASE,
 )
+
+IN_CODE = re.compile(  # docstrings, comments and messages; a name in backquotes is none of them
+    r"(?<!`)\b(mend(s|ed)|told(?! apart)|in force|there is none|how manieth|nothing else than|of (its|their) own|"
+    r"to be had|counts? for nothing|(is|are) to be|(is|are) another one|there already|came? to an end|when what|"
+    r"says who|only so)\b",
+    re.IGNORECASE,
+)
+PACKAGES = sorted(path.parent for path in (REPOSITORY / "course_kit").glob("*/__init__.py"))
 
 
 def sentences(text: str) -> list[str]:
@@ -46,3 +55,14 @@ def test_each_file_that_contributing_names_is_there() -> None:
     around = [REPOSITORY / folder for folder in (".", "course_kit", "course_kit/grading", "tests", "tests/grading")]
     assert len(named) > 20
     assert [one for one in sorted(named) if not any((folder / one).exists() for folder in around)] == []
+
+
+@pytest.mark.parametrize("package", [*PACKAGES, REPOSITORY / "course_setup"], ids=lambda path: path.name)
+def test_its_docstrings_comments_and_messages_are_plain(package: Path) -> None:
+    found = []
+    for path in package.rglob("*.py"):
+        with path.open("rb") as file:
+            words = [token for token in tokenize.tokenize(file.readline) if " " in token.string]
+        assert words or not path.stat().st_size, path
+        found += [(path.name, token.start[0], hit[0]) for token in words if (hit := IN_CODE.search(token.string))]
+    assert found == []
