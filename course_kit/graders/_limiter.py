@@ -202,7 +202,7 @@ class LimiterSteps(Model):
         self.refused: list[dict[str, Any]] = []
         # Changes and commands, and whether they were refused.
         self.past: list[tuple[dict[str, Any] | list[float], bool]] = []
-        self.heard_at: list[float] = []  # when lines of /status have come, told at the end
+        self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
 

@@ -1,7 +1,7 @@
 """What went wrong in a callback of a topic, a timer or a goal, or in the one that checks parameters.
 
 An exception in one of these ends a spinning rclpy program just as in a service callback, but what it means for the
-others on the graph is different, and so is what the learner is told. A goal lives on, and ends otherwise.
+others on the graph is different, and so is what the learner reads. A goal lives on, and ends otherwise.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def explain_program(process: ProcessStatus, job: Job) -> Cause:
 
 
 def explain_goal_exception(process: ProcessStatus, job: Job) -> Cause | None:
-    """What a program that lives on has told about an exception in its execute callback."""
+    """What a program that lives on has printed about an exception in its execute callback."""
     raised = last_exception(process.stderr, job.programs)
     if raised is None or not _in_execute(raised):
         return None

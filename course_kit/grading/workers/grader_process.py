@@ -1,7 +1,7 @@
 """The grader process: joins the graph, runs the checks of one exercise, reports each as it is known.
 
 What checks an exercise is the module or the file that its exercise.toml names. Only trusted processes load it. A file
-is loaded by its path, as a module of its own package: what lies beside it is imported as `from .helpers import ...`.
+is loaded by its path, as a module of a new package: what lies beside it is imported as `from .helpers import ...`.
 """
 
 from __future__ import annotations
