@@ -220,7 +220,7 @@ def quick(node: GradedNode) -> None:
     """The speed limit of `/robot` is 2.5 m/s."""
     limit = node.get("max_velocity", of="/robot")["max_velocity"]
     if limit != 2.5:  # noqa: PLR2004 - as the lesson says
-        raise Failed(Evidence("get max_velocity", "2.5", repr(limit)), f"max_velocity has to be 2.5, and is {limit!r}.")
+        raise Failed(Evidence("get max_velocity", "2.5", repr(limit)), f"max_velocity is {limit!r}; it has to be 2.5.")
 
 
 @step("05_command_line", f"service /sum {ADD}", "node /second")

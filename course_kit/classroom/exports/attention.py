@@ -83,7 +83,7 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
         ),
         AttentionGroup(
             "doubtful",
-            "Graded, but look at which file was chosen",
+            "Graded, but check the choice of file",
             _of_records([record for record in book.records if record.entry.worry], called, _doubt),
             "All choices, with their reasons, are in intake.csv.",
             urgent=True,

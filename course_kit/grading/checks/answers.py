@@ -116,7 +116,7 @@ class Answer(Reply):
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         for path, wanted, got in differences(fields, self.response):
-            text = why or f"{path} has to be {describe_wanted(wanted)}, and is {got!r}."
+            text = why or f"{path} is {got!r}; it has to be {describe_wanted(wanted)}."
             self.fail(text, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
         return self
 
@@ -251,14 +251,14 @@ def _fits(wanted: Any, got: Any) -> bool:
 
 
 def describe_wanted(wanted: Any) -> str:
-    """What is expected in words, `success=True, value=32.0`."""
+    """What is expected or came, in words: `success=True, value=32.0`."""
     if is_message_type(type(wanted)):
         return in_one_line(wanted)
     if isinstance(wanted, dict):
         return ", ".join(f"{name}={describe_wanted(value)}" for name, value in wanted.items())
     if isinstance(wanted, Approximation):
         return repr(wanted.value)
-    return "what the task says" if callable(wanted) else repr(wanted)
+    return "what the task says" if callable(wanted) else repr(getattr(wanted, "tolist", lambda: wanted)())
 
 
 def message_of(message_type: Any, given: Any, fields: dict[str, Any]) -> Message:

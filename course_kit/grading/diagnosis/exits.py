@@ -186,7 +186,7 @@ def explain_future(job: Job) -> Cause | None:
 def _no_class(process: ProcessStatus, job: Job) -> str:
     nodes, classes, functions = (process.notes.get(key) or [] for key in ("node_classes", "classes", "functions"))
     if nodes and job.own_start:
-        found = f"the Node class {', '.join(map(str, nodes))}, and starts no node: `main` has to be there and be called"
+        found = f"the Node class {', '.join(map(str, nodes))}, but starts no node: write a `main`, and call it"
     elif nodes:
         found = f"several Node classes ({', '.join(map(str, nodes))}), none of them called {job.class_name}"
     elif classes:
