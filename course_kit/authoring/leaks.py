@@ -15,6 +15,7 @@ from course_kit.authoring.gradings import Gradings
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.reader import fingerprints
+from course_kit.reader.text import PROGRAM
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -57,9 +58,12 @@ def _find_alike(
 ) -> Iterator[tuple[Path, Exercise, str]]:
     prints = {path: fingerprints.take_fingerprints(text) for path, text in texts.items()}
     for exercise in exercises:
-        if solutions[exercise.id].is_file():
-            solution = fingerprints.take_fingerprints(solutions[exercise.id].read_text(encoding="utf-8"))
-            own = solution - prints[exercise.folder / exercise.starter]
+        solution, of_learners = solutions[exercise.id], (exercise.starter,)
+        if solution.is_dir():
+            of_learners = tuple(name for name in exercise.files if name.endswith(PROGRAM))
+        for name in of_learners if solution.exists() else ():
+            text = (solution / name if solution.is_dir() else solution).read_text(encoding="utf-8")
+            own = fingerprints.take_fingerprints(text) - prints[exercise.folder / name]
             for path, found in prints.items():
                 share = len(own & found) / max(len(own), _FEWEST)
                 if share > _ALIKE:
@@ -70,7 +74,8 @@ def _find_scoring(exercises: list[Exercise], texts: Mapping[Path, str]) -> Itera
     scores = _grade(exercises, texts)
     for exercise in exercises:
         of_exercise = {path: score for (path, name), score in scores.items() if name == exercise.id}
-        starters = [of_exercise.pop(exercise.folder / name, None) for name in (exercise.starter, exercise.notebook)]
+        program = "" if exercise.files else exercise.starter  # of several files the folder
+        starters = [of_exercise.pop(exercise.folder / name, None) for name in (program, exercise.notebook)]
         if None in starters:
             raise GradingError(f"A starter of {exercise.id} cannot be graded. See course-kit dev check {exercise.id}.")
         allowed = max(score for score in starters if score is not None)
@@ -86,6 +91,10 @@ def _grade(exercises: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[P
     ready = []
     for exercise in exercises:
         clue = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
+        if exercise.files:
+            clue = rf"^%%submission {exercise.id}\b"
+            folders = {path.parent for path in texts if path.name in exercise.files}
+            ready += [(folder, exercise.id) for folder in folders]
         named = (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE))
         ready += [(path, exercise.id) for path in named if path.suffix != ".md"]
     with Gradings(exercises) as pool:

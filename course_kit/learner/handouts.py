@@ -69,9 +69,10 @@ def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     if place.is_dir() or not place.suffix:
         return {name: place / name for name in exercise.starters}
     for name in exercise.starters:
-        if place.suffix == Path(name).suffix:
+        if place.name == name or (place.suffix == Path(name).suffix and name not in exercise.files):
             return {name: place}
-    raise GradingError(f"{place} is neither a .py nor an .ipynb file. Name your file, or the folder it is in.")
+    files = ", ".join(exercise.files) or "a .py or an .ipynb file"
+    raise GradingError(f"{place} is not one of the files of {exercise.id}: {files}. Name yours, or its folder.")
 
 
 def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None) -> int:

@@ -248,7 +248,8 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     if not changed:
         return program, ""
     best, other = program, notebook
-    if notebook.stat().st_mtime > program.stat().st_mtime + _AT_ONCE_S:
+    files = [folder / name for name in exercise.files] or [program]  # a folder is as new as what was last put in
+    if notebook.stat().st_mtime > max(one.stat().st_mtime for one in files if one.exists()) + _AT_ONCE_S:
         best, other = notebook, program
     named = f"{environment.course_command()} {verb} {exercise.id} {shorten_path(other)}"
     return best, f", the newer of your two answers. For the other one: {named}"

@@ -58,6 +58,10 @@ def test_what_the_launch_file_starts_is_explained_by_its_own_file_and_line(
     page = render_page(report, "Ann")
     assert page.count('class="ck-flow"') == sum(check.status == "failed" for check in report.checks)
     assert "<li>gate: serves /gate/open</li>" in page
+    stubborn = several_files.FILES["guard.py"].replace('super().__init__("guard")', "raise ValueError('no feet')")
+    report = grade(several_files.write_files(tmp_path / "hers", guard_py=stubborn))
+    together = next(check for check in report.checks if check.id == "pair")
+    assert "ValueError: no feet in guard.py, line 9: raise ValueError('no feet')" in together.message
     report = grade(several_files.write_files(tmp_path / "yours", pair_launch_py="import nix"))
     together = next(check for check in report.checks if check.id == "pair")
     assert "pair.launch.py, line 1: No module named 'nix'." in together.message

@@ -43,6 +43,11 @@ def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel:
     done = kernel.run(f"%grade {several_files.ID}")
     assert "5 of 5 points, passed" in done.result["text/plain"]
     assert done.stdout.startswith("Graded: gate.py in In[")
+    shown = kernel.run(f"%solution {several_files.ID}").result["text/plain"]
+    yours, _, ours = shown.partition("\n\nOurs:\n\n")
+    for name, text in FILES.items():
+        assert f"%%submission {several_files.ID} {name}\n{text.strip()}" in yours
+        assert f"# --- {name}\n{text}" in ours
     kernel.run(mark("guard.py", "import rclpy\n1 / 0"))
     assert "2 of 2 points, gate alone" in kernel.run(f"%grade {several_files.ID} --only gate").result["text/plain"]
     assert "0 of 1 point, guard alone" in kernel.run(f"%grade {several_files.ID} --only guard").result["text/plain"]

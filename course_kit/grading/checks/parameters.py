@@ -103,6 +103,9 @@ class RemoteParameters:
                 "start_parameter_services=False?)."
             )
             return Failed(evidence, message)
+        died = context.job.launches and exceptions.explain_logged(context.program.status().stderr, context.job)
+        if died:  # one of several programs, while the others run on
+            return Failed(evidence, *died[::-1])
         if nodes:
             return explain_other_nodes(self.node, nodes, evidence)
         return Failed(evidence, *why_empty(context, self.node)[::-1])
