@@ -26,7 +26,7 @@ _KINDS = (".msg", ".srv", ".action")
 def carried_files(exercise: Exercise) -> dict[str, Path]:
     """The files of an exercise, by the names they have in a course's folder."""
     folder = exercise.folder
-    found = {folder / TOML, folder / exercise.starter, folder / exercise.notebook, *_checks(folder)}
+    found = {folder / TOML, *(folder / name for name in exercise.starters), *_checks(folder)}
     found |= {path for path in (folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
     found |= {path for path in folder.glob("*") if path.suffix.lower() in _PICTURES}
     place = exercise_folders.path_below(folder)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.authoring import autograders
-from tests import outside_exercises
+from tests import outside_exercises, several_files
 from tests.course_copy import TEMPERATURE, Course
 from tests.outside_exercises import ID
 
@@ -75,3 +75,26 @@ def test_an_autograder_has_it_where_the_kit_looks(mine: Path, tmp_path: Path, mo
         names = archive.namelist()
     below = f"ros2-course/exercises/{ID}/"
     assert {name.removeprefix(below) for name in names if name.startswith(below)} == {*CARRIED, "picture.png"}
+
+
+def test_one_of_several_files_is_carried_with_all_that_learners_begin_with(
+    one_exercise: Callable[[str], Course], tmp_path: Path
+) -> None:
+    made = several_files.write(tmp_path / "mine")
+    to_do = dict.fromkeys(("gate_py", "guard_py", "pair_launch_py", "pair_yaml"), "# Your code goes here.\n")
+    several_files.write_files(made, **to_do)
+    (made / f"{several_files.ID}.ipynb").write_text(several_files.notebook(**to_do))
+    course, edition = one_exercise(TEMPERATURE), tmp_path / "student"
+    done = course.run("release", str(edition), "--exercises", str(made))
+    assert done.returncode == 0, done.stderr
+    folder = edition / "exercises" / several_files.ID
+    found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert found == {*several_files.FILES, f"{several_files.ID}.ipynb", "exercise.toml", "checks.py"}
+    shutil.copy(course.root / "course_kit/interfaces/native/_helper.so", edition / "course_kit/interfaces/native")
+    mine = several_files.write_files(tmp_path / "handed_in", guard_py=None)
+    graded = Course(tmp_path, edition).run("grade", several_files.ID, str(mine))
+    assert "2 of 5 points" in graded.stdout, graded.stdout + graded.stderr
+    several_files.write_files(made, **{**to_do, "gate_py": several_files.FILES["gate.py"]})
+    refused = course.run("release", str(tmp_path / "another"), "--exercises", str(made))
+    assert refused.returncode == 1, refused.stderr
+    assert f"exercises/{several_files.ID}/gate.py, for {several_files.ID}: the starter scores 2 of 5" in refused.stderr

@@ -10,6 +10,7 @@ import nbformat
 import pytest
 
 from course_kit.authoring import leaks
+from tests import several_files
 from tests.course_copy import REPOSITORY, SOLUTION, TEMPERATURE
 
 if TYPE_CHECKING:
@@ -53,3 +54,24 @@ def test_right_programs_and_parts_of_the_solution_are_found(edition: Path) -> No
         ("notebooks/demos/08_mine.ipynb", r"scores [\d.]+ of 10, the starter 1"),
     ):
         assert [said for name, said in found if name == file and re.fullmatch(why, said)], (file, found)
+
+
+def test_of_several_files_a_solved_one_is_found_by_its_shape_and_by_what_it_scores(tmp_path: Path) -> None:
+    made = several_files.write(tmp_path / "exercises")
+    solution = (made / "solution").rename(tmp_path.parent / f"{tmp_path.name}-solution")
+    to_do = dict.fromkeys(("gate_py", "guard_py", "pair_launch_py", "pair_yaml"), "# Your code goes here.\n")
+    several_files.write_files(made, **to_do)
+    (made / f"{several_files.ID}.ipynb").write_text(several_files.notebook(**to_do))
+    assert leaks.find_leaks(tmp_path, {several_files.ID: solution}) == []
+    (tmp_path / "NOTES.md").write_text(f"```python\n{several_files.FILES['gate.py']}```\n")
+    shutil.copytree(made, tmp_path / "mine")
+    shutil.copy(solution / "gate.py", tmp_path / "mine/gate.py")
+    (tmp_path / "mine.ipynb").write_text(several_files.notebook(pair_launch_py=None))
+    found = {(leak.file, leak.why) for leak in leaks.find_leaks(tmp_path, {several_files.ID: solution})}
+    assert {
+        ("NOTES.md", "has 100% of the solution's own lines"),
+        ("mine/gate.py", "has 100% of the solution's own lines"),
+        ("mine", "scores 2 of 5, the starter 0"),
+        ("mine.ipynb", "scores 3 of 5, the starter 0"),
+    } <= found
+    assert not [file for file, _ in found if file.startswith("exercises")]

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from course_kit.learner import progress
 from tests import several_files
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 FILES = several_files.FILES
 
@@ -30,7 +32,8 @@ def mark(name: str, text: str = "") -> str:
     return f"%%submission {several_files.ID} {name}\n{text or FILES[name]}"
 
 
-def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel: Kernel) -> None:
+def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel: Kernel, tmp_path: Path) -> None:
+    kernel.run(f"import os\nos.environ['{progress.VARIABLE}'] = {str(tmp_path / 'progress.json')!r}")
     for name in FILES:
         done = kernel.run(mark(name))
         assert (done.ok, done.stderr) == (True, ""), name  # the parameter file is no Python, and is not run
@@ -46,8 +49,9 @@ def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel:
     shown = kernel.run(f"%solution {several_files.ID}").result["text/plain"]
     yours, _, ours = shown.partition("\n\nOurs:\n\n")
     for name, text in FILES.items():
-        assert f"%%submission {several_files.ID} {name}\n{text.strip()}" in yours
+        assert f"%%submission {several_files.ID} {name}\n{text}" in yours
         assert f"# --- {name}\n{text}" in ours
+    kernel.run(f"os.environ['{progress.VARIABLE}'] = 'off'")
     kernel.run(mark("guard.py", "import rclpy\n1 / 0"))
     assert "2 of 2 points, gate alone" in kernel.run(f"%grade {several_files.ID} --only gate").result["text/plain"]
     assert "0 of 1 point, guard alone" in kernel.run(f"%grade {several_files.ID} --only guard").result["text/plain"]
