@@ -50,7 +50,7 @@ def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel:
     yours, _, ours = shown.partition("\n\nOurs:\n\n")
     for name, text in FILES.items():
         assert f"%%submission {several_files.ID} {name}\n{text}" in yours
-        assert f"# --- {name}\n{text}" in ours
+        assert f"# --- {name}\n{text.rstrip()}" in ours
     kernel.run(f"os.environ['{progress.VARIABLE}'] = 'off'")
     kernel.run(mark("guard.py", "import rclpy\n1 / 0"))
     assert "2 of 2 points, gate alone" in kernel.run(f"%grade {several_files.ID} --only gate").result["text/plain"]
