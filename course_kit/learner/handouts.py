@@ -71,8 +71,7 @@ def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
     for name in exercise.starters:
         if place.name == name or (place.suffix == Path(name).suffix and name not in exercise.files):
             return {name: place}
-    files = ", ".join(exercise.files) or "a .py or an .ipynb file"
-    raise GradingError(f"{place} is not one of the files of {exercise.id}: {files}. Name yours, or its folder.")
+    raise GradingError(f"{place} is not one of the files of {exercise.id}: {', '.join(exercise.starters)}.")
 
 
 def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None) -> int:

@@ -98,11 +98,8 @@ class RemoteParameters:
         context.spoil()
         evidence = Evidence("", expected, f"on the graph: {list_names(nodes, 'node')}")
         if self.node in nodes:
-            message = (
-                f"The node {self.node} is running but has no parameter services (was it made with "
-                "start_parameter_services=False?)."
-            )
-            return Failed(evidence, message)
+            why = "is running but has no parameter services (was it made with start_parameter_services=False?)."
+            return Failed(evidence, f"The node {self.node} {why}")
         died = context.job.launches and exceptions.explain_logged(context.program.status().stderr, context.job)
         if died:  # one of several programs, while the others run on
             return Failed(evidence, *died[::-1])
