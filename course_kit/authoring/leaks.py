@@ -58,10 +58,9 @@ def _find_alike(
 ) -> Iterator[tuple[Path, Exercise, str]]:
     prints = {path: fingerprints.take_fingerprints(text) for path, text in texts.items()}
     for exercise in exercises:
-        solution, of_learners = solutions[exercise.id], (exercise.starter,)
-        if solution.is_dir():
-            of_learners = tuple(name for name in exercise.files if name.endswith(PROGRAM))
-        for name in of_learners if solution.exists() else ():
+        solution = solutions[exercise.id]
+        programs = [name for name in exercise.files or (exercise.starter,) if name.endswith(PROGRAM)]
+        for name in programs if solution.exists() else ():
             text = (solution / name if solution.is_dir() else solution).read_text(encoding="utf-8")
             own = fingerprints.take_fingerprints(text) - prints[exercise.folder / name]
             for path, found in prints.items():
