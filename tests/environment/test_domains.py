@@ -22,7 +22,7 @@ HOLD = """
 import os, sys
 from course_kit.environment.domains import Leases
 scope, *owner = sys.argv[1:]
-lease = Leases(scope, frozenset).share(*owner) if owner else Leases(scope, frozenset).exclusive()
+lease = Leases(scope, frozenset).share(*owner) if owner else Leases(scope, frozenset).lease_exclusive()
 print(lease.domain_id, flush=True)
 """
 AND_FORK = """

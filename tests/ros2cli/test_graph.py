@@ -132,7 +132,7 @@ except OSError:
     print("refused")
 from course_kit.ros2cli.daemon import DaemonSocket
 from course_kit.ros2cli.graph import participant_sockets
-print(DaemonSocket.here().name)
+print(DaemonSocket.for_settings().name)
 """
 
 
