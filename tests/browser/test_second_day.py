@@ -74,6 +74,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     lab.run_cell_that_begins("from rclpy.node import Node")
     expect(docked.locator("[data-node='battery']").first).to_be_visible()
     expect(docked.locator(".ck-dot").first).to_be_attached()
+    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
     lab.picture("graph_docked")
     page.wait_for_function(KEPT, polling=POLLING_MS)
     save(lab)
