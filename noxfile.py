@@ -36,10 +36,8 @@ def pythons(session: nox.Session) -> None:
         session.chdir(course)
         session.run("./course", "doctor", env=environ, external=True)
         for name in EXERCISES:
-            solution = f"solutions/{name}/{name}.py"
-            said = session.run(
-                "./course", "grade", name, solution, "--format", "json", env=environ, external=True, silent=True
-            )
+            words = ("grade", name, f"solutions/{solution_of(name)}", "--format", "json")
+            said = session.run("./course", *words, env=environ, external=True, silent=True)
             require_full_marks(session, name, str(said))
         # The test tools come with the first test.
         session.run("./course", "test", "-q", "-n", "2", "tests/environment", "tests/ros", env=environ, external=True)
@@ -92,7 +90,7 @@ def container(session: nox.Session) -> None:
         inside = (engine, "run", "--rm", "--entrypoint", "sh", "-v", f"{folder}:/given:ro", IMAGE, "-c")
         session.run(*inside, "course-kit doctor")
         for name in EXERCISES:
-            command = f"course-kit grade {name} /given/inbox/ada/{name}/{name}.py --format json"
+            command = f"course-kit grade {name} /given/inbox/ada/{solution_of(name)} --format json"
             require_full_marks(session, name, str(session.run(*inside, command, silent=True)))
         session.run(*inside, f"course-kit class /given/inbox --exercise {EXERCISES[0]} --out results")
 
@@ -130,6 +128,12 @@ def otter(session: nox.Session) -> None:
     if str(session.run(str(OF_THE_COURSE), "-c", asked, silent=True)).strip() != "True":
         session.error('there is no Otter-Grader here. Run: .venv/bin/python -m pip install -e ".[bench]"')
     session.run(str(OF_THE_COURSE), "-m", "pytest", "-v", "tests/otter/real_otter.py")
+
+
+def solution_of(exercise: str) -> Path:
+    """What is graded of `solutions`: a program, or the folder of an exercise that asks for several files."""
+    program = Path(exercise, f"{exercise}.py")
+    return program if Path("solutions", program).is_file() else program.parent
 
 
 def require_full_marks(session: nox.Session, exercise: str, said: str) -> None:

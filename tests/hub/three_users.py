@@ -6,18 +6,17 @@ among the tests that pytest collects by itself.
 
 from __future__ import annotations
 
-import json
 import re
 import subprocess
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from playwright.sync_api import expect
 
 from course_kit import environment
 from course_kit.integrations.jupyter import FIRST_LESSON
-from tests.browser.learner import JupyterLab, chromium, page
+from tests.browser.learner import JupyterLab, chromium, page, whole
 from tests.course_copy import TEMPERATURE
 from tests.hub import machine
 from tests.unprivileged import reachable_folder
@@ -71,8 +70,10 @@ def here() -> Iterator[Machine]:
 
 def printed(lab: JupyterLab, cell: str) -> str:
     """What a cell of lesson 1 has printed, from the file."""
-    cells = json.loads((lab.root / LESSON_1).read_text())["cells"]
-    found = next(one for one in cells if cell in "".join(one["source"]))
+    read: list[dict[str, Any] | None] = []
+    # JupyterLab may be saving it right now.
+    wait_until(lambda: read.append(whole(lab.root / LESSON_1)) or read[-1], f"a whole {LESSON_1}")
+    found = next(one for one in (read[-1] or {})["cells"] if cell in "".join(one["source"]))
     return "".join("".join(output.get("text", "")) for output in found["outputs"])
 
 
