@@ -159,9 +159,9 @@ def test_a_program_whose_rclpy_cannot_be_recorded_runs_and_the_lab_says_so_once(
 
 # Of Python itself, and of ipywidgets; and of classes of the kit's own that others inherit from.
 OTHERS = {
-    "_Environ", "_SubParsersAction", "_actions", "_asdict", "_clear", "_current_frames", "_exit", "_fields",
-    "_format_action_invocation", "_replace", "_repr_mimebundle_", "_run_exitfuncs", "_shutdown", "_take_signals",
-    "_base_executable", "_live", "_register_atexit", "_grading_mode", "_getframe",
+    "_Environ", "_SubParsersAction", "_actions", "_asdict", "_choices_actions", "_clear", "_current_frames", "_exit",
+    "_fields", "_format_action_invocation", "_replace", "_repr_mimebundle_", "_run_exitfuncs", "_shutdown",
+    "_take_signals", "_base_executable", "_live", "_register_atexit", "_grading_mode", "_getframe",
 }  # fmt: skip
 
 

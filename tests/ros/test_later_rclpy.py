@@ -185,7 +185,11 @@ RuntimeError: Executor is already spinning
 
 @pytest.mark.parametrize(
     ("module", "function", "outer"),
-    [("exits", "of_call", "_execute"), ("exceptions", "of_end", "_execute"), ("goals", "of_program", "_execute_goal")],
+    [
+        ("exits", "explain_call", "_execute"),
+        ("exceptions", "explain_end", "_execute"),
+        ("exceptions", "explain_program", "_execute_goal"),
+    ],
 )
 def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(
     module: str, function: str, outer: str
