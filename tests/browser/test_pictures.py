@@ -50,12 +50,13 @@ def test_an_export_shows_each_panel_and_diagram_offline(tmp_path: Path, jupyter:
             expect(shown.locator(selector)).to_have_count(count)
         answers = shown.locator("details")
         assert answers.evaluate_all("all => all.every(one => !one.open && one.children.length > 1)")
-        for one in shown.locator(".ck-still, .ck-exchange, .ck-times").all():
+        pictures = shown.locator(".ck-still, .ck-exchange, .ck-times")
+        for one in pictures.all():
             one.scroll_into_view_if_needed()
             frame = one.bounding_box()
             assert frame is not None
             assert frame["height"] > 40
-            require_no_findings(shown, one)
+        require_no_findings(shown, pictures)
         for drawn in shown.locator("main img[alt]").all():
             assert drawn.evaluate("image => image.naturalWidth") > 100
         ARTIFACTS.mkdir(parents=True, exist_ok=True)

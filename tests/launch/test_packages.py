@@ -126,7 +126,7 @@ def test_the_page_about_a_package_of_ones_own_does_what_it_says(folder: Path) ->
         env=installing_into(folder / "installed"),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=500,  # against hanging only
         check=False,
     )
     assert done.returncode == 0, done.stderr
