@@ -36,7 +36,7 @@ def test_sentences_are_read_with_all_their_fields(tmp_path: Path) -> None:
         ('[[sentences]]\ntext = "A."', "'id' is missing in sentences"),
         ('[[sentences]]\nid = "A b"\ntext = "A."', "matching regex"),
         ('[[sentences]]\nid = "a"\ntext = " "', "cannot be right"),
-        ('[[sentences]]\nid = "a"\ntext = "A."\ntxt = "B."', "no 'txt' to set in sentences"),
+        ('[[sentences]]\nid = "a"\ntext = "A."\ntxt = "B."', "no setting 'txt' in sentences"),
         ('[[sentences]]\nid = "a"\ntext = "A."\n[[sentences]]\nid = "a"\ntext = "B."', "two sentences have the id 'a'"),
     ],
 )
