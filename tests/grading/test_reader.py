@@ -169,6 +169,12 @@ def test_limits_hold_and_are_told(tmp_path: Path) -> None:
         read(notebook, EXERCISE.id)
 
 
+def test_who_computes_too_long_is_ended() -> None:
+    endless = "from course_kit.reader import contract\ncontract.CPU_S = 1\ncontract.apply_limits()\nwhile True: pass"
+    done = subprocess.run([sys.executable, "-c", endless], timeout=200, check=False)
+    assert done.returncode == -signal.SIGXCPU
+
+
 NO_FILES = """
 import resource, sys
 from pathlib import Path
