@@ -159,7 +159,7 @@ def describe_end(ended: GoalOutcome) -> str:
     """The end of a goal as the learner is shown it."""
     result = ended.result
     return (
-        f"{ended.name}, final_position=({result.final_position.x:.4g}, {result.final_position.y:.4g}), "
+        f"{ended.name}, final_position=({result.final_position.x:.6g}, {result.final_position.y:.6g}), "
         f"distance_travelled={result.distance_travelled:.4g}"
     )
 
@@ -186,7 +186,7 @@ def charge_to(breaks: str) -> Iterator[None]:
 def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoal:
     """Send a goal."""
     goal = node.goal("/move_robot", target={"x": target.x, "y": target.y, "z": z})
-    goal.shown = f"a goal with target=({target.x:.4g}, {target.y:.4g}, {z:.4g})"
+    goal.shown = f"a goal with target=({target.x:.6g}, {target.y:.6g}, {z:.6g})"
     return goal
 
 

@@ -17,6 +17,7 @@ from course_kit.graders._moves import (
     explain_refusal,
     find_jump,
     require_distance,
+    send_goal,
 )
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
@@ -180,3 +181,8 @@ def test_exceptions_in_execute_are_told_apart(error: str, code: str | None, fact
     found, message = cause_of("ABORTED", error)
     assert found == code
     assert fact in message
+
+
+def test_a_target_a_millimetre_outside_is_not_shown_as_one_on_the_edge() -> None:
+    node: Any = SimpleNamespace(goal=lambda _name, target: SimpleNamespace(target=target))
+    assert send_goal(node, ArenaPoint(10.001, 5.0)).shown == "a goal with target=(10.001, 5, 0)"
