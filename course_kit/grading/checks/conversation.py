@@ -173,7 +173,8 @@ class Conversation:
                 try:
                     node, model, done = self._begin()
                 except Failed as gone:  # what was not judged yet is not proven
-                    self._failed = {part.id: gone for part in self.parts} | self._failed
+                    unproven = () if self.context.time_is_up() else self.parts  # it may have had no time to come up
+                    self._failed = {part.id: gone for part in unproven} | self._failed
                     return
             else:
                 self._done[self._part_of(step.rule, "").id] += 1

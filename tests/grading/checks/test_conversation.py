@@ -155,3 +155,15 @@ def test_a_program_that_does_not_come_up_again_has_proven_nothing_more(monkeypat
     found = judge(checks_of(Letters), context)
     assert (found["a"], found["b"]) == ("start is wrong.", "start is wrong.")
     assert found["c"].startswith("c is wrong. It happened after ")  # it cannot be shrunk
+
+
+def test_a_program_that_had_no_time_to_come_up_again_is_not_blamed_for_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Late(StandIn):
+        def time_is_up(self) -> bool:
+            return self.starts > 1
+
+    context = Late()
+    monkeypatch.setattr(Letters, "begin", lambda _, node: node.context.time_is_up() and fail("start"))
+    found = judge(checks_of(Letters), context)
+    assert found["c"].startswith("c is wrong.")
+    assert {found["a"], found["b"]} <= {"passed", '"c" must pass first.', "no time was left for it."}
