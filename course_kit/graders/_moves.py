@@ -142,7 +142,7 @@ def place_inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
     for turn in range(24):
         turned = angle + turn * _QUARTER + turn // 4 * 0.4
         place = ArenaPoint(here.x + round(length * math.cos(turned), 9), here.y + round(length * math.sin(turned), 9))
-        if all(0.0 <= value <= ARENA for value in place):
+        if all(0.0 < value < ARENA for value in place):  # the edges are another check's
             return place
     return CENTRE
 
