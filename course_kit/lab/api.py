@@ -127,8 +127,7 @@ async def call(
 
     engine = current().engine
     engine.not_in_callback("lab.call()")
-    asked = calls.make_request(service_type, request, fields)
-    return await calls.call_async(calls.ServiceCall(engine, service, service_type, asked, timeout))
+    return await calls.call_async(calls.ServiceCall(engine, service, service_type, request, fields, timeout))
 
 
 def call_blocking(
@@ -139,8 +138,7 @@ def call_blocking(
 
     engine = current().engine
     engine.not_in_callback("lab.call_blocking()")
-    asked = calls.make_request(service_type, request, fields)
-    return calls.call_blocking(calls.ServiceCall(engine, service, service_type, asked, timeout))
+    return calls.call_blocking(calls.ServiceCall(engine, service, service_type, request, fields, timeout))
 
 
 def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:

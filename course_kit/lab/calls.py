@@ -23,10 +23,11 @@ from course_kit.ros.messages import BadFieldError, is_message_type, is_service_t
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.task import Future
+
     from course_kit.lab.runtime.engine import Engine
     from course_kit.ros.filling import Fields
     from course_kit.ros.messages import Message, ServiceType
-    from course_kit.ros.service import SentRequest
 
 _APPEARANCE = 2.0  # seconds a service is given to appear on the graph; discovery takes a tenth of that
 _POLL = 0.005  # seconds between looks at the graph, which cost microseconds
@@ -101,11 +102,13 @@ def server_gone(name: str) -> str:
 class ServiceCall(PendingCall):
     """One request and the wait for its response."""
 
-    def __init__(self, lab: Engine, service: str, service_type: ServiceType, request: Message, timeout: float) -> None:
-        self._request = request
+    def __init__(  # noqa: PLR0913, PLR0917 - a request, and where it goes
+        self, lab: Engine, service: str, service_type: ServiceType, ready: Message, fields: Fields, timeout: float
+    ) -> None:
+        self._request = _make_request(service_type, ready, fields)
         self._client = lab.clients.client(service_type, service)
-        self._sent: SentRequest | None = None
-        super().__init__(lab, WantedServer(SERVES, self._client.name, type_name(service_type)), timeout)
+        self._response: Future | None = None
+        super().__init__(lab, WantedServer(SERVES, self._client.name, self._client.type_name), timeout)
 
     def may_send(self) -> bool:
         """Whether the server is there, and has room: of what waits for it, a service keeps the newest so many."""
@@ -117,28 +120,28 @@ class ServiceCall(PendingCall):
     def send(self, completed: Callable[[], None]) -> None:
         """Send the request; `completed` is called on the lab's thread when the answer is there."""
         self._client.busy.add(self)
-        self._sent = self._client.send(self._request)
-        self._sent.when_answered(completed)
+        self._response = self._client.rclpy_client.call_async(self._request)
+        self._response.add_done_callback(lambda _: completed())
 
     def result(self) -> Message:
         try:
-            return self._sent.response() if self._sent is not None else None
+            return self._response.result() if self._response is not None else None
         except ServiceFailedError as error:
             raise ServiceFailedError(str(error)) from None  # a fresh one: an exception keeps the frames it passed
 
     def close(self) -> None:
         """Stop waiting, whether or not the answer has come; harmless if it has."""
-        if self._sent is not None:
-            self._sent.abandon()
+        if self._response is not None and not self._response.done():
+            self._response.cancel()
         self._client.busy.discard(self)
         super().close()
 
     def _has_come(self) -> bool:
-        return self._sent is not None and self._sent.is_answered()
+        return self._response is not None and bool(self._response.done())
 
     def _too_late(self) -> str:
         why = self._lab.why_no_answer(self._wanted.name)
-        if self._sent is None:
+        if self._response is None:
             return (
                 f"{self._wanted.name} was not called within {self._timeout:g} s: {_AT_ONCE} earlier calls of this "
                 f"notebook still wait for their answers. {why}"
@@ -205,7 +208,7 @@ def call_blocking(call: PendingCall) -> Any:
         call.close()
 
 
-def make_request(service_type: ServiceType, ready: Message, fields: Fields) -> Message:
+def _make_request(service_type: ServiceType, ready: Message, fields: Fields) -> Message:
     """The request to be sent; raises FieldError."""
     if not is_service_type(service_type):
         raise FieldError(not_of_kind(service_type, "service", ("_Request", "_Response"), "lab.call"))

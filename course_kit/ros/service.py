@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidHandle
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from course_kit.ros.messages import type_name
 
+if TYPE_CHECKING:
     from rclpy.client import Client
     from rclpy.node import Node
     from rclpy.task import Future
@@ -27,7 +27,7 @@ class ServiceClient:
         self._node = node
         # Reentrant: a response is taken in while another callback of the node waits for it.
         self.rclpy_client: Client = node.create_client(service_type, service, callback_group=ReentrantCallbackGroup())
-        self.type = service_type
+        self.type, self.type_name = service_type, type_name(service_type)
         self.name = self.rclpy_client.service_name
         self.busy: set[object] = set()  # those who wait for a response, as far as they say so
 
@@ -76,13 +76,3 @@ class SentRequest:
         if error := done.exception():
             raise error
         return done.result()
-
-    def when_answered(self, call: Callable[[], object]) -> None:
-        """Call a function when a response to the latest sending comes, on the thread that spins the node."""
-        self._futures[-1].add_done_callback(lambda _: call())
-
-    def abandon(self) -> None:
-        """Stop expecting a response; harmless when one has come."""
-        for future in self._futures:
-            if not future.done():
-                future.cancel()
