@@ -85,9 +85,9 @@ class PendingCall(ABC):
     def _too_late(self) -> str:
         """What to say when the time is over."""
 
-    @abstractmethod
     def _is_gone(self) -> bool:
         """Whether the server has gone since."""
+        return not self._is_there()
 
     @abstractmethod
     def _is_there(self) -> bool:
@@ -147,9 +147,6 @@ class ServiceCall(PendingCall):
                 f"notebook still wait for their answers. {why}"
             )
         return f"{self._wanted.name} did not answer within {self._timeout:g} s. {why}"
-
-    def _is_gone(self) -> bool:
-        return not self._is_there()
 
     def _is_there(self) -> bool:
         return self._client.is_ready()
