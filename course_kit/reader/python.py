@@ -172,8 +172,8 @@ def _bound_names(tree: ast.Module) -> frozenset[str] | None:
             if node.name == "*":
                 return None
             names.add(node.asname or node.name.partition(".")[0])
-        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            names.add(node.id)
+        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)) or isinstance(getattr(node, "ctx", None), ast.Store):
+            names.add(str(getattr(node, "id", getattr(node, "name", ""))))
     return frozenset(names)
 
 

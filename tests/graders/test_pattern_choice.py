@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import json
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from course_kit import grading, quiz
+from course_kit.reader.python import read_literal
 from tests.course_copy import copy_course
 from tests.grading.conftest import ROOT
 
@@ -185,3 +187,22 @@ def test_without_the_answers_no_other_seed_is_marked_and_what_is_missing_is_said
     assert (report["status"], report["score"], done.returncode) == ("error", 0.0, 2)
     assert "your instructor marks the scenarios of this seed" in report["stderr"]
     assert f"9 of 10 answers are complete. Still to do: {drawn[0].id} (The reason is still empty)." in report["stderr"]
+
+
+@pytest.mark.parametrize(
+    "made",
+    ["class Answer(tuple):\n    pass", "def Answer(pattern, reason):\n    return pattern, reason", "Answer = tuple"],
+)
+def test_a_name_that_the_program_defines_is_no_text_without_quotes(made: str) -> None:
+    """What such a value is shows only when the program runs."""
+    assert read_literal(ast.parse(f"{made}\nanswers = {{'weld_seam': Answer('topic', 'late')}}"), "answers") is None
+    undefined = read_literal(ast.parse("answers = {'weld_seam': Answer}"), "answers")
+    assert undefined == {
+        "entries": [
+            (
+                "'weld_seam'",
+                "Answer",
+                "Without quotes, Python takes Answer for the name of a variable, and there is no such variable.",
+            )
+        ]
+    }
