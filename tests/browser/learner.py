@@ -37,8 +37,6 @@ NOTEBOOK_7_ITSELF = (
 # JupyterLab's debugger and subshells ask a kernel that has just been restarted or ended.
 KERNEL_ENDED = r"Canceled future for \w+ message before replies were done|widget model not found"
 PATIENCE_MS = 240_000  # against hanging only
-# anywidget calls a panel broken that is not drawn within 2 s, as on a busy machine.
-NO_HURRY = "AbortSignal.timeout = () => new AbortController().signal"
 POLLING_MS = 100  # Playwright itself asks at each frame, which has a page that waits draw frames
 ROLL = """panel => {
     const isAtEnd = panel.scrollTop + panel.clientHeight >= panel.scrollHeight - 1;
@@ -252,7 +250,6 @@ def page(within: Browser | None = None) -> Iterator[Page]:
     errors: list[str] = []
     with nullcontext(within) if within else chromium() as started:
         context = started.new_context(viewport={"width": 1280, "height": 1000})
-        context.add_init_script(NO_HURRY)
         opened = context.new_page()
         opened.set_default_timeout(PATIENCE_MS)
         expect.set_options(timeout=PATIENCE_MS)

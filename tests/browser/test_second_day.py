@@ -21,6 +21,11 @@ GRAPH = "graph = panels.graph()"
 # Whether the notebook holds the graph as it is now, for the next day.
 KEPT = """() => [...window.jupyterapp.shell.currentWidget.model.cells].some(cell => cell.type === 'code' &&
     cell.sharedModel.getOutputs().some(output => output.data?.['text/html']?.includes('data-node="battery"')))"""
+# Whether what anywidget waits with for a panel is over after its own two seconds.
+HURRIES = """() => new Promise(tell => {
+    const [anywidget, later] = [AbortSignal.timeout(2000), AbortSignal.timeout(2100)];
+    later.addEventListener('abort', () => tell(anywidget.aborted));
+})"""
 WAKE = "Run this cell to bring it to life"
 
 
@@ -62,6 +67,7 @@ def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
     page = lab.page
     lab.open(LESSON)
+    assert page.evaluate(HURRIES) is False  # a panel of a busy machine is given its time
     lab.run_all()
     question = lab.scroll_to(page.locator("form:has(.ck-guess-send)"))
     question.locator("input[type=radio]").first.check()

@@ -83,6 +83,8 @@
   const OURS = /class="ck-(?:still|guess-still)"/;
   const REDRAW_MS = 200;
   const KEEP_MS = 500;
+  const ANYWIDGET_MS = 2000;
+  const PATIENCE_MS = 120_000;
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
 
@@ -295,6 +297,9 @@
     id: 'ros2-course-kit:panels',
     autoStart: true,
     activate(app) {
+      // anywidget calls a panel broken that is not there within 2 s, as on a server where a whole class begins at once.
+      const { timeout } = AbortSignal;
+      AbortSignal.timeout = ms => timeout.call(AbortSignal, ms === ANYWIDGET_MS ? PATIENCE_MS : ms);
       document.head.append(Object.assign(document.createElement('style'), { textContent: STYLE }));
       const watched = new WeakSet();
       const look = () => {
