@@ -67,8 +67,8 @@ answers = {
     #     for radio links.
     #   - stream_is_alive: It is a steady stream without replies, and its going
     #     on is the sign of life.
-    #   - points_are_goals: Each point is a goal of its own, and the drone
-    #     reports when it has reached it, or why it could not.
+    #   - points_are_goals: Each point is a separate goal, and the drone reports
+    #     when it has reached it, or why it could not.
     #   - must_be_safe: Flying is dangerous, so that the safest one of the three
     #     patterns has to be used for it.
     "drone_setpoints": ("", ""),
@@ -100,16 +100,15 @@ answers = {
     # ---- 7. Saving the finished map ----
     # After a drive through a new warehouse, the engineer presses "save". The
     # map builder writes the map into a file with a given name, which takes a
-    # moment, and the engineer wants to read either "saved" or why it did not
-    # work.
+    # moment. The engineer wants to read either "saved" or why it did not work.
     #   - file_is_large: A map is a large file, and writing it has to be
     #     followed from beginning to end.
     #   - short_with_answer: It is asked for now and then, is done quickly, and
     #     ends with an answer: yes, or why not.
     #   - carries_a_name: A name is handed over, and only this pattern can carry
     #     a value to the other side.
-    #   - anyone_may_save: Any program that is interested should hear that the
-    #     map is to be saved.
+    #   - anyone_may_save: Any program that is interested should hear that
+    #     somebody wants to save the map.
     "save_map": ("", ""),
     # ---- 8. A gripper learns its limits ----
     # After power-on a gripper has to drive its fingers slowly to both ends to
@@ -126,9 +125,9 @@ answers = {
     "gripper_homing": ("", ""),
     # ---- 9. A flight along the bridge ----
     # A drone flies along a bridge on a path of 40 points: twelve minutes. The
-    # pilot sees which point is next, calls the drone back when the wind gets
-    # too strong, and receives a note at the end about the points it has
-    # reached.
+    # pilot sees which point is next, and calls the drone back when the wind
+    # gets too strong. At the end the pilot receives a note about the points
+    # that the drone has reached.
     #   - known_end_can_change: It has an end that is minutes away; until then
     #     it gives news and can be called back.
     #   - wind_is_measured: The wind changes, and its speed has to be known all

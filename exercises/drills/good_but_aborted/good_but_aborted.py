@@ -1,6 +1,6 @@
 """Drill 8: everything is done, and it says ABORTED.
 
-All loaves are baked and the result is right. Yet every client is told that the goal was ABORTED.
+All loaves are baked and the result is right. Yet for every client the goal ends as ABORTED.
 
 The program runs. Repair what is wrong with it:
 
