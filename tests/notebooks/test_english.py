@@ -20,6 +20,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EDITED = [  # texts in TOML that learners read
     REPOSITORY / "course_kit/grading/diagnosis/diagnoses.toml",
     *sorted((REPOSITORY / "exercises").rglob("exercise.toml")),
+    *sorted((REPOSITORY / "course_kit/quiz/data").rglob("*.toml")),
 ]
 STUMBLES = {
     r"so long (the|that is)": "say 'that is how long'",

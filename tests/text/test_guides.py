@@ -1,12 +1,22 @@
-"""Guides have short sentences and plain words, code plain words; those in the lists are what readers stumbled over."""
+"""Guides, questions and code have short sentences and plain words; those in the lists made readers stumble."""
 
 from __future__ import annotations
 
 import re
+import sys
 import tokenize
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 FOLDERS = (
@@ -31,6 +41,10 @@ IN_CODE = re.compile(  # docstrings, comments and messages; a name in backquotes
     r"says who|only so)\b",
     re.IGNORECASE,
 )
+# Questions, tasks, hints, diagnoses, and the reasons given in proofs.
+TEXT_FOLDERS = ("course_kit", "exercises", "solutions", "tests/authoring", "tests/proof", "tests/slips")
+TABLES = [path for folder in TEXT_FOLDERS for path in sorted((REPOSITORY / folder).rglob("*.toml"))]
+CODE = {"old", "new", "lines"}  # the keys whose values are programs' lines
 PACKAGES = sorted(path.parent for path in (REPOSITORY / "course_kit").glob("*/__init__.py"))
 
 
@@ -42,9 +56,25 @@ def sentences(text: str) -> list[str]:
     return [" ".join(part.split()) for part in parts]
 
 
-@pytest.mark.parametrize("path", GUIDES, ids=lambda path: str(path.relative_to(REPOSITORY)))
+def read_texts(value: Any) -> Iterator[str]:
+    """The texts in a table or list, without code."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (dict, list)):
+        parts = [part for key, part in value.items() if key not in CODE] if isinstance(value, dict) else value
+        for part in parts:
+            yield from read_texts(part)
+
+
+def read_comments(text: str) -> str:
+    return re.sub(r"^(?!#).*|^# ?", "", text, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("path", [*GUIDES, *TABLES], ids=lambda path: str(path.relative_to(REPOSITORY)))
 def test_its_sentences_are_short_and_plain(path: Path) -> None:
-    found = sentences(path.read_text(encoding="utf-8"))
+    text = path.read_text(encoding="utf-8")
+    parts = [text] if path.suffix == ".md" else [read_comments(text), *read_texts(tomllib.loads(text))]
+    found = [one for part in parts for one in sentences(part)]
     assert found
     assert [one for one in found if len(one.split()) > MOST_WORDS and not one.startswith(EXCEPTIONS)] == []
     assert [(word[0], one) for one in found if (word := STUMBLES.search(one))] == []
