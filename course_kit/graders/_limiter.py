@@ -34,7 +34,7 @@ SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
 _ANSWER_S = 1.0  # of a change
 _LINE_S = 1.0  # in which a change shows on /status
-_ONCE = "Publish once for each command, in the callback that receives it, and never without one."
+_ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.1  # how long what nobody asked for is waited for; the last at the end
 FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
 _NAMES = [".".join(field) for field in FIELDS]
@@ -347,7 +347,7 @@ class LimiterSteps(Model):
                 alone.append(done)
         if not self.refused or not self._goes_right(node, act, plain):
             return failed
-        why = "Your node refused the change, yet it acts on it: what it does is different from before."
+        why = "Your node refused the change, but since then it behaves differently. It must behave as before."
         together = any(len(values) > 1 for values in self.refused) and self._goes_right(node, act, alone)
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
 

@@ -200,8 +200,8 @@ def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: 
     if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
         if _accepts(node, target, z, afresh=True):
             why = (
-                "No goal was running, and after a fresh start your node accepts this same goal: "
-                "it never clears its mark that a goal is running."
+                "No goal was running, but your node rejected this one. After a fresh start it accepts the same goal. "
+                "So it still believes that an earlier goal is running."
             )
             raise Failed(evidence, why, breaks="succeeds")
         if not _accepts(node, CENTRE, afresh=True):
@@ -382,7 +382,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
 def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
-    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, short of the target", describe_end(ended))
+    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", describe_end(ended))
     stopped, seen = place_of(ended.result.final_position), _last_seen(move)
     if math.dist(stopped, target) <= TOLERANCE and ended.status in (SUCCEEDED, CANCELED):
         if ended.status == CANCELED if seen is None else math.dist(seen, target) > _NEAR_M:

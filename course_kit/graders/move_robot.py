@@ -156,7 +156,7 @@ class RobotModel(Model):
             first, second = [_moves.send_goal(node, place_inside(begin, 0.5, angle)) for angle in (left, other)]
             for goal in (first, second):
                 goal.wait_for_answer(expected, _moves.allowed_s(0.5))
-            sent = f"{first.shown}; in the same instant {second.shown}"
+            sent = f"{first.shown}; at the same instant {second.shown}"
             accepted = [goal for goal in (first, second) if goal.accepted]
             if not accepted:
                 self.drive(node, place_inside(begin, 0.5, left))  # which fails where the server accepts no more
@@ -181,7 +181,7 @@ class RobotModel(Model):
             self.reject_second(node, first, other)
             first.cancel()
             second = _moves.send_goal(node, other)
-            sent = f"{first.shown}; the request to cancel it, and in the same instant {second.shown}"
+            sent = f"{first.shown}; the request to cancel it, and at the same instant {second.shown}"
             evidence = Evidence(sent, expected, "accepted at once")
             with suppress(Failed):
                 second.wait_for_answer(expected)
@@ -260,8 +260,8 @@ class RobotModel(Model):
         """A goal is rejected while another one runs."""
         second, expected = _moves.send_goal(node, target), "the second goal rejected while the first runs"
         second.wait_for_answer(expected)
-        if first.shown.count("under way") < 2:  # noqa: PLR2004 - more of them tell no more
-            first.shown = f"{first.shown}; under way, {second.shown}"
+        if first.shown.count("while it runs") < 2:  # noqa: PLR2004 - more of them tell no more
+            first.shown = f"{first.shown}; while it runs, {second.shown}"
         if second.accepted:
             self.see_one_at_a_time(node, first, second, Evidence(first.shown, expected, "both goals accepted"))
 
@@ -327,7 +327,7 @@ class RobotModel(Model):
             raise explained from None
         self.special, clock = "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
-        ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, short of the target")
+        ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, before the target")
         took_s = clock.fair_s()
         move = self.note_arrival(Move(begin, target, goal, ended))
         _moves.require_stop(move, breaks, short=not late and (not slow or left >= A_SECOND))
@@ -393,8 +393,8 @@ class RobotModel(Model):
                 return
         if failed.breaks in _moves.ASPECTS:
             failed.diagnosis = None  # which is about moves alone
-        without = "with z = 0" if special == "any_z" else "when nothing else is asked of your node"
-        failed.message, failed.breaks = f"{failed.message} The same moves go right {without}.", special
+        without = "with z = 0" if special == "any_z" else "when nothing else is sent to your node"
+        failed.message, failed.breaks = f"{failed.message} The same moves work {without}.", special
 
     def start_afresh(self, node: GradedNode) -> None:
         """Start the program again, at one of the robot's two speeds, and with it the model; a stranger's goes on."""
@@ -421,21 +421,21 @@ CHECKS = [
                   points=2.0, proves=["reaches", "in_time"], after=["accepted"]),
         CheckPart("arrives", "The robot is at the target when the goal has succeeded",
                   points=2.0, proves=["reaches", "final_position", "position"], after=["succeeds"]),
-        after_arrival("distance", "The distance travelled is the length of this move",
+        after_arrival("distance", "distance_travelled is the length of the goal's own move, not of all moves",
                       points=1.0, proves=["distance_travelled"]),
         after_arrival("any_z", "The z of a target is ignored, whatever it is",
                       points=1.0, proves=["any_z"]),
         after_arrival("already_there", "A goal at the present position succeeds at once",
                       points=1.0, proves=["already_there", "progress_limits"]),
-        after_arrival("feedback", "While the robot moves, at least five feedback messages a metre tell where it is",
+        after_arrival("feedback", "During a move, feedback with the position comes at least five times per metre",
                       points=2.0, proves=["five_a_metre", "spread", "straight"]),
-        CheckPart("progress", "Progress grows, the distance left shrinks, the position is on the straight line",
+        CheckPart("progress", "Progress grows, the remaining distance shrinks, the position is on the straight line",
                   points=1.5, after=["feedback"],
                   proves=["straight", "position", "progress_limits", "monotonic", "distance_remaining"]),
         after_arrival("second_goal",
-                      "A goal is rejected while another one runs, also when both are sent in the same instant",
+                      "While a goal runs, others are rejected, and of two at the same instant only one is accepted",
                       points=1.5, proves=["second_goal", "same_instant"]),
-        after_arrival("cancel", "A goal is cancelled at any moment: within 1 s, short of the target",
+        after_arrival("cancel", "A goal can be cancelled at any moment: it ends CANCELED within 1 s, before the target",
                       points=2.0, proves=["cancel_accepted", "cancelled", "one_thread", "position"]),
         CheckPart("after_cancel", "After a cancelled goal the next one works, and starts where the robot stopped",
                   points=1.0, proves=["after_cancel", "cancel_accepted"], after=["cancel"]),

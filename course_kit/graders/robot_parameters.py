@@ -230,7 +230,7 @@ class Limiter(LimiterSteps):
 
 @check(points=0.5, proves=["node", "only_a_class", "a_program", "start"])
 def node_up(node: GradedNode) -> Evidence:
-    """The node velocity_limiter comes up and can be asked."""
+    """The node velocity_limiter starts, and answers requests for its parameters."""
     node.prepare()
     return node.parameters(NODE).expect_served()
 
@@ -389,9 +389,9 @@ def _require_words(node: GradedNode, words: tuple[str, ...], evidence: Evidence)
 
 CHECKS: list[Check] = [
     node_up,
-    endpoints_offered(check_id="topics", title="The four topics are there, and a default endpoint connects to each",
-                      points=0.5, proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"],
-                      after=["node_up"]),
+    endpoints_offered(check_id="topics", points=0.5, after=["node_up"],
+                      title="The four topics exist, and a publisher or subscription with default QoS connects to each",
+                      proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]),
     declared,
     types,
     defaults,
@@ -420,7 +420,7 @@ CHECKS: list[Check] = [
         CheckPart("reason", "A refusal names the parameter and its range", points=1.5, proves=["reason"]),
         CheckPart("wrong_type", "A value of another type is refused", points=0.5, proves=["other_type"]),
         CheckPart("undeclared", "An undeclared parameter is refused", points=0.5, proves=["undeclared"]),
-        CheckPart("atomic", "A valid and an invalid value set atomically change nothing",
+        CheckPart("atomic", "When a valid and an invalid value are set atomically, nothing changes",
                   points=1.5, proves=["atomic"]),
         steps=1, after=["types", "topics"],
     ),

@@ -204,7 +204,7 @@ class Temperatures(Model):
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
             of_another = any(has_right_formula(value, answer.response.value) for value in values)
-            reason = "This is the answer to another request" if of_another else "Asked alone, it is different"
+            reason = "Your node answered another request" if of_another else "Alone, this request gets another answer"
             why = f"{reason}: your callback mixes up values of two calls."
             answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
 
@@ -266,7 +266,7 @@ CHECKS = [
         CheckPart("answers", "A request gets an answer", points=1.0, proves=["success", "one_call", "lives_on"]),
         CheckPart("celsius_to_fahrenheit", "Celsius becomes Fahrenheit", points=1.0, proves=["both_directions"]),
         CheckPart("fahrenheit_to_celsius", "Fahrenheit becomes Celsius", points=1.0, proves=["both_directions"]),
-        CheckPart("same_unit", "A unit converted to itself stays what it is", points=0.5, proves=["same_unit"]),
+        CheckPart("same_unit", "If both units are equal, the value does not change", points=0.5, proves=["same_unit"]),
         CheckPart("precision", "No digits are lost, whether the value is large, small or very cold",
                   points=1.0, proves=["every_digit"]),
         CheckPart("unknown_unit", "An unknown unit is refused with a reason",
@@ -276,7 +276,7 @@ CHECKS = [
         CheckPart("absolute_zero",
                   "A temperature below absolute zero is refused with a reason, absolute zero itself is not",
                   points=1.0, proves=["too_cold", "absolute_zero", "says_why", "checked_first"]),
-        CheckPart("fifty_calls", "Fifty calls, ten at a time, each get the answer to their own value within 5 s",
+        CheckPart("fifty_calls", "Fifty calls, ten at a time, are all answered within 5 s, each with its own value",
                   points=1.5, proves=["fifty_calls", "own_value"]),
         steps=150, after=["offered"],
     ),

@@ -19,18 +19,19 @@ _ASKED = "Which pattern fits best (topic, service or action), and which one of t
 # The list is that of the exercise's exercise.toml, sentence by sentence; a test compares.
 _HEAD = '''"""Exercise 4: which communication pattern fits?
 
-- For each of your ten scenarios you get half a point for the pattern that fits,
-  `topic`, `service` or `action`, and half a point for the reason that decides,
-  out of its four.
-- Several reasons may be true; only one decides: without it, you would choose
-  another pattern.
-- In a few scenarios two patterns can be defended. Then either counts, together
-  with its own reason.
-- The answers are a dictionary called `answers`, with an entry for each
-  scenario: its id, the pattern, and the id of the reason, `"some_robot":
-  ("topic", "some_reason"),`. Capitals and spaces around these words do not
-  matter. Keep it a plain dictionary of texts, which is only read; a program
-  that computes the answers is run.
+- For each of your ten scenarios you get half a point for the pattern that fits:
+  `topic`, `service` or `action`. You get another half point for the reason that
+  decides: one of the four below the scenario.
+- Several reasons may be true, but only one decides. If it were not so, you
+  would choose another pattern.
+- In a few scenarios two patterns can be defended. Then each of the two counts,
+  with the reason that belongs to it.
+- The answers are a dictionary called `answers`. Each scenario has an entry: the
+  id of the scenario, then the pattern and the id of the reason, as in
+  `"some_robot": ("topic", "some_reason"),`. Capital letters in these words, and
+  spaces around them, do not matter. Keep it a plain dictionary of texts: then
+  the grader only reads your file. If your file computes the answers, the grader
+  runs it.
 - An answer that is missing or malformed earns nothing, and the others count. An
   entry that belongs to no scenario is reported; it costs nothing by itself.
 """

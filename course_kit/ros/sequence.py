@@ -49,7 +49,8 @@ class Arrow:
 
     def __str__(self) -> str:
         """The arrow as a line of a list, without its channel."""
-        return self.text if self.kind == "note" else f"{self.sender} {self.sign} {self.receiver}: {self.text}"
+        fault = ", not as expected" if self.kind == "failure" else ""
+        return self.text if self.kind == "note" else f"{self.sender} -> {self.receiver}{fault}: {self.text}"
 
 
 class DiagramRow(NamedTuple):

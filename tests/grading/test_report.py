@@ -125,8 +125,8 @@ def test_text_fits_and_says_all(width: int) -> None:
         "Think.",
         "1.5 of 4 points",
         "1. grader -> your node: request /convert",
-        "4. your node --x grader: no answer",
-        "Isolation: own network.",
+        "4. your node -> grader, not as expected: no answer",
+        "Isolation of your program: own network.",
     ):
         assert word in text
     assert "\x1b" not in text
@@ -135,12 +135,12 @@ def test_text_fits_and_says_all(width: int) -> None:
 def test_what_failed_comes_first_and_what_waits_for_one_check_is_one_line() -> None:
     report = replace(REPORT, checks=(PASSED, SKIPPED, FAILED, ALSO_SKIPPED))
     text, html = render_text(report, 200), render_html(report).rpartition("</style>")[2]
-    assert 'skip      0/2  "It adds" must pass first: Every digit; Each edge.' in text
+    assert 'skip      0/2  Every digit; Each edge. Not run: "It adds" must pass first.' in text
     assert "Not run (2): &#34;It adds&#34; must pass first" in html
-    ends = ("1.5 of 4 points", "Isolation:")
+    ends = ("1.5 of 4 points", "Isolation of")
     order = ("FAIL", "upside down", "value=100.0", "Think.", "math.formula", "PASS", "skip", *ends)
     assert [text.index(one) for one in order] == sorted(text.index(one) for one in order)
-    order = (FAILED.title, *order[1:5], PASSED.title, "Not run", "Isolation:")
+    order = (FAILED.title, *order[1:5], PASSED.title, "Not run", "Isolation of")
     assert [html.index(one) for one in order] == sorted(html.index(one) for one in order)
     for page in (text, html):
         assert not [line for line in page.splitlines() if line.strip().startswith(":")]
@@ -245,7 +245,7 @@ def test_diagram_shows_each_step_and_says_it_in_words() -> None:
     assert "<script" not in drawing
     words = html[html.index("The diagram in words") :]
     assert "<li>grader -&gt; your node: request /convert: value=100.0</li>" in words
-    assert "your node --x grader: no answer within 5 s" in words
+    assert "your node -&gt; grader, not as expected: no answer within 5 s" in words
 
 
 def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:

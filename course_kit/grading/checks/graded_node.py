@@ -104,7 +104,7 @@ class GradedNode:
         self.ensure_running()
         end, node = self._end(service), self.context.grader_node
         messages = [message_of(end.interface.Request, request, {}) for request in requests]
-        sent = f"{len(messages)} requests, at most {at_a_time} unanswered at a time"
+        sent = f"{len(messages)} requests, never more than {at_a_time} of them waiting for an answer"
         evidence = Evidence(sent, f"{len(messages)} answers within {within_s:g} s, each to its own request")
         clients = [node.client(end.interface, service, number % _CLIENTS) for number in range(at_a_time)]
         responses = hangs.call_many(self.context, clients, messages, within_s, evidence)
@@ -207,7 +207,7 @@ class GradedNode:
         def find_extra_messages() -> list[str]:
             return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
 
-        evidence = Evidence(self._last_sent, f"no message more on {' and '.join(listened)}")
+        evidence = Evidence(self._last_sent, f"no further message on {' or '.join(listened)}")
         with hangs.explain_end(self.context, evidence):
             self.context.grader_node.spin_once(0.0)
             self.context.wait_until(lambda: bool(find_extra_messages()), seconds)

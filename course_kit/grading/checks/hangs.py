@@ -186,8 +186,8 @@ def call_many(
         raise explain_no_answer(context, seen, spent)
     each = spent / answered
     message = (
-        f"{answered} of {len(requests)} requests were answered in {spent:.1f} s, one in {each:.2f} s: "
-        f"the last of {len(clients)} clients that ask together waits {len(clients) * each:.1f} s."
+        f"{answered} of {len(requests)} requests were answered in {spent:.1f} s. That is {each:.2f} s for each answer, "
+        f"so the last of {len(clients)} clients that ask together waits {len(clients) * each:.1f} s."
     )
     raise Failed(replace(seen, got=f"{answered} answers in {spent:.1f} s"), message, "service.blocks")
 

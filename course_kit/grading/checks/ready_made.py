@@ -200,7 +200,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
                 code, why = None, "The response came back as ROS 2 creates it: your callback filled in nothing."
             if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
                 code = None
-                why = "This is the answer to another request: your callback mixes up values of two calls."
+                why = "Your node sent the answer to another request: your callback mixes up values of two calls."
             answer.expect(**fields, diagnosis=code, why=why)
 
     return make_check(talk, **declared)
@@ -330,13 +330,13 @@ def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[flo
         periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
         found, count = periods[0], inbox.count + 1
         if any(bounds[0] <= period <= bounds[1] for period in periods):
-            return Evidence("", expected, f"one every {found:.3g} s")
+            return Evidence("", expected, f"one message every {found:.3g} s")
         if clock.has_passed(10 * period_s + _SILENT_S):
             break
     why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
     if inbox.count < _FEWEST:
         raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
-    raise Failed(Evidence("", expected, f"one every {found:.3g} s"), why)
+    raise Failed(Evidence("", expected, f"one message every {found:.3g} s"), why)
 
 
 def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:

@@ -50,7 +50,7 @@ class Isolation:
             ("own network (loopback only)", "own network", self.network),
             ("own processes", "own processes", self.processes),
             ("own file system", "own file system", self.files),
-            ("system calls filtered", "filter of system calls", self.syscalls),
+            ("filtered system calls", "filter of system calls", self.syscalls),
         ]
         if self.landlock and not self.files:
             kinds.append(("files by allow-list (Landlock)", "", True))

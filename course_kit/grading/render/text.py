@@ -29,14 +29,14 @@ def render_text(report: Report, width: int = 80) -> str:
         lines += check_lines(check, width, practice=report.practice)
     for why, checks in report.not_run.items():
         begin = _beginning("skipped", 0.0, sum(check.max_points for check in checks), practice=report.practice)
-        lines += _wrap(f"{begin}{why}: {'; '.join(check.title for check in checks)}.", width, hanging=len(begin))
+        lines += _wrap(f"{begin}{'; '.join(one.title for one in checks)}. Not run: {why}.", width, hanging=len(begin))
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
         lines += _last_output("stdout", report.stdout, width) + _last_output("stderr", report.stderr, width)
     lines += ["", *_wrap(_verdict(report), width)]
     if report.isolation:
-        lines += _wrap(f"Isolation: {report.isolation}.", width, hanging=2)
+        lines += _wrap(f"Isolation of your program: {report.isolation}.", width, hanging=2)
     return "\n".join(lines) + "\n"
 
 

@@ -41,8 +41,8 @@ def advice_for_root() -> str:
     if os.geteuid():
         return ""
     return (
-        "you are grading as root. Use an ordinary account if you can: submissions are less well isolated from root "
-        "than from an ordinary user. See course_kit/grading/LIMITS.md."
+        "you are grading as root. Use an ordinary account if you can: submissions are isolated less well "
+        "when you grade as root. See course_kit/grading/LIMITS.md."
     )
 
 

@@ -296,8 +296,8 @@ class Supervisor:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
         self._kill()
         if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:
-            # Without it a learner takes an error that a check has provoked for one of the ordinary run.
-            self._totals[1].add(f"[The lines above are from a start with: {' '.join(self._arguments)}]\n".encode())
+            words = " ".join(self._arguments)  # or a provoked error looks like one of the ordinary run
+            self._totals[1].add(f"[Your program printed the lines above when it was started with: {words}]\n".encode())
         self._sandbox = self._collector = None
 
 

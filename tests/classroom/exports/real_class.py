@@ -34,7 +34,7 @@ CHECKS = (
     ("No digits are lost, whether the value is large, small or very cold", "math.integer_division"),
     ("An unknown unit is refused with a reason", "validation.no_reason"),
     ("A temperature below absolute zero is refused with a reason, absolute zero itself is not", "validation.missing"),
-    ("Fifty calls, ten at a time, each get the answer to their own value within 5 s", "service.blocks"),
+    ("Fifty calls, ten at a time, are all answered within 5 s, each with its own value", "service.blocks"),
 )
 
 

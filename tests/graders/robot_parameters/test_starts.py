@@ -51,4 +51,6 @@ def test_what_a_provoked_error_prints_is_marked_as_such(worker: grading.Worker) 
     report = grading.grade(EXERCISE, SOLUTION, worker=worker)
     lines = report.stderr.splitlines()
     assert "velocity_limiter cannot start" in lines[-2]
-    assert lines[-1].startswith("[The lines above are from a start with: --ros-args -p wheel_diameter:=")
+    assert lines[-1].startswith(
+        "[Your program printed the lines above when it was started with: --ros-args -p wheel_diameter:="
+    )

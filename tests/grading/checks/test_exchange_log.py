@@ -29,7 +29,7 @@ def test_an_unanswered_request_ends_at_what_came_instead() -> None:
     record.add_sent("request /add: a=1", about="a=1")
     assert lines(record, Evidence("a=1", "sum=2", "no answer within 5 s")) == [
         "grader -> your node: request /add: a=1",
-        "your node --x grader: no answer within 5 s",
+        "your node -> grader, not as expected: no answer within 5 s",
         "expected: sum=2",
     ]
 
@@ -96,7 +96,7 @@ def grade_wrong(worker: grading.Worker, tmp_path: Path) -> Callable[[str, str], 
             "answers",
             [
                 "grader -> your node: request /convert_temperature: value=",
-                "your node --x grader: no answer: the program ended",
+                "your node -> grader, not as expected: no answer: the program ended",
                 "expected: an answer",
             ],
         ),
