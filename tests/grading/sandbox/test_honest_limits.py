@@ -77,5 +77,5 @@ def test_the_page_names_what_there_is() -> None:
     for name in ("VIRTUAL_ENV", "LD_LIBRARY_PATH", "PATH"):
         assert name in PAGE
         assert name in _PASSED_ON
-    for prefix in re.findall(r"`([A-Z]+_?)`", PAGE.partition("Few variables")[2].partition("##")[0]):
+    for prefix in re.findall(r"`([A-Z]+_?)`", PAGE.partition("Few environment variables")[2].partition("##")[0]):
         assert prefix in _PASSED_ON_PREFIXES
