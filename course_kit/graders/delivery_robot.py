@@ -265,7 +265,7 @@ def carrier_rejects(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
 def carrier_one_goal(node: GradedNode) -> None:
-    """carrier.py alone: one goal at a time, also of two in the same instant."""
+    """carrier.py alone: one goal at a time, and only one of two that come at the same instant."""
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))

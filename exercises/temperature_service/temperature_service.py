@@ -18,8 +18,8 @@ Fill in `convert`. The names and the type are right already; keep them.
   empty string are unknown units.
 - Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; no test comes closer to it than
   0.01 degrees, because of rounding.
-- Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them unanswered at a time, are answered
-  within 5 s, each with its own value.
+- Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them waiting for an answer at a time,
+  are answered within 5 s, each with its own value.
 - If your answer only defines the class, the grader calls `TemperatureService()`, without arguments, and spins it on a
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
