@@ -200,7 +200,7 @@ def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: 
     if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
         if _accepts(node, target, z, afresh=True):
             why = (
-                "No goal was running, but your node rejected this one. After a fresh start it accepts the same goal. "
+                "No goal was running, but your node rejected this goal. After a fresh start it accepts the same goal. "
                 "So it still believes that an earlier goal is running."
             )
             raise Failed(evidence, why, breaks="succeeds")
