@@ -30,7 +30,8 @@ def graded(path: Path, worker: Worker, *, first_failure: bool) -> Report:
 
 def test_nothing_is_checked_after_the_first_failure(tmp_path: Path, worker: Worker) -> None:
     wrong = tmp_path / "wrong.py"
-    wrong.write_text(SOLUTION.read_text().replace("- 32.0", "- 31.0"))
+    converted = "from_celsius(to_celsius(request.value, request.from_unit), request.to_unit)"
+    wrong.write_text(SOLUTION.read_text().replace(converted, f"{converted} + (request.from_unit == FAHRENHEIT)"))
     whole, short = (graded(wrong, worker, first_failure=first) for first in (False, True))
     assert [check.id for check in short.checks] == [check.id for check in whole.checks][: len(short.checks)]
     assert {check.status for check in short.checks[:-1]} <= {"passed", "skipped"}  # skipped: its talk was cut short

@@ -283,7 +283,7 @@ RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value
         (node("").replace('"learner"', '"my node"'), 3, "must not contain characters other than alphanumerics"),
         ("point = Point()\npoint.x = 1", 2, "takes a float: write 1.0; it was given 1, an int"),
         ("THING = Thing()\nTHING.total = 'x'", 2, "has the type int64 and takes a whole number in its range"),
-        ("lab.start(Unheard)", 1, "No cell that has run defines it."),
+        ("lab.start(Qwxyz)", 1, "No cell that has run defines it."),
         ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`."),
     ],
 )

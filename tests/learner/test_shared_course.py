@@ -106,7 +106,7 @@ def test_files_anywhere_are_found_from_where_one_stands_or_by_their_name(learner
     assert (learner.home / "try.backup-1.py").read_text() == MINE
     wrong = learner.run("reset", TEMPERATURE, "notes.txt")
     assert wrong.returncode == 2
-    assert "notes.txt is neither a .py nor an .ipynb file" in wrong.stderr
+    assert "notes.txt is not one of the files of temperature_service" in wrong.stderr
 
 
 def test_watch_finds_the_file_where_one_stands(learner: Learner) -> None:

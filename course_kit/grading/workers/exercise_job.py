@@ -21,7 +21,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.model.job import Job
-from course_kit.grading.workers import grader_process
+from course_kit.grading.workers import grader_module
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,7 +81,7 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
 def checks_of(exercise: Exercise, seed: int) -> list[Check]:
     """The checks of an exercise, loaded into this process."""
     job = make_job_of_node(exercise, seed)
-    return grader_process.checks_of(grader_process.load_for(job), job)
+    return grader_module.checks_of(grader_module.load_for(job), job)
 
 
 def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from course_kit.grading.sandbox import file_view, isolation, namespaces, needs
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError, serve_all
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
-from course_kit.grading.workers import grader_process
+from course_kit.grading.workers import grader_module, grader_process
 from course_kit.process.fork import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
@@ -127,7 +127,7 @@ def _prepare(job: Job) -> set[tuple[str, str]]:
     if job.interfaces:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        interfaces = grader_process.interfaces_of(grader_process.load_for(job), job)
+        interfaces = grader_module.interfaces_of(grader_module.load_for(job), job)
         return {(interface.__module__, interface.__name__) for interface in interfaces}
     return set()
 
