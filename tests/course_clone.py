@@ -67,7 +67,7 @@ class Clone:
         self.log = folder / "log"
         self.tools.mkdir()
         generated = shutil.ignore_patterns("__pycache__", "*.so", "*.tmp")
-        for part in ("course_setup", "course_kit/interfaces/native"):
+        for part in ("course_setup", "course_kit/interfaces/native", "course_kit/jupyter_config"):
             shutil.copytree(REPOSITORY / part, self.root / part, ignore=generated)
         for part in ("course", "pyproject.toml", "hatch_build.py", "course_kit/course_kit.pth"):
             shutil.copy(REPOSITORY / part, self.root / part)
