@@ -1,1 +1,1 @@
-"""What a learner got wrong: the catalogue of codes, and how exits, hangs, exceptions and tracebacks lead to them."""
+"""What a learner got wrong: how exits, exceptions and tracebacks lead to a code; hangs lie in checks, codes in model."""
