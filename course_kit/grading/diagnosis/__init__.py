@@ -1,1 +1,1 @@
-"""What a learner got wrong: how exits, exceptions and tracebacks lead to a code; hangs lie in checks, codes in model."""
+"""What a learner got wrong: how exits and tracebacks lead to a code; hangs lie in checks, codes in model."""

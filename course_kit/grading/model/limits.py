@@ -1,4 +1,4 @@
-"""What a submission may use, and how the kernel enforces it (getrlimit(2)); the init process watches memory and time."""
+"""What a submission may use, and how the kernel enforces it; the init process watches memory and time."""
 
 from __future__ import annotations
 
