@@ -119,7 +119,8 @@ function render({ model, el }) {
       row.word.textContent = value === true ? "true" : "false";
       return;
     }
-    if (document.activeElement !== row.box || row.shown !== value) row.box.value = value;
+    const types = document.activeElement === row.box && ![row.shown, row.asked].includes(row.box.value);
+    if (!types) row.box.value = value; // what is being typed stays
     row.shown = value;
     if (row.slider) {
       row.slider.value = value;
@@ -139,15 +140,13 @@ function render({ model, el }) {
     for (const [name, row] of rows) {
       const outcome = outcomes[name] ?? { state: "", text: "", token: 0 };
       if (row.sent && outcome.token < row.sent) continue; // its answer is still to come
-      const answered = row.sent !== 0;
       row.sent = 0;
       if (row.wanted) {
         send(row);
         continue;
       }
-      row.asked = undefined;
-      if (answered && outcome.state === "refused" && row.box) row.box.value = values[name];
       put(row, values[name]);
+      row.asked = undefined;
       row.status.dataset.state = outcome.state;
       const text = words(outcome, values[name] === "" ? "empty" : String(values[name]));
       if (row.status.textContent !== text) row.status.textContent = text;

@@ -300,11 +300,11 @@ def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, c
 
 def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, tmp_path: Path) -> None:
     cells = [nbformat.v4.new_code_cell(source) for source in ("from rclpy.node import Node", "class Forgotten: pass")]
-    cells.append(nbformat.v4.new_code_cell("Mine = Mine"))
+    cells.append(nbformat.v4.new_code_cell("Qwxyz = Qwxyz"))
     nbformat.write(nbformat.v4.new_notebook(cells=cells), tmp_path / "mine.ipynb")
     assert kernel.run(f"import os; os.environ['JPY_SESSION_NAME'] = {str(tmp_path / 'mine.ipynb')!r}").ok
     assert "A cell of this notebook defines it. Run that cell first" in kernel.run("Forgotten()").error
-    assert "No cell that has run defines it." in kernel.run("Mine = Mine").error
+    assert "No cell that has run defines it." in kernel.run("Qwxyz = Qwxyz").error
     said = kernel.run("del Node\nclass Learner(Node): pass").error
     assert "Write `from rclpy.node import Node`, or run the cell that has it." in said
     assert kernel.run("del os.environ['JPY_SESSION_NAME']\nfrom rclpy.node import Node").ok
