@@ -16,13 +16,13 @@ from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import exits
 from course_kit.grading.errors import GradingError
-from course_kit.quiz import NoAnswer
+from course_kit.quiz import Unusable
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
-    from course_kit.quiz import HalfMarks, MarkedAnswers, Scenario
+    from course_kit.quiz import Half, MarkedAnswers, Scenario
 
 INTERFACES = ()
 _READ = "answers"  # the id of the check all others need
@@ -35,7 +35,7 @@ _MOST_NAMED = 20  # entries that belong to no scenario
 
 def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
-    scenarios = quiz.draw_scenarios(job.seed)
+    scenarios = quiz.draw(job.seed)
     sheet, after = _Sheet(scenarios), (_READ,)
     # Worth nothing by themselves: all points go to the halves.
     checks = [
@@ -115,7 +115,7 @@ def _not_here(result: MarkedAnswers) -> str:
     )
 
 
-def _verdict(half: HalfMarks, sent: str, expected: str, got: str | None = None) -> Evidence:
+def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Evidence:
     evidence = Evidence(sent, expected, (half.got if got is None else got) or "nothing")
     if not half.right:
         raise Failed(evidence, half.explanation, half.code)
@@ -123,7 +123,7 @@ def _verdict(half: HalfMarks, sent: str, expected: str, got: str | None = None) 
 
 
 def _with_nearest(name: str, drawn: list[str]) -> str:
-    meant = quiz.nearest_id(name, drawn)
+    meant = quiz.nearest(name, drawn)
     return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
 
 
@@ -156,7 +156,7 @@ def _run(context: CheckContext) -> FoundAnswers:
 
 def _not_set(found: FoundAnswers, variable: str) -> Failed:
     names = ", ".join(found.set_names) or "nothing"
-    meant = quiz.nearest_id(variable, found.set_names)
+    meant = quiz.nearest(variable, found.set_names)
     message = f"Your program does not set a variable called {variable}; it sets {names}."
     if meant:
         message += f" Did you mean {meant}?"
@@ -195,9 +195,9 @@ def find_answers(told: Record, variable: str) -> FoundAnswers:
 
 def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:
     try:
-        value = NoAnswer(text, problem) if problem else _literal(text)
+        value = Unusable(text, problem) if problem else _literal(text)
     except _NO_LITERAL:
-        value = NoAnswer(text, "An answer has to be plain texts, but this is something else.")
+        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
     try:
         entries[_literal(key)] = value
     except _NO_LITERAL:

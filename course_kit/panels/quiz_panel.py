@@ -20,7 +20,7 @@ from course_kit.text.console import in_points
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from course_kit.quiz import HalfMarks, Marks, Questions
+    from course_kit.quiz import Half, Marks, Questions
 
 Answers = dict[str, tuple[str, str]]
 
@@ -214,7 +214,7 @@ def _question(scenario: quiz.Scenario, seed: int) -> dict[str, object]:
     return {"id": scenario.id, "title": scenario.title, "text": scenario.text, "reasons": reasons}
 
 
-def _facts(half: HalfMarks) -> dict[str, object]:
+def _facts(half: Half) -> dict[str, object]:
     return {"right": half.right, "explanation": half.explanation}
 
 

@@ -1,39 +1,36 @@
 """The quiz on communication patterns: its scenarios, who gets which, what an answer earns, and how they are shown.
 
-The exercise's grader and the notebook's panel both use it: `draw_scenarios` by a seed, `mark` the answers to them.
+The exercise's grader and the notebook's panel both use it: `draw` the scenarios of a seed, `mark` the answers to them.
 It needs no ROS. A learner calls `show()`.
 """
 
-from course_kit.quiz.bank import (
-    DEFAULT_SEED,
-    PATTERNS,
-    Scenario,
-    bank,
-    draw_scenarios,
-    graded_scenarios,
-    practice_scenarios,
-    reasons_as_shown,
-)
-from course_kit.quiz.marking import PASS_SHARE, HalfMarks, MarkedAnswers, Marks, NoAnswer, mark, mark_one, nearest_id
+from course_kit.quiz.bank import DEFAULT_SEED, PATTERNS, Scenario, bank, reasons_as_shown
+from course_kit.quiz.bank import draw_scenarios as draw
+from course_kit.quiz.bank import graded_scenarios as graded
+from course_kit.quiz.bank import practice_scenarios as practice
+from course_kit.quiz.marking import PASS_SHARE, MarkedAnswers, Marks, mark, mark_one
+from course_kit.quiz.marking import HalfMarks as Half
+from course_kit.quiz.marking import NoAnswer as Unusable
+from course_kit.quiz.marking import nearest_id as nearest
 from course_kit.quiz.showing import Questions, show
 
 __all__ = [
     "DEFAULT_SEED",
     "PASS_SHARE",
     "PATTERNS",
-    "HalfMarks",
+    "Half",
     "MarkedAnswers",
     "Marks",
-    "NoAnswer",
     "Questions",
     "Scenario",
+    "Unusable",
     "bank",
-    "draw_scenarios",
-    "graded_scenarios",
+    "draw",
+    "graded",
     "mark",
     "mark_one",
-    "nearest_id",
-    "practice_scenarios",
+    "nearest",
+    "practice",
     "reasons_as_shown",
     "show",
 ]

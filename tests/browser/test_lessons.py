@@ -192,7 +192,7 @@ def test_the_quiz_is_answered_marked_and_written(lab: JupyterLab) -> None:
     lab.page.on("dialog", lambda dialog: dialog.accept())
     panel.get_by_role("button", name="Start again").click()  # whatever was kept from before
     expect(panel).to_contain_text("0 of 10 answered.")
-    scenarios = quiz.draw_scenarios()
+    scenarios = quiz.draw()
 
     # The first one wrongly, with the mouse: the explanation is there at once.
     first = scenarios[0]

@@ -36,7 +36,7 @@ def grade(worker: grading.Worker, tmp_path: Path) -> Callable[..., grading.Repor
 @pytest.fixture
 def answers() -> dict[str, tuple[str, str]]:
     found = {}
-    for scenario in quiz.draw_scenarios():
+    for scenario in quiz.draw():
         pattern = next(iter(scenario.accepted))
         found[scenario.id] = (pattern, scenario.accepted[pattern][0])
     return found
@@ -50,9 +50,7 @@ def failed(report: grading.Report) -> list[grading.CheckReport]:
 def test_solution_gets_full_marks_for_every_seed(seed: int, worker: grading.Worker) -> None:
     report = grading.grade(EXERCISE, SOLUTION, seed=seed, worker=worker)
     assert failed(report) == []
-    assert {check.id.rpartition("_")[0] for check in report.checks[2:]} == {
-        made.id for made in quiz.draw_scenarios(seed)
-    }
+    assert {check.id.rpartition("_")[0] for check in report.checks[2:]} == {made.id for made in quiz.draw(seed)}
 
 
 def test_each_half_has_a_check_that_can_fail(
@@ -61,7 +59,7 @@ def test_each_half_has_a_check_that_can_fail(
     """Each answer in turn is made wrong: first the pattern alone, then the reason alone."""
     for place, half in ((0, "pattern"), (1, "reason")):
         wrong: dict[str, list[str]] = {}
-        for scenario in quiz.draw_scenarios():
+        for scenario in quiz.draw():
             choices = [choice for choice in scenario.wrong if (choice in quiz.PATTERNS) == (half == "pattern")]
             wrong[scenario.id] = list(answers[scenario.id])
             wrong[scenario.id][place] = choices[0]
@@ -177,7 +175,7 @@ def test_without_the_answers_the_practice_questions_are_marked(students: Course)
 def test_without_the_answers_no_other_seed_is_marked_and_what_is_missing_is_said(
     students: Course, tmp_path: Path
 ) -> None:
-    drawn = quiz.draw_scenarios(7)
+    drawn = quiz.draw(7)
     pairs = {scenario.id: ("topic", next(iter(scenario.reasons))) for scenario in drawn}
     pairs[drawn[0].id] = ("topic", "")
     mine = tmp_path / "mine.py"

@@ -48,7 +48,7 @@ def mixed(scenario: quiz.Scenario) -> tuple[str, str]:
 
 def answered(choice: Any, seed: int = SEED) -> QuizPanel:
     panel = panels.quiz(seed=seed)
-    for scenario in quiz.draw_scenarios(seed):
+    for scenario in quiz.draw(seed):
         panel.answer(scenario.id, *choice(scenario))
     return panel
 
@@ -61,7 +61,7 @@ def said_by(panel: QuizPanel, what: str, **more: str) -> None:
 def test_the_browser_gets_every_question_and_no_answer() -> None:
     widget = panels.quiz(SEED).widget
     state = json.dumps({name: value for name, value in widget.get_state().items() if not name.startswith("_")})
-    for scenario in quiz.draw_scenarios(SEED):
+    for scenario in quiz.draw(SEED):
         assert json.dumps(scenario.text) in state
         assert all(json.dumps(text) in state for text in scenario.reasons.values())
         assert scenario.why not in state
@@ -71,7 +71,7 @@ def test_the_browser_gets_every_question_and_no_answer() -> None:
 
 def test_an_answer_is_marked_at_once_with_both_explanations() -> None:
     panel = panels.quiz(SEED)
-    scenario = quiz.draw_scenarios(SEED)[0]
+    scenario = quiz.draw(SEED)[0]
     pattern, reason = wrong(scenario)
     panel.answer(scenario.id, pattern, "")
     assert panel.widget.marks == {}  # half an answer is not marked yet
@@ -130,7 +130,7 @@ def test_a_folder_nothing_can_be_written_to_is_said_and_loses_nothing(tmp_path: 
 def test_a_file_changed_by_hand_is_never_overwritten_and_its_own_is(tmp_path: Path) -> None:
     panel = answered(right)
     panel.write()
-    scenario = quiz.draw_scenarios(SEED)[0]
+    scenario = quiz.draw(SEED)[0]
     panel.answer(scenario.id, *wrong(scenario))
     assert "10 of 10 answers" in panel.write()
     path = tmp_path / "my_answers.py"

@@ -43,9 +43,9 @@ def deciding(scenario: quiz.Scenario) -> set[str]:
 
 
 def test_it_is_large_and_balanced() -> None:
-    assert len(quiz.graded_scenarios()) >= 30
-    assert len(quiz.practice_scenarios()) == 10
-    assert not set(quiz.graded_scenarios()) & set(quiz.practice_scenarios())
+    assert len(quiz.graded()) >= 30
+    assert len(quiz.practice()) == 10
+    assert not set(quiz.graded()) & set(quiz.practice())
     alone = Counter(tuple(scenario.accepted) for scenario in SCENARIOS)
     assert len(SCENARIOS) >= 36
     assert len({alone[pattern,] for pattern in quiz.PATTERNS}) == 1
@@ -104,7 +104,7 @@ def test_what_students_have_tells_nothing_about_what_is_right() -> None:
     """Neither a word of an answer, nor the order in which scenarios and reasons are written down."""
     questions = QUESTIONS.read_text(encoding="utf-8")
     flat = " ".join(questions.split())
-    for scenario in quiz.graded_scenarios().values():
+    for scenario in quiz.graded().values():
         assert scenario.why not in flat
         assert scenario.source not in flat
         assert not [text for text in scenario.wrong.values() if text in flat]

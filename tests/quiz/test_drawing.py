@@ -39,34 +39,30 @@ def names(scenarios: tuple[Scenario, ...]) -> list[int]:
 
 def test_the_draw_is_the_same_everywhere() -> None:
     """Golden values: a learner's scenarios may not depend on the Python or the machine."""
-    assert names(quiz.draw_scenarios(1, some(36))) == GOLDEN_1
-    assert names(quiz.draw_scenarios(-20260101, some(36))) == GOLDEN_2
+    assert names(quiz.draw(1, some(36))) == GOLDEN_1
+    assert names(quiz.draw(-20260101, some(36))) == GOLDEN_2
     assert [name for name, _ in quiz.reasons_as_shown(some(1)["scenario_0"], 5)] == GOLDEN_REASONS
 
 
 @pytest.mark.parametrize("seed", [0, 1, 17, -3, 2**40])
 def test_ten_different_ones_and_nothing_for_practice_among_those_that_count(seed: int) -> None:
-    drawn = quiz.draw_scenarios(seed)
+    drawn = quiz.draw(seed)
     assert len({scenario.id for scenario in drawn}) == 10
-    assert quiz.draw_scenarios(seed) == drawn
-    assert {scenario.id for scenario in drawn} <= set(
-        quiz.practice_scenarios() if seed == quiz.DEFAULT_SEED else quiz.graded_scenarios()
-    )
+    assert quiz.draw(seed) == drawn
+    assert {scenario.id for scenario in drawn} <= set(quiz.practice() if seed == quiz.DEFAULT_SEED else quiz.graded())
 
 
 def test_what_is_right_does_not_decide_what_is_drawn() -> None:
     """A student edition has no answers, and has to draw what the instructor's draws."""
     for seed in (2, 17, 90210):
-        assert quiz.draw_scenarios(seed, unanswered()) == tuple(
-            unanswered()[scenario.id] for scenario in quiz.draw_scenarios(seed)
-        )
+        assert quiz.draw(seed, unanswered()) == tuple(unanswered()[scenario.id] for scenario in quiz.draw(seed))
 
 
 def test_seeds_draw_different_ones_and_every_scenario_is_drawn() -> None:
-    drawn = [tuple(scenario.id for scenario in quiz.draw_scenarios(seed)) for seed in SEEDS]
+    drawn = [tuple(scenario.id for scenario in quiz.draw(seed)) for seed in SEEDS]
     assert len(set(drawn)) == len(SEEDS)
     counts = Counter(name for names_of_one in drawn for name in names_of_one)
-    assert set(counts) == set(quiz.graded_scenarios())
+    assert set(counts) == set(quiz.graded())
     assert max(counts.values()) < 3 * min(counts.values())
 
 
@@ -74,7 +70,7 @@ def test_the_place_of_a_reason_is_no_clue() -> None:
     places = Counter(
         place
         for seed in SEEDS
-        for scenario in quiz.draw_scenarios(seed)
+        for scenario in quiz.draw(seed)
         for place, (name, _) in enumerate(quiz.reasons_as_shown(scenario, seed))
         if name in {one for reasons in scenario.accepted.values() for one in reasons}
     )

@@ -8,7 +8,7 @@ import pytest
 
 from course_kit import quiz
 
-DRAWN = quiz.draw_scenarios(1)
+DRAWN = quiz.draw(1)
 FIRST = DRAWN[0]
 PATTERN = next(iter(FIRST.accepted))
 REASON = FIRST.accepted[PATTERN][0]
@@ -63,7 +63,7 @@ def test_either_answer_of_an_open_scenario_counts_with_its_own_reason_only() -> 
         ((PATTERN, REASON, "because"), ("quiz.malformed", "quiz.malformed"), "a group of 3"),
         (None, ("quiz.malformed", "quiz.malformed"), "of type NoneType"),
         ((1, 2.5), ("quiz.malformed", "quiz.malformed"), "'1' is not a pattern"),
-        (quiz.NoAnswer("topic", "No quotes."), ("quiz.malformed", "quiz.malformed"), "No quotes."),
+        (quiz.Unusable("topic", "No quotes."), ("quiz.malformed", "quiz.malformed"), "No quotes."),
         (("x" * 10_000, REASON), ("quiz.malformed", None), "xxx..."),
     ],
 )

@@ -19,7 +19,7 @@ def test_text_shows_everything_in_80_columns() -> None:
     text = repr(quiz.show(5))
     assert max(map(len, text.splitlines())) <= 80
     flat = " ".join(text.split())
-    for scenario in quiz.draw_scenarios(5):
+    for scenario in quiz.draw(5):
         assert f"[{scenario.id}]" in flat
         assert scenario.text in flat
         assert all(f"{name}: {reason}" in flat for name, reason in scenario.reasons.items())
@@ -38,20 +38,20 @@ def test_html_shows_everything_and_is_well_formed() -> None:
 
     Reader().feed(page)
     assert not opened
-    for scenario in quiz.draw_scenarios(5):
+    for scenario in quiz.draw(5):
         assert f"<code>{scenario.id}</code>" in page
         assert all(f"<dt>{name}</dt>" in page for name in scenario.reasons)
 
 
 def test_neither_tells_what_is_right() -> None:
     shown = repr(quiz.show(5)) + quiz.show(5)._repr_html_() + quiz.show(5).sheet()
-    for scenario in quiz.draw_scenarios(5):
+    for scenario in quiz.draw(5):
         assert scenario.why not in " ".join(shown.split())
 
 
 def test_the_sheet_is_python_with_an_empty_pair_for_each() -> None:
     found = entries(quiz.show(5).sheet())
-    assert found == {scenario.id: ("", "") for scenario in quiz.draw_scenarios(5)}
+    assert found == {scenario.id: ("", "") for scenario in quiz.draw(5)}
     assert entries(quiz.show(5).form()) == found
 
 
