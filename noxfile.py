@@ -1,4 +1,4 @@
-"""Trials that need more than this environment: other Pythons, a container, a JupyterHub, a real Otter-Grader.
+"""Trials that need more than this environment: other Pythons, a container, a film, a JupyterHub, a real Otter-Grader.
 
 `uvx nox --list` names them, `uvx nox --sessions hub` runs one. What a machine lacks is said, and fails the session.
 """

@@ -65,7 +65,7 @@ def changed_files(exercise: Exercise, place: Path | None = None) -> list[Changed
 
 
 def _files(exercise: Exercise, place: Path) -> dict[str, Path]:
-    """Where each starter file belongs, by its name: both in a folder, or the one that a file's ending says."""
+    """Where each starter file belongs, by its name: all in a folder, or the one that a file's name or ending says."""
     if place.is_dir() or not place.suffix:
         return {name: place / name for name in exercise.starters}
     for name in exercise.starters:
@@ -99,7 +99,7 @@ def earned_solution(exercise_id: str) -> str:
     """The text of the solution."""
     text, sentence = _solution(load_exercise(exercise_id))
     if sentence:
-        raise GradingError(f"{sentence[:1].upper()}{sentence[1:]}")
+        raise GradingError(sentence)
     return text
 
 

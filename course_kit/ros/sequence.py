@@ -42,11 +42,6 @@ class Arrow:
     text: str
     channel: str = ""
 
-    @property
-    def sign(self) -> str:
-        """An arrow for plain text, `->`; with a cross for what never came."""
-        return "--x" if self.kind == "failure" else "->"
-
     def __str__(self) -> str:
         """The arrow as a line of a list, without its channel."""
         fault = ", not as expected" if self.kind == "failure" else ""

@@ -94,7 +94,8 @@ def _label(arrow: Arrow) -> str:
 
 
 def _ends(arrow: Arrow) -> str:
-    return f"{short_name(arrow.sender)} {arrow.sign} {short_name(arrow.receiver)}"
+    sign = "--x" if arrow.kind == "failure" else "->"
+    return f"{short_name(arrow.sender)} {sign} {short_name(arrow.receiver)}"
 
 
 def _line(text: str) -> str:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     Where = tuple[str, str, str]
 
 _NODE = "_course_kit_node"  # on a timer: the name of its node
-_WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `where` has found out
+_WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `identify` has found out
 # rclpy publishes these on its own; a learner never meant to.
 _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_lab/stop"})  # the last two are the lab's
 

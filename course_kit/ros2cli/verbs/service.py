@@ -128,7 +128,7 @@ def _call(options: Namespace, session: Session) -> None:
 
 def _wait_for_server(client: ServiceClient, timeout: float, session: Session) -> None:
     """Wait until a server is there."""
-    node, name, wanted = session.node, client.name, type_name(client.type)
+    node, name, wanted = session.node, client.name, client.type_name
     others: list[str] = []
 
     def is_ready() -> bool:
