@@ -17,6 +17,7 @@ from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
 from course_kit.learner import progress
+from course_kit.ros import graph
 from course_kit.ros.names import is_hidden
 
 if TYPE_CHECKING:
@@ -106,10 +107,9 @@ def _require(need: str, context: CheckContext) -> None:
 def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
     """Fail where a node of another notebook answers or publishes as well; one that was replaced goes by itself."""
     node = lab.current().engine.node  # which has known the graph for long
-    service = f"{end.name}/_action/send_goal" if end.kind == "action" else end.name
-    count = partial(node.count_services, service) if end.is_server else partial(node.count_publishers, end.name)
-    if not context.wait_until(lambda: count() < 2, _APPEARS_S):  # noqa: PLR2004 - two are one too many
-        what, many = f"the {end.kind} {end.name}", f"{count()} nodes"
+    count = partial(graph.count_servers, node, end.kind) if end.is_server else partial(graph.count_publishing, node)
+    if not context.wait_until(lambda: count(end.name) < 2, _APPEARS_S):  # noqa: PLR2004 - two are one too many
+        what, many = f"the {end.kind} {end.name}", f"{count(end.name)} nodes"
         why = f"{many} have {what}, and the check asks one. lab.stop_others() stops those of other notebooks."
         raise Failed(Evidence("", f"one node with {what}", many), why)
 

@@ -16,6 +16,7 @@ from course_kit import lab
 from course_kit.lab.errors import FieldError
 from course_kit.panels.base import LatestValue, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
+from course_kit.ros import graph
 from course_kit.ros.messages import is_action_type, type_name
 from course_kit.ros.showing import copy_message, describe_message
 
@@ -138,7 +139,7 @@ class GoalFollower(Panel):
 
     def send_to_one(self, asked: Message) -> None:
         """Send a goal, unless several nodes would take it; returns at once."""
-        servers = lab.current().engine.node.count_services(f"{self._action}/_action/send_goal")
+        servers = graph.count_servers(lab.current().engine.node, "action", self._action)
         if servers > 1:
             self.say(
                 f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "

@@ -120,6 +120,17 @@ def node_names(node: Node) -> list[str]:
     return sorted(names.full_name(*pair) for pair in node.get_node_names_and_namespaces())
 
 
+def count_servers(node: Node, kind: str, name: str) -> int:
+    """How many servers a service or an action has."""
+    return node.count_services(f"{name}{names.GOALS}" if kind == RUNS.kind else name)
+
+
+def count_publishing(node: Node, topic: str) -> int:
+    """How many nodes publish a topic; a lab publishes by a hidden one, which does not count."""
+    found = node.get_publishers_info_by_topic(topic)
+    return len({(end.node_name, process_of(end)) for end in found if not names.is_hidden(end.node_name)})
+
+
 def offered_types(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
     """What has a server or a publisher on the graph, with its types."""
     found: dict[str, list[str]] = {}

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
+GOALS = "/_action/send_goal"  # where an action takes goals, after its name
 # Every node has these services and topics; they are nobody's answer to a misspelt name.
 _SERVICES_OF_EVERY_NODE = frozenset(
     {
@@ -46,8 +47,7 @@ def short_name(node: str) -> str:
 
 def full_action_name(node: Node, action: str) -> str:
     """An action's full name, as a node sees it; its services are renamed with it."""
-    goals = "/_action/send_goal"
-    return str(node.resolve_service_name(action + goals)).removesuffix(goals)
+    return str(node.resolve_service_name(action + GOALS)).removesuffix(GOALS)
 
 
 def is_hidden(name: str) -> bool:

@@ -184,3 +184,10 @@ def test_a_second_node_that_answers_is_named(kernel: Kernel) -> None:
     assert said.startswith("Not yet: 2 nodes have the service /subtract_two_ints")
     assert kernel.run('lab.stop("other")').ok
     assert kernel.run("%check subtract").result["text/plain"].startswith("Right: ")
+
+
+def test_what_the_lab_publishes_itself_is_no_second_node(kernel: Kernel) -> None:
+    cells = cells_of("00_welcome")
+    assert kernel.run(f"lab.stop()\nlab.stop_script()\n{cells['clock'].solution}").ok
+    assert kernel.run('lab.publish("/ticks", Float64, data=1.0)').ok
+    assert kernel.run("%check clock").result["text/plain"].startswith("Right: ")
