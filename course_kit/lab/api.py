@@ -75,7 +75,7 @@ def stop(target: object = None, /) -> None:
 
 def others() -> list[OtherNotebook]:
     """Other notebooks that have nodes on this graph, by title; a list of their `title` and `nodes`."""
-    return current().neighbours.others()
+    return current().neighbours.settled_others()
 
 
 def stop_others() -> None:
@@ -86,7 +86,7 @@ def stop_others() -> None:
     """
     current().engine.not_in_callback("lab.stop_others()")
     neighbours = current().neighbours
-    if left := neighbours.stop(neighbours.others()):
+    if left := neighbours.stop(neighbours.settled_others()):
         raise LabError(
             f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
         )
@@ -96,8 +96,8 @@ def nodes() -> NodeList:
     """The running nodes, by name; prints as what each serves, calls, publishes and listens to."""
     from course_kit.lab.runtime.nodes import NodeList
 
-    neighbours, found = current().neighbours, NodeList(current().live_nodes())
-    found.others = neighbours.others() if neighbours.has_looked else neighbours.first_look()
+    found = NodeList(current().live_nodes())
+    found.others = current().neighbours.settled_others()
     return found
 
 

@@ -101,6 +101,10 @@ def test_a_notebook_that_is_opened_lists_the_nodes_of_others_in_its_first_cell(
     with Kernel(cwd=tmp_path) as opened:
         shown = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.nodes()").result["text/plain"]
     assert shown.splitlines()[-1] == f"    {FIRST}: robot"
+    with Kernel(cwd=tmp_path) as opened:
+        stopped = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.stop_others()")
+        assert stopped.ok, stopped.error
+    assert two[0].run("lab.nodes()").result["text/plain"] == "No node is running in the lab."
 
 
 def test_a_name_that_another_notebook_offers_is_told_at_the_start(two: tuple[Kernel, Kernel]) -> None:

@@ -40,7 +40,6 @@ _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end,
 _POLL = 0.02
 _DISCOVERY, _QUIET = 1.0, 0.1  # seconds until nodes of this machine are known, and from one look to the next
 _REMEDY = "lab.stop_others() stops what other notebooks run."
-_GOALS = "/_action/send_goal"
 
 
 class OtherNotebook(NamedTuple):
@@ -74,7 +73,7 @@ class Neighbours:
         self._on_stop, self._script_nodes = on_stop, script_nodes
         self._key = f"{_MARK}p{os.getpid()}"
         self._lab, self._node, self._title = lab, lab.node, title
-        self.has_looked = False
+        self._known_at = time.monotonic() + _DISCOVERY
         self._mark = mark_as(mark_of(title, _NOTEBOOK), self._node)
         self._stop_out = self._node.create_publisher(String, _STOP, _HIDDEN, event_callbacks=NO_PUBLISHER_EVENTS)
         self._node.create_subscription(String, _STOP, self._hear_stop, _HIDDEN, event_callbacks=NO_SUBSCRIPTION_EVENTS)
@@ -104,11 +103,10 @@ class Neighbours:
                 nodes.setdefault(key, set()).add(full_name(end.node_name, end.node_namespace))
         return sorted(OtherNotebook(titles[key], tuple(sorted(names)), key) for key, names in nodes.items())
 
-    def first_look(self) -> list[OtherNotebook]:
-        """As `others`, for who has just joined the graph and hears of it by and by."""
-        self.has_looked, before, found = True, list[OtherNotebook](), self.others()
-        deadline = time.monotonic() + _DISCOVERY
-        while (not found or found != before) and time.monotonic() < deadline:
+    def settled_others(self) -> list[OtherNotebook]:
+        """As `others`; a lab that has just joined the graph, and hears of it by and by, waits, but in no callback."""
+        before, found = list[OtherNotebook](), self.others()
+        while (not found or found != before) and time.monotonic() < self._known_at and not self._lab.in_callback():
             threading.Event().wait(_QUIET)  # the graph has no event to wait for
             before, found = found, self.others()
         return found
@@ -165,7 +163,7 @@ class Neighbours:
             for name, role in _offered_by(live):
                 own[name, role] = own.get((name, role), 0) + 1
         for (name, role), count in own.items():
-            if self._node.count_services(name if role == graph.SERVES else f"{name}{_GOALS}") > count:
+            if graph.count_servers(self._node, role.kind, name) > count:
                 yield name, role
 
     def _list_offering(self, name: str, role: graph.Role) -> list[str]:
