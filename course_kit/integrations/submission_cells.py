@@ -6,14 +6,12 @@ deleted since the last one; and the notebook's file shows what was deleted or ed
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass, field
-from datetime import datetime, timezone
-from pathlib import Path
-from typing import TYPE_CHECKING
+from datetime import datetime
+from typing import TYPE_CHECKING, NamedTuple
 
-import nbformat
+from course_kit.environment.notebook import saved_cells
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -119,22 +117,16 @@ class SubmissionCells:
         return notes
 
 
-@dataclass
-class _SavedNotebook:
-    """The notebook this kernel belongs to, as last saved."""
+class _SavedNotebook(NamedTuple):
+    """The notebook this kernel belongs to, as last saved; without cells the order of running will do."""
 
     sources: dict[str, str]
     when: datetime
 
     @classmethod
     def read_saved(cls) -> _SavedNotebook:
-        path = Path(os.environ.get("JPY_SESSION_NAME", ""))
-        try:
-            when = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
-            cells = nbformat.read(path, as_version=4).cells
-            return cls({cell.get("id", ""): cell.source for cell in cells if cell.cell_type == "code"}, when)
-        except Exception:  # noqa: BLE001 - no such file, not saved yet, half written: the order of running will do
-            return cls({}, datetime.min.replace(tzinfo=timezone.utc))
+        sources, saved_s = saved_cells()
+        return cls(sources, datetime.fromtimestamp(saved_s).astimezone())
 
     def is_newer_than(self, cell: SubmissionCell) -> bool:
         """Whether it was saved after a cell was run."""

@@ -126,6 +126,10 @@ def test_a_callback_with_too_few_parameters_is_given_the_right_ones(kernel: Kern
     kernel.run(node("self.create_service(SetBool, 'ask', self.answer)", "def answer(self, request):\n    return 1"))
     shown = kernel.run("await lab.call('/ask', SetBool)")
     assert "rclpy calls it with request and response. Write: def answer(self, request, response):" in shown.stderr
+    execute = "def execute(self):\n    return Fibonacci.Result()"
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute))
+    shown = kernel.run("await (await lab.send_goal('/f', Fibonacci, order=3)).result()")
+    assert "rclpy calls it with goal_handle. Write: def execute(self, goal_handle):" in shown.stderr
 
 
 @pytest.mark.parametrize(
@@ -299,12 +303,15 @@ def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, c
 
 
 def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, tmp_path: Path) -> None:
-    cells = [nbformat.v4.new_code_cell(source) for source in ("from rclpy.node import Node", "class Forgotten: pass")]
-    cells.append(nbformat.v4.new_code_cell("Qwxyz = Qwxyz"))
+    elsewhere = "def run():\n    Zvbnq = 1", "%%ros_script other\nKjhgf = 1"
+    sources = "from rclpy.node import Node", "class Forgotten: pass", "Qwxyz = Qwxyz", *elsewhere
+    cells = [nbformat.v4.new_code_cell(source) for source in sources]
     nbformat.write(nbformat.v4.new_notebook(cells=cells), tmp_path / "mine.ipynb")
     assert kernel.run(f"import os; os.environ['JPY_SESSION_NAME'] = {str(tmp_path / 'mine.ipynb')!r}").ok
     assert "A cell of this notebook defines it. Run that cell first" in kernel.run("Forgotten()").error
-    assert "No cell that has run defines it." in kernel.run("Qwxyz = Qwxyz").error
+    for name in ("Qwxyz = Qwxyz", "Zvbnq", "Kjhgf"):
+        assert "No cell that has run defines it." in kernel.run(name).error
+    assert "A cell of this notebook" not in kernel.run("raise NameError('mine')").error
     said = kernel.run("del Node\nclass Learner(Node): pass").error
     assert "Write `from rclpy.node import Node`, or run the cell that has it." in said
     assert kernel.run("del os.environ['JPY_SESSION_NAME']\nfrom rclpy.node import Node").ok

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
-import json
 import linecache
-import os
 import re
 import sysconfig
 import traceback
@@ -16,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rclpy.exceptions import InvalidHandle
 
 from course_kit import environment
+from course_kit.environment.notebook import saved_cells
 from course_kit.lab.errors import DeadlockError, InputError, ServiceFailedError, error_text
 from course_kit.lab.recording.hooks import WrongResponseError, WrongResultError, failure_text
 from course_kit.lab.runtime.describe import is_alive
@@ -53,6 +52,7 @@ _REPEATS = 3  # times the same error of the same callback is shown in a row
 _ARGUMENTS = re.compile(r"(?P<name>\w+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) ")
 _SUB_MESSAGE = re.compile(r"The '(?P<field>\w+)' field must be a sub message of type '(?P<type>\w+)'")
 _FIELD = re.compile(r"The '(?P<field>\w+)' ")
+_ELSEWHERE = re.compile(r"%%(?!submission\b|time\b|interface\b)")  # how a cell begins that is a program
 _IN_ROS = re.compile(r"rclpy\b|course_kit\b|\w+\.(msg|srv|action)\._")
 _IMPORTS = {
     "Node": "from rclpy.node import Node",
@@ -66,7 +66,7 @@ _GIVEN_TO = {  # what rclpy calls a callback with, by the class of what it belon
     "Service": ("request", "response"),
     "Subscription": ("message",),
     "Timer": (),
-    "Turn": ("goal_handle",),
+    "CallbackRun": ("goal_handle",),
 }
 
 
@@ -225,8 +225,8 @@ def explain_error(error: BaseException, locate: Locate) -> str:
     if not own:
         return ""
     last = frames[-1][0]
-    if isinstance(error, NameError) and last is own[-1][0]:
-        text, advice = failure_text(error), _on_name(error, last)
+    if isinstance(error, NameError) and error.name and last is own[-1][0]:
+        text, advice = failure_text(error), _on_name(error, error.name, last)
     elif last is not own[-1][0] and _IN_ROS.match(str(last.f_globals.get("__name__", ""))):
         refusal = _on_field(error, last)
         text = f"{type(error).__name__}: {refusal or error_text(error)}".rstrip()
@@ -251,8 +251,7 @@ def _on_field(error: BaseException, frame: FrameType) -> str:
     return ""
 
 
-def _on_name(error: NameError, frame: FrameType) -> str:
-    name = error.name or ""
+def _on_name(error: NameError, name: str, frame: FrameType) -> str:
     if callable(getattr(type(node_in(error)), name, None)):
         return advice_on(error)
     has_cell = _has_cell_with(name, "".join(linecache.getlines(frame.f_code.co_filename)))
@@ -268,13 +267,10 @@ def _on_name(error: NameError, frame: FrameType) -> str:
 def _has_cell_with(name: str, failed: str) -> bool:
     """Whether another cell than the one that failed defines a name, in the notebook as it was last saved."""
     defines = re.compile(
-        rf"^\s*(?:(?:async )?def {name}\b|class {name}\b|{name} *=[^=]|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
+        rf"^(?:(?:async )?def {name}\b|class {name}\b|{name} *=[^=]|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
     )
-    with contextlib.suppress(OSError, ValueError, LookupError, TypeError):  # not saved yet, or no notebook at all
-        cells = json.loads(Path(os.environ.get("JPY_SESSION_NAME", "")).read_bytes())["cells"]
-        sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-        return any(defines.search(source) for source in sources if source.strip() != failed.strip())
-    return False
+    cells = [source for source in saved_cells()[0].values() if not _ELSEWHERE.match(source)]
+    return any(defines.search(source) for source in cells if source.strip() != failed.strip())
 
 
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
