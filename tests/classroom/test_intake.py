@@ -276,6 +276,8 @@ def test_several_files_of_a_student_are_one_submission_however_a_platform_names_
         ("903", SERVICE.id),
         ("904", exercise.id),
     ]
+    for entry in found.entries:
+        assert layout != "canvas" or f"_{entry.platform['canvas_submission']}_" in entry.source  # for feedback
     read = {key: found.root / entry.source for key, entry in by_number.items()}
     assert {one.name: one.read_text() for one in read["901", exercise.id].iterdir()} == handed_in["ann", "lee", 901]
     assert read["901", SERVICE.id].read_text() == "print(1)"
@@ -285,10 +287,13 @@ def test_several_files_of_a_student_are_one_submission_however_a_platform_names_
     assert (found.left, found.dropped, found.odd) == ((), (), ())
 
 
-def test_of_loose_files_that_were_uploaded_again_the_last_ones_are_one_submission(tmp_path: Path) -> None:
+@pytest.mark.parametrize("again", ["", " (1)"])  # as a browser calls a second download
+def test_of_loose_files_that_were_uploaded_again_the_last_ones_are_one_submission(tmp_path: Path, again: str) -> None:
     exercise = read_exercise(several_files.write(tmp_path / "course"))
-    names = ["gate.py", "guard.py", "pair.launch.py", "pair.yaml", "gate-1.py", "pair-1.launch.py"]
-    files = {f"leeann_901_{place}_{name}": f"print({place})" for place, name in enumerate(names, start=70)}
+    names = ["gate{}.py", "guard{}.py", "pair{}.launch.py", "pair{}.yaml", "gate{}-1.py", "pair{}-1.launch.py"]
+    files = {
+        f"leeann_901_{place}_{name.format(again)}": f"print({place})" for place, name in enumerate(names, start=70)
+    }
     found = collect(lay_out(tmp_path / "in", files), exercise, layout="canvas")
     [entry] = found.entries
     assert {one.name: one.read_text() for one in (found.root / entry.source).iterdir()} == {
@@ -297,8 +302,8 @@ def test_of_loose_files_that_were_uploaded_again_the_last_ones_are_one_submissio
         "pair.launch.py": "print(75)",
         "pair.yaml": "print(73)",
     }
-    assert entry.source == "901.contents"
+    assert entry.source == f"leeann_901_75_pair{again}-1.launch.py.contents"
     assert dict(found.left) == {
-        "leeann_901_70_gate.py": "an earlier upload",
-        "leeann_901_72_pair.launch.py": "an earlier upload",
+        f"leeann_901_70_gate{again}.py": "an earlier upload",
+        f"leeann_901_72_pair{again}.launch.py": "an earlier upload",
     }

@@ -3,7 +3,7 @@
 - Moodle, "Upload multiple feedback files in a zip": a folder for each participant, called as in its download. It finds
   the participant by the number in second place, so that no underscore may stand in the name.
 - Canvas, "Re-Upload Submissions": files that are called exactly as in its download, and are of the same kind: a report
-  for a .py file is Python (comments), and for a .ipynb file a notebook.
+  for a .py file is Python (comments), for a .ipynb file a notebook, and for a zip a zip.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import zipfile
 from typing import TYPE_CHECKING
 
 from course_kit.classroom.exports.texts import STATES, describe_problem, explain_check, format_number, result_headline
+from course_kit.classroom.intake.archive import CONTENTS
 from course_kit.classroom.records import RecordFolder
 from course_kit.environment import write_atomically
 from course_kit.text.console import in_points
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.classroom.records import Gradebook, GradeRecord
 
-    Packer = Callable[[GradeRecord, Path], tuple[str, str] | None]
+    Packer = Callable[[GradeRecord, Path], tuple[str, str | bytes] | None]
 
 MOODLE, CANVAS = "exports/moodle_feedback_{}.zip", "exports/canvas_feedback_{}.zip"
 _UNFIT = re.compile(r"[^\w .,'()-]|_")  # in the name of a folder: what Moodle parts names at, and what paths are of
@@ -56,20 +57,25 @@ def _for_moodle(record: GradeRecord, out: Path) -> tuple[str, str] | None:
     return f"{folder}/report_{record.entry.exercise}.html", page.read_text(encoding="utf-8")
 
 
-def _for_canvas(record: GradeRecord, out: Path) -> tuple[str, str] | None:
+def _for_canvas(record: GradeRecord, out: Path) -> tuple[str, str | bytes] | None:
     del out
     attachment = record.entry.platform.get("canvas_submission")
     parts = record.entry.source.split("/")
     name = next((part for part in parts if f"_{attachment}_" in part), None) if attachment else None
-    return (make_encodable(name), _as_program(name, list(report_lines(record)))) if name else None
+    if name is None:
+        return None
+    name = name.removesuffix(CONTENTS)
+    return make_encodable(name), _as_program(name, list(report_lines(record)))
 
 
-def _as_program(name: str, told: list[str]) -> str:
+def _as_program(name: str, told: list[str]) -> str | bytes:
     """A report as a file of the kind that its name promises."""
     if name.lower().endswith(".ipynb"):
         source = "\n".join(f"    {line}".rstrip() for line in told)  # indented, Markdown takes it as it is
         cell = {"cell_type": "markdown", "metadata": {}, "source": source}
         return json.dumps({"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 4}, indent=1) + "\n"
+    if name.lower().endswith(".zip"):
+        return _zip_texts([("report.txt", "\n".join(told))])
     start = "# " if name.lower().endswith(".py") else ""
     return "".join(f"{start}{line}".rstrip() + "\n" for line in told)
 
@@ -86,10 +92,11 @@ def report_lines(record: GradeRecord) -> Iterator[str]:
         yield from (f"  {line}" for line in make_printable(explain_check(check)).splitlines())
 
 
-def _zip_texts(files: list[tuple[str, str]]) -> bytes:
+def _zip_texts(files: list[tuple[str, str | bytes]]) -> bytes:
     """A zip that is the same for the same files."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, text in files:
-            archive.writestr(zipfile.ZipInfo(name), make_encodable(text), zipfile.ZIP_DEFLATED)
+            data = text if isinstance(text, bytes) else make_encodable(text)
+            archive.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
     return stream.getvalue()

@@ -43,7 +43,6 @@ _EXERCISE = re.compile(r"exercises/[^/]+/exercise\.toml")
 _FOLDERS = ("course_setup/", "solutions/", "tests/", "benchmarks/", "notebooks/demos/")
 _LESSON = re.compile(r"notebooks/\d\d_\w+\.ipynb")
 _MOST_COPIES = 10  # of the course in one student's work
-_AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")  # `answer (1).py`, a second download
 
 
 class Chooser:
@@ -68,7 +67,7 @@ class Chooser:
         """Choose among a student's files."""
         if odd := next((unit.odd for unit in units if unit.odd), ""):
             self.odd.append((student, odd))
-        files, problems = self._files(student, units)
+        files, problems = self._files(units)
         reasons = {file.path: file.problem for file in files if file.problem}
         choices: list[tuple[Exercise, HandIn, dict[str, str]]] = []
         lost = []
@@ -109,7 +108,7 @@ class Chooser:
         if lost or (not entries and (files or problems)):
             self.dropped.append((student, _join_problems(lost or problems) or _NOT_FOUND))
 
-    def _files(self, student: str, units: Sequence[HandIn]) -> tuple[list[HandIn], list[str]]:
+    def _files(self, units: Sequence[HandIn]) -> tuple[list[HandIn], list[str]]:
         """All files of a student, and what kept some from being found."""
         files: list[HandIn] = []
         problems: list[str] = []
@@ -124,31 +123,34 @@ class Chooser:
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.exercise] == 1 or file.file_name in (STAMP, *self._named)
+            if file.item.is_program or of_exercise[file.exercise] == 1 or file.first_name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         files = [file.with_item(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
-        return self._gather(student, files) + opened, problems
+        return self._gather(files) + opened, problems
 
-    def _gather(self, student: str, files: list[HandIn]) -> list[HandIn]:
+    def _gather(self, files: list[HandIn]) -> list[HandIn]:
         """A student's files; loose ones of a submission of several, of each name the last upload, lie in one folder."""
         places: defaultdict[str, dict[str, HandIn]] = defaultdict(dict)
         found = list(files)
         for file in sorted(files if self._may_unpack else [], key=lambda one: one.attempt):
-            name, loose = _AGAIN.sub("", file.file_name), places[file.folder]
+            name, loose = file.first_name, places[file.folder]
             if is_name(name) and (file.item.is_program or name in self._named) and not (file.inside or file.problem):
                 if name in self._named and name in loose:
                     self.left.append((loose[name].path, "an earlier upload"))
                     found.remove(loose[name])
                 loose[name] = file
-        for place, loose in places.items():
-            if not self._named & loose.keys():
+        for loose in places.values():
+            wanted = [file for name, file in loose.items() if name in self._named]
+            if not wanted:
                 continue
-            folder = f"{place}/{student}{archive.CONTENTS}".removeprefix("/")
+            lead = max(wanted, key=lambda one: one.attempt)
+            folder = f"{lead.path}{archive.CONTENTS}"
             (self._root / folder).mkdir(exist_ok=True)
             for name, file in loose.items():
                 found.remove(file)
-                found.append(replace(file, item=Item(f"{folder}/{name}", listing.FILE), inside=folder))
+                item = Item(f"{folder}/{name}", listing.FILE)
+                found.append(replace(file, item=item, inside=folder, platform=lead.platform))
                 (self._root / file.path).rename(self._root / folder / name)
         return found
 
@@ -298,10 +300,10 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
 def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:
     if not may_be_submission(file.item, exercise):
         return 0
-    called = _AGAIN.sub("", file.file_name)
-    if called.lower() in map(str.lower, exercise.starters):
+    called = file.first_name.lower()
+    if called in map(str.lower, exercise.starters):
         return NAMED
-    if exercise.id in called.lower():
+    if exercise.id in called:
         return CALLED_ALIKE
     return BY_CONTENT if seen.found else 0
 
