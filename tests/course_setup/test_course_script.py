@@ -116,7 +116,9 @@ def test_the_packages_of_the_lock_are_installed_and_nothing_else(clone: Clone) -
     assert "ready" in clone.course("test").stderr  # a lock that has changed
 
 
-@pytest.mark.parametrize("part", ["ros2_course_kit.json", "labextension/static/remoteEntry.js"])
+@pytest.mark.parametrize(
+    "part", ["ros2_course_kit.json", "labextension/package.json", "labextension/static/remoteEntry.js"]
+)
 def test_what_jupyter_loads_is_installed_again_when_it_changes(clone: Clone, part: str) -> None:
     clone.course("doctor")
     with (clone.root / "course_kit/jupyter_config" / part).open("a") as file:
