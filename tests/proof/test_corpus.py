@@ -67,7 +67,7 @@ SYMPTOMS = {  # the words in which an untouched drill is told the cause
     "deaf_to_cancel": "did not answer the request to cancel before the goal was over",
     "stuck_call": "self.adder.call(request)",
     "stubborn_limit": "the output is the same as before",
-    "long_queue": "the last of 8 clients that ask together waits",
+    "long_queue": "the last of 8 requests that are sent together waits",
     "dark_lamp": "/brightness with type std_msgs/msg/Float32, expected std_msgs/msg/Float64",
     "two_at_once": "accepted a second goal while the first was running",
     "good_but_aborted": "returned without saying how the goal ended",

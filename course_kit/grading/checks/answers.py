@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
-TOO_SOON = "This came too soon: the work takes longer, so it was not done."
+_TOO_SOON = "This came too soon: the work takes longer, so it was not done."
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Reply:
         if self.latency_s < seconds:
             got = f"it came after {self.latency_s:.2f} s"
             expected = f"not before {seconds:g} s have passed"
-            raise Failed(Evidence(self.sent, expected, got), TOO_SOON, breaks=breaks)
+            raise Failed(Evidence(self.sent, expected, got), _TOO_SOON, breaks=breaks)
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Answer(Reply):
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         for path, wanted, got in differences(fields, self.response):
-            text = why or f"{path} is {got!r}; it has to be {describe_wanted(wanted)}."
+            text = why or f"{path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
             self.fail(text, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
         return self
 

@@ -12,7 +12,7 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.answers import TOO_SOON, describe_wanted, differences
+from course_kit.grading.checks.answers import describe_wanted, differences
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
@@ -193,7 +193,7 @@ class GradedGoal:
             raise Failed(evidence, why, breaks=breaks)
         if (took_s := self.clock.wall_s()) < not_before_s:
             evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
-            raise Failed(evidence, TOO_SOON, breaks=breaks)
+            raise Failed(evidence, f"The goal ended before {not_before_s:g} s had passed.", breaks=breaks)
         return ended
 
     def expect_feedback(
@@ -219,9 +219,9 @@ class GradedGoal:
             complete=lambda messages: not list(differences(last or {}, messages[-1].feedback)),
         )
         for which, fields, message in (("first", first, heard[0].feedback), ("last", last, heard[-1].feedback)):
-            for path, value, got in differences(fields or {}, message):
+            for path, due, got in differences(fields or {}, message):
                 expected = f"the {which} feedback with {describe_wanted(fields)}"
-                why = f"{path} of the {which} feedback is {describe_wanted(got)}; it has to be {value!r}."
+                why = f"{path} of the {which} feedback is {describe_wanted(got)}; it has to be {describe_wanted(due)}."
                 raise Failed(Evidence(self.shown, expected, in_one_line(message)), why)
 
     def cancelled(self, *, within_s: float = PROMPT_S, breaks: str = "") -> GradedGoal:

@@ -187,7 +187,7 @@ def call_many(
     each = spent / answered
     message = (
         f"{answered} of {len(requests)} requests were answered in {spent:.1f} s. That is {each:.2f} s for each answer, "
-        f"so the last of {len(clients)} clients that ask together waits {len(clients) * each:.1f} s."
+        f"so the last of {len(clients)} requests that are sent together waits {len(clients) * each:.1f} s."
     )
     raise Failed(replace(seen, got=f"{answered} answers in {spent:.1f} s"), message, "service.blocks")
 

@@ -51,9 +51,9 @@ def require_declared(graded: GradedNode, values: dict[str, Any], node: str) -> E
 def expect_declared(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
     """A node has parameters with these names."""
     names = remote.names()
-    evidence = Evidence("list_parameters", ", ".join(defaults), f"the node has {', '.join(names) or 'no parameters'}")
+    evidence = Evidence(f"list_parameters of {remote.node}", ", ".join(defaults), ", ".join(names) or "no parameters")
     if missing := [name for name in defaults if name not in names]:
-        raise Failed(evidence, f"Your node has not declared {', '.join(missing)}.", "parameter.undeclared")
+        raise Failed(evidence, f"{remote.node} has not declared {', '.join(missing)}.", "parameter.undeclared")
     return evidence
 
 
@@ -62,7 +62,7 @@ def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evide
     found = {name: one.type for name, one in remote.values(list(defaults)).items()}
     wanted = {name: type_of(to_message(name, value).value) for name, value in defaults.items()}
     told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
-    evidence = Evidence("get_parameters", expected, told)
+    evidence = Evidence(f"get_parameters of {remote.node}", expected, told)
     if empty := [name for name, kind in found.items() if kind == NOT_SET]:
         why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
         raise Failed(evidence, why, "parameter.default")
@@ -76,9 +76,9 @@ def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evide
 def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
     """A node that was just started has these values."""
     found = {name: one.value for name, one in remote.values(list(defaults)).items()}
-    evidence = Evidence("get_parameters", describe_values(defaults), describe_values(found))
+    evidence = Evidence(f"get_parameters of {remote.node}", describe_values(defaults), describe_values(found))
     if others := {name: value for name, value in found.items() if value != defaults[name]}:
-        why = f"As it was started, your node has {describe_values(others)}."
+        why = f"As it was started, {remote.node} has {describe_values(others)}."
         raise Failed(evidence, why, "parameter.default")
     return evidence
 
