@@ -128,7 +128,8 @@ def count_servers(node: Node, kind: str, name: str) -> int:
 def count_publishing(node: Node, topic: str) -> int:
     """How many nodes publish a topic; a lab publishes by a hidden one, which does not count."""
     found = node.get_publishers_info_by_topic(topic)
-    return len({(end.node_name, process_of(end)) for end in found if not names.is_hidden(end.node_name)})
+    visible = [end for end in found if not names.is_hidden(end.node_name)]
+    return len({(end.node_namespace, end.node_name, process_of(end)) for end in visible})
 
 
 def offered_types(node: Node, role: Role, except_by: frozenset[str] = frozenset()) -> dict[str, list[str]]:
