@@ -65,6 +65,7 @@ def pair(node):
     node.expect("/guard/pace", 3.5)
     assert node.kill("gate.py")
     assert not node.kill("gate.py")
+    assert (node.context.program.asked, node.context.record.partner) == ("guard.py", "guard")
     node.expect("/guard/pace", 3.5)
 
 

@@ -139,8 +139,8 @@ def place_of(point: Any) -> ArenaPoint:
 
 def place_inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
     """The place in the arena so far away, in this direction or the next one inside; along x, y stays the same."""
-    for turn in range(24):
-        turned = angle + turn * _QUARTER + turn // 4 * 0.4
+    for turn in range(40):
+        turned = angle + turn * _QUARTER + turn // 4 * 0.16
         place = ArenaPoint(here.x + round(length * math.cos(turned), 9), here.y + round(length * math.sin(turned), 9))
         if all(0.0 < value < ARENA for value in place):  # the edges are another check's
             return place

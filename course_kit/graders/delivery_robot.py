@@ -335,9 +335,8 @@ def delivery_graph(node: GradedNode) -> Evidence:
 def delivery_whole(node: GradedNode) -> None:
     """All together: a delivery, for which the battery falls."""
     robot.have_running(node, *LAUNCH)
-    robot.expect_state(
-        node, "The battery does not hear that the robot stands at the dock.", power_supply_status=robot.CHARGING
-    )
+    why = "The battery does not hear that the robot stands at the dock."
+    robot.expect_state(node, why, power_supply_status=robot.CHARGING)
     node.set({"capacity_m": 2.0}, of="/battery").accepted()
     node.set({"opening_s": 0.05}, of="/door").accepted()
     robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
@@ -383,7 +382,6 @@ def delivery_killed(node: GradedNode) -> None:
         node.context.spoil()
         goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.3))
         withdraw_service(node, OPEN)
-    node.context.turn_to("carrier.py")
     robot.require_aborted(node, goal, 0.3 + robot.GIVES_UP_S)
     node.get("door_timeout_s", of="/carrier")
 

@@ -16,6 +16,7 @@ from course_kit.graders._moves import (
     distance_beside,
     explain_refusal,
     find_jump,
+    place_inside,
     require_distance,
     send_goal,
 )
@@ -34,6 +35,14 @@ ORIGIN = ArenaPoint(0.0, 0.0)
 )
 def test_distance_from_the_way(place: tuple[float, float], distance: float) -> None:
     assert distance_beside(ORIGIN, ArenaPoint(2.0, 0.0), ArenaPoint(*place)) == pytest.approx(distance)
+
+
+@pytest.mark.parametrize("at", [5.0, 4.8])
+def test_a_far_place_in_the_arena_is_found_at_each_angle(at: float) -> None:
+    here = ArenaPoint(at, at)
+    for number in range(400):
+        length = 6.0 + number % 6 / 10
+        assert math.dist(here, place_inside(here, length, number * math.tau / 400)) == pytest.approx(length)
 
 
 @pytest.mark.parametrize(

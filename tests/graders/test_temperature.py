@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import random
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given
@@ -21,7 +22,8 @@ from course_kit.graders.temperature_service import (
     has_right_formula,
     right_value,
 )
-from course_kit.grading.checks.steps import Steps, rules_of
+from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.steps import Step, Steps, rules_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -109,8 +111,21 @@ def test_each_kind_of_request_comes_after_each_other() -> None:
     model, missing = Temperatures(), 0
     for seed in range(50):
         steps = Steps(rules_of(Temperatures), random.Random(seed))  # noqa: S311 - no secrets
-        kinds = [steps.draw_step(model, apart=False).kind for _ in range(steps.round)]
+        done: list[Step] = []
+        for _ in range(steps.round):
+            done.append(steps.draw_step(model, done, apart=False))
+        kinds = [step.kind for step in done]
         each = {kind for kind in kinds if kind != ("ask_fifty",)}
         missing += len(set(itertools.product(each, each)) - set(itertools.pairwise(kinds)))
         assert len(each) == 11
     assert missing <= 2
+
+
+def test_what_fails_at_absolute_zero_is_not_replaced_by_what_fails_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **more: Any) -> None:
+        raise Failed(Evidence(), "second" if "refused" not in more else "first", breaks="answers")
+
+    model = Temperatures()
+    monkeypatch.setattr(model, "expect_conversion", fail)
+    with pytest.raises(Failed, match="first"):
+        model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))  # type: ignore[arg-type]

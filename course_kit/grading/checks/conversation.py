@@ -31,6 +31,7 @@ _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselve
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
 _OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
 _ENDLESS = "limit.time"  # names its line; to see it again takes seconds of computing, and tells no more
+_ENDED_AT_START = ("start.crash", "start.exit", "start.import")
 _KEPT = 40  # turns of the record; what was before them is of no use
 
 
@@ -62,7 +63,7 @@ class Model:
     def begin(self, node: GradedNode) -> None:
         """Called when the program has just been started; for models that have to look what is there."""
 
-    def kind_of(self, rule: str, **arguments: Any) -> object:  # noqa: ARG002 - for a subclass
+    def kind_of(self, rule: str, /, **arguments: Any) -> object:  # noqa: ARG002 - for a subclass
         """Of which kind a step is: each kind comes after each other, as far as there are steps. Its rule's name."""
         return rule
 
@@ -150,7 +151,7 @@ class Conversation:
         node, model, done = self._begin()
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
-            step = steps.draw_step(model, apart=self._apart)
+            step = steps.draw_step(model, done, apart=self._apart)
             if self._part_of(step.rule, "").id in self._failed or self._strikes[step.rule.name] >= _STRIKES:
                 continue
             all_tried = number > len(rules_of(self.model))
@@ -162,9 +163,8 @@ class Conversation:
             if self._apart and done and done[-1].rule != step.rule:
                 self.context.spoil()
                 node, model, done = self._begin()
-            done.append(step)
             try:
-                step.do(node, model)
+                step.do(node, model, done)
             except Failed as failed:
                 self._keep(failed, done)
                 if self.context.job.first_failure and self.failed_checks:
@@ -173,7 +173,8 @@ class Conversation:
                 try:
                     node, model, done = self._begin()
                 except Failed as gone:  # what was not judged yet is not proven
-                    unproven = () if self.context.time_is_up() else self.parts  # it may have had no time to come up
+                    ended = gone.diagnosis in _ENDED_AT_START  # else it may have had no time to come up
+                    unproven = () if self.context.time_is_up() and not ended else self.parts
                     self._failed = {part.id: gone for part in unproven} | self._failed
                     return
             else:
@@ -237,11 +238,9 @@ class Conversation:
                 if self.model.history and needed > 1:
                     self._apart = True
                     lost = self._part_of(last.rule, self.model.history)
-            if lost.id not in self._failed:
-                self._failed[lost.id] = failed
-                self._credit(last, lost)
-                return
-        self._strikes[last.rule.name] += 1
+        if lost.id in self._failed:
+            self._strikes[last.rule.name] += 1
+        self._failed.setdefault(lost.id, failed)
         self._credit(last, lost)
 
     def _credit(self, last: Step, lost: CheckPart) -> None:
@@ -283,10 +282,9 @@ class Conversation:
 
     def _fails(self, steps: Sequence[Step], lost: CheckPart) -> tuple[Failed, CheckPart] | None:
         """How these steps fail on a fresh start, and what that costs; None when they do not, or cost what is lost."""
-        found = self._find_failure(steps, to_the_end=self.last is not None)
-        if found is None or (step := found[1]) is None or isinstance(found[0], UnseenError):
+        failed, step = self._find_failure(steps, to_the_end=self.last is not None) or (None, None)
+        if failed is None or step is None or isinstance(failed, UnseenError):
             return None
-        failed = found[0]
         name_lost_node(self.context, failed)
         costs = self._part_of(step.rule, failed.breaks)
         if costs != lost and costs.id in self._failed:
@@ -298,9 +296,9 @@ class Conversation:
         self.context.spoil()
         step = None
         try:
-            node, model, _ = self._begin()
+            node, model, done = self._begin()
             for step in steps:
-                step.do(node, model)
+                step.do(node, model, done)
             if to_the_end:
                 model.end(node)
         except Failed as failed:

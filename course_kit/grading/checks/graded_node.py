@@ -339,8 +339,10 @@ class GradedNode:
             >>> node.kill("door.py")
             True
         """
-        self.context.turn_to(program)
-        self.context.record.add_sent(f"kill {program}", "message")
+        record = self.context.record
+        before, record.partner = record.partner, program.removesuffix(".py")
+        record.add_sent(f"kill {program}", "message")
+        record.partner = before  # whoever was asked is who a hang is explained by
         return self.context.program.kill(program)
 
     def ensure_running(self) -> None:

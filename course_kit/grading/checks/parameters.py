@@ -11,13 +11,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.discovery import (
-    ENDED,
-    explain_other_nodes,
-    has_settled,
-    list_names,
-    why_empty,
-)
+from course_kit.grading.checks.discovery import ENDED, explain_other_nodes, has_settled, list_names, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import exceptions
 from course_kit.grading.model.bounds import bound_message
@@ -33,6 +27,7 @@ if TYPE_CHECKING:
     from course_kit.ros.parameters import Question, Steps
 
 INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
+_IN_YAML = {"True": "true", "False": "false", "nan": ".nan", "inf": ".inf", "-inf": "-.inf"}
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 T = TypeVar("T")
 
@@ -152,9 +147,11 @@ def parameter_file(values: Mapping[str, object], node: str) -> str:
 
 
 def _to_yaml(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"'{value}'" if isinstance(value, str) else repr(value).replace("nan", ".nan")
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_to_yaml, value))}]"
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return _IN_YAML.get(repr(value), repr(value))
 
 
 def _evidence(question: Question) -> Evidence:

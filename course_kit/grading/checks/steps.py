@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -137,9 +138,10 @@ class Step:
     kind: object
     options: set[_Option]
 
-    def do(self, node: GradedNode, model: Any) -> None:
-        """Do it, unless the model does not allow it now."""
+    def do(self, node: GradedNode, model: Any, done: list[Step]) -> None:
+        """Do it and note it, unless the model does not allow it now."""
         if self.rule.is_allowed(model):
+            done.append(self)
             model.act(node, lambda: self.rule.run(model, node, **self.arguments))
 
 
@@ -157,10 +159,11 @@ class Steps:
         self._drawn = 0
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
         self._met: set[tuple[object, object]] = set()  # kinds of steps, one after the other
-        self._last: object = None
 
-    def draw_step(self, model: Any, *, apart: bool) -> Step:
-        """The next step; `apart`, all of one rule come one after the other."""
+    def draw_step(self, model: Any, done: Sequence[Step], *, apart: bool) -> Step:
+        """The next step after those done since the program's start; `apart`, all of a rule come one after the other."""
+        kinds = [None, *(step.kind for step in done)]
+        self._met.update(pairwise(kinds))
         seen = self._seen.setdefault(_state_of(model), set())
         self._drawn += 1
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
@@ -168,13 +171,11 @@ class Steps:
         if by_state and seen and len(self._seen) <= _FEW_STATES:
             allowed = [rule for rule in self._rules if rule.is_allowed(model)]
             untried = [(rule, option) for rule in allowed for option in rule.options() if option not in seen]
-        step = self._draw(model, *self._rng.choice(untried)) if untried else self._take(model, apart=apart)
+        step = self._draw(model, *self._rng.choice(untried)) if untried else self._take(model, kinds[-1], apart=apart)
         seen |= step.options
-        self._met.add((self._last, step.kind))
-        self._last = step.kind
         return step
 
-    def _take(self, model: Any, *, apart: bool) -> Step:
+    def _take(self, model: Any, last: object, *, apart: bool) -> Step:
         """From the hand of a round: a step whose kind has not come after the last one's yet, if there is one."""
         if not self._waiting:
             rules = [rule for rule in self._rules for _ in range(rule.often - 1)]
@@ -184,7 +185,7 @@ class Steps:
         if apart:
             self._waiting.sort(key=lambda step: step.rule.name)
         elif self._drawn > len(self._rules):
-            new = (place for place, step in enumerate(self._waiting) if (self._last, step.kind) not in self._met)
+            new = (place for place, step in enumerate(self._waiting) if (last, step.kind) not in self._met)
             return self._waiting.pop(max(new, default=-1))
         return self._waiting.pop()
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import yaml
 
 from course_kit.grading.checks.check import Check, choose_part, in_order, run_all
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import ExchangeLog
+from course_kit.grading.checks.parameters import parameter_file
 from course_kit.grading.checks.vocabulary import check
 
 if TYPE_CHECKING:
@@ -104,3 +107,14 @@ def test_declaration_needs_a_title_and_points() -> None:
     silent.__doc__ = "Title."
     with pytest.raises(ValueError, match="points"):
         check(points=0)(silent)
+
+
+def test_what_a_program_is_started_with_are_the_values_that_were_given() -> None:
+    values = {
+        "texts": ["a banana", "inf", "it's on"],
+        "flags": [True, False],
+        "far": [math.inf, -math.inf, 1.5],
+        "n": 3,
+    }
+    assert yaml.safe_load(parameter_file(values, "/node")) == {"node": {"ros__parameters": values}}
+    assert math.isnan(yaml.safe_load(parameter_file({"x": math.nan}, ""))["/**"]["ros__parameters"]["x"])
