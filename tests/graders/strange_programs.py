@@ -247,9 +247,7 @@ PROGRAMS = {
         "move_robot", ("succeeds", "action.wrong_terminal"), source=_ACTION_BY_HAND.replace("STATUS", "-128")
     ),
     "values of a type that is none": Strange(
-        "robot_parameters",
-        ANYTHING,
-        source=_by_hand("[ParameterValue(type=77) for _ in request.names]"),
+        "robot_parameters", ANYTHING, source=_by_hand("[ParameterValue(type=77) for _ in request.names]")
     ),
     "values of nothing": Strange("robot_parameters", ANYTHING, source=_by_hand("[]")),
     "too many values": Strange("robot_parameters", ANYTHING, source=_by_hand("response.values * 500")),

@@ -81,11 +81,7 @@ def test_list_tells_of_every_problem_and_shows_the_rest(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("make", "sentence"),
-    [
-        ([], "There is no folder"),
-        (["it"], "There is no exercise in"),
-        (["it", "it/notes"], "There is no exercise in"),
-    ],
+    [([], "There is no folder"), (["it"], "There is no exercise in"), (["it", "it/notes"], "There is no exercise in")],
 )
 def test_a_folder_without_exercises_is_refused(
     make: list[str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -102,8 +102,7 @@ def test_a_callback_that_waits_for_ros() -> None:
         ),
         (
             ProcessStatus(
-                running=False,
-                stderr="Traceback (most recent call last):\nRuntimeError: can't start new thread\n",
+                running=False, stderr="Traceback (most recent call last):\nRuntimeError: can't start new thread\n"
             ),
             "limit.processes",
         ),

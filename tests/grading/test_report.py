@@ -98,13 +98,7 @@ def test_json_can_be_written_whatever_a_submission_says() -> None:
 
 @pytest.mark.parametrize(
     ("status", "passed", "code"),
-    [
-        ("graded", True, 0),
-        ("graded", False, 1),
-        ("crashed", False, 1),
-        ("unreadable", False, 2),
-        ("error", False, 2),
-    ],
+    [("graded", True, 0), ("graded", False, 1), ("crashed", False, 1), ("unreadable", False, 2), ("error", False, 2)],
 )
 def test_exit_codes(status: str, passed: bool, code: int) -> None:
     assert exit_code(replace(REPORT, status=status, passed=passed)) == code

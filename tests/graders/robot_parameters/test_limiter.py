@@ -14,10 +14,7 @@ from course_kit.graders._limiter import LimiterSettings, Reaction
 
 velocities = st.floats(-20.0, 20.0)
 settings = st.builds(
-    LimiterSettings,
-    max_velocity=st.floats(0.01, 5.0),
-    wheel_diameter=st.floats(0.01, 1.0),
-    enabled=st.booleans(),
+    LimiterSettings, max_velocity=st.floats(0.01, 5.0), wheel_diameter=st.floats(0.01, 1.0), enabled=st.booleans()
 )
 
 
