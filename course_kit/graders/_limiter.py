@@ -200,8 +200,7 @@ class LimiterSteps(Model):
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
         self.refused: list[dict[str, Any]] = []
-        # Changes and commands, and whether they were refused.
-        self.past: list[tuple[dict[str, Any] | list[float], bool]] = []
+        self.past: list[tuple[dict[str, Any] | list[float], bool]] = []  # what was done, and whether it was refused
         self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
@@ -414,10 +413,10 @@ class LimiterSteps(Model):
             why = "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
         elif read[0] != self.settings.robot_name:
             why = f"The line begins with {read[0]!r}; robot_name is {self.settings.robot_name!r}."
+            code = "parameter.read_once" if changed and read[0] == self.start.robot_name else None
         else:
             why = f"The line says {read[1]!r} m/s; max_velocity is {self.settings.max_velocity!r}, unrounded."
-        if changed and read == (self.start.robot_name, self.start.max_velocity):
-            why, code = "Your node accepted the change, but /status is the same as before.", "parameter.read_once"
+            code = "parameter.read_once" if changed and read[1] == self.start.max_velocity else None
         failed = Failed(evidence, why, code, breaks=breaks)
         raise self.blame(node, failed, lambda model: model.require_status(node))
 

@@ -150,8 +150,9 @@ class Temperatures(Model):
     def refuse_unknown_unit(self, node: GradedNode, asks: tuple[float, str, str]) -> None:
         """An unknown unit is refused, twice running, too."""
         wrong = [repr(unit) for unit in dict.fromkeys(asks[1:]) if unit not in UNITS]
-        for _ in range(2):
-            self.expect_refusal(node, Sample(*asks), f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}")
+        what = f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}"
+        for breaks in ("", "lives_on"):
+            self.expect_refusal(node, Sample(*asks), what, breaks)
 
     @step_rule("not_a_number", often=_OFTEN, case=draw_one_of(*product(_NO_NUMBERS, _PAIRS)))
     def refuse_no_number(self, node: GradedNode, case: tuple[tuple[float, str], tuple[str, str]]) -> None:
@@ -252,9 +253,9 @@ class Temperatures(Model):
                     answers.append((other, response.value))
         return answers
 
-    def expect_refusal(self, node: GradedNode, sample: Sample, what: str) -> None:
+    def expect_refusal(self, node: GradedNode, sample: Sample, what: str, breaks: str = "") -> None:
         """It is refused with a reason, in time."""
-        answer = node.call(SERVICE, vars(sample))
+        answer = node.call(SERVICE, vars(sample), breaks=breaks)
         answer.within(_WITHIN_S, breaks="one_call")
         answer.refused(what=what, unexplained="says_why")
 

@@ -21,6 +21,9 @@ class VelocityLimiter(Node):
             if not lowest <= given <= highest:
                 self.get_logger().warning(f"{name}={given} is outside {lowest}..{highest}, taking {default}")
                 self.set_parameters([Parameter(name, value=default)])
+        if not self.get_parameter("robot_name").value:
+            self.get_logger().warning("robot_name is empty, taking default_robot")
+            self.set_parameters([Parameter("robot_name", value="default_robot")])
         self.add_on_set_parameters_callback(self.on_set)
         self.publisher = self.create_publisher(Twist, "cmd_vel", 10)
         self.wheel_publisher = self.create_publisher(Float64, "wheel_speed", 10)
