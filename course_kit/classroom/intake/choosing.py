@@ -123,7 +123,7 @@ class Chooser:
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.exercise] == 1 or file.first_name in (STAMP, *self._named)
+            if file.item.is_program or of_exercise[file.exercise] == 1 or file.plain_name in (STAMP, *self._named)
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         files = [file.with_item(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
@@ -134,7 +134,7 @@ class Chooser:
         places: defaultdict[str, dict[str, HandIn]] = defaultdict(dict)
         found = list(files)
         for file in sorted(files if self._may_unpack else [], key=lambda one: one.attempt):
-            name, loose = file.first_name, places[file.folder]
+            name, loose = file.plain_name, places[file.folder]
             if is_name(name) and (file.item.is_program or name in self._named) and not (file.inside or file.problem):
                 if name in self._named and name in loose:
                     self.left.append((loose[name].path, "an earlier upload"))
@@ -300,7 +300,7 @@ def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
 def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:
     if not may_be_submission(file.item, exercise):
         return 0
-    called = file.first_name.lower()
+    called = file.plain_name.lower()
     if called in map(str.lower, exercise.starters):
         return NAMED
     if exercise.id in called:

@@ -107,8 +107,8 @@ class HandIn:
         return (not self.inside and self.file) or self.item.name
 
     @property
-    def first_name(self) -> str:
-        """The same without the number that a browser gives a second download, as in `answer (1).py`."""
+    def plain_name(self) -> str:
+        """The file's name without the number that a browser gives a second download, as in `answer (1).py`."""
         return _DOWNLOADED_AGAIN.sub("", self.file_name)
 
     @property

@@ -53,7 +53,7 @@ def open_all(
     opened = _read_download(path, download, layout, workspace if download.packed else path)
     found = (file for unit in opened.units for file in listing.look_through(opened.listing, unit.item).files)
     named = {name for exercise in exercises for name in exercise.files}
-    moves = named.intersection(unit.first_name for unit in opened.units)  # see Chooser._gather
+    moves = named.intersection(unit.plain_name for unit in opened.units)  # see Chooser._gather
     if not opened.is_copy and (moves or any(file.is_zip for file in found)):
         copied = CopiedFolder(path, workspace)
         opened = replace(opened, root=workspace, listing=copied, is_copy=True)
