@@ -128,4 +128,4 @@ def test_what_fails_at_absolute_zero_is_not_replaced_by_what_fails_after_it(monk
     model = Temperatures()
     monkeypatch.setattr(model, "expect_conversion", fail)
     with pytest.raises(Failed, match="first"):
-        model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))  # type: ignore[arg-type]
+        model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))
