@@ -54,7 +54,8 @@ def can_read_ports() -> bool:
 
 def bound_ports() -> list[tuple[int, int]]:
     """The bound UDP ports of this network namespace, each with its socket's inode; none where /proc does not tell."""
-    return [row for table in _TABLES for row in _rows(table)]
+    twice = range(2)  # while sockets of others come and go, the kernel leaves out rows of one look now and then
+    return sorted({row for table in _TABLES for _ in twice for row in _rows(table)})
 
 
 def domains_in_use() -> frozenset[int]:

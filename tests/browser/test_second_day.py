@@ -23,8 +23,8 @@ KEPT = """() => [...window.jupyterapp.shell.currentWidget.model.cells].some(cell
     cell.sharedModel.getOutputs().some(output => output.data?.['text/html']?.includes('data-node="battery"')))"""
 # Whether what anywidget waits with for a panel is over after its own two seconds.
 HURRIES = """() => new Promise(tell => {
-    const [anywidget, later] = [AbortSignal.timeout(2000), AbortSignal.timeout(2100)];
-    later.addEventListener('abort', () => tell(anywidget.aborted));
+    const anywidget = AbortSignal.timeout(2000);
+    AbortSignal.timeout(2100).addEventListener('abort', () => tell(anywidget.aborted));
 })"""
 WAKE = "Run this cell to bring it to life"
 

@@ -213,3 +213,9 @@ def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: s
         assert beside_it
         assert domain not in beside_it
     assert domain in leases.rest()
+
+
+def test_a_port_that_the_kernel_leaves_out_of_one_look_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = iter([[(7400, 2)], [(7400, 2), (7650, 4)], [], []])
+    monkeypatch.setattr(domains, "_rows", lambda _table: next(looks))
+    assert domains.bound_ports() == [(7400, 2), (7650, 4)]
