@@ -29,6 +29,7 @@ FIRST, LAST = 1, 101
 # for multicast, and from place 10 on two each for themselves. The eight places between are nobody's.
 _BASE, _GAIN = 7400, 250
 _MULTICAST, _FIRST_UNICAST = 2, 10
+_LOOKS = 3
 _TABLES = ("/proc/net/udp", "/proc/net/udp6")
 _LOCAL_ADDRESS, _INODE = 1, 9
 _LEASE, _MARK, _CHOICE = 2, 3, 4  # places in a domain's block of ports that RTPS does not use
@@ -54,8 +55,8 @@ def can_read_ports() -> bool:
 
 def bound_ports() -> list[tuple[int, int]]:
     """The bound UDP ports of this network namespace, each with its socket's inode; none where /proc does not tell."""
-    twice = range(2)  # while sockets of others come and go, the kernel leaves out rows of one look now and then
-    return sorted({row for table in _TABLES for _ in twice for row in _rows(table)})
+    # More than once: while others' sockets come and go, the kernel leaves out rows of one look.
+    return sorted({row for _ in range(_LOOKS) for table in _TABLES for row in _rows(table)})
 
 
 def domains_in_use() -> frozenset[int]:

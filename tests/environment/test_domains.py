@@ -216,6 +216,6 @@ def test_a_domain_with_nodes_of_somebody_without_a_lease_is_passed_over(scope: s
 
 
 def test_a_port_that_the_kernel_leaves_out_of_one_look_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    looks = iter([[(7400, 2)], [(7400, 2), (7650, 4)], [], []])
+    looks = iter([[(7400, 2)], [], [(7650, 4)], [], [], []])  # of IPv4 and IPv6 in turns
     monkeypatch.setattr(domains, "_rows", lambda _table: next(looks))
     assert domains.bound_ports() == [(7400, 2), (7650, 4)]
