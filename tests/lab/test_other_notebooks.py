@@ -1,4 +1,4 @@
-"""Two notebooks on one graph, each in a real kernel."""
+"""Two notebooks on one graph, each in a real kernel. Cells save programs by name: theirs are nobody else's."""
 
 from __future__ import annotations
 
@@ -122,8 +122,8 @@ def test_an_own_script_that_offers_the_name_is_called_so(two: tuple[Kernel, Kern
     _, second = two
     program = SERVER.format(name="Robot", node="robot")
     spins = "import rclpy\nrclpy.init()\nrclpy.spin(Robot())"
-    assert "in the background" in second.run(f"%%ros_script server\n{program}\n{spins}").stdout
-    assert "/ask is also offered by robot of your script server" in start(second, "Mine", "mine")
+    assert "in the background" in second.run(f"%%ros_script neighbour\n{program}\n{spins}").stdout
+    assert "/ask is also offered by robot of your script neighbour" in start(second, "Mine", "mine")
 
 
 def test_an_answer_from_another_notebook_is_told_once(two: tuple[Kernel, Kernel]) -> None:
@@ -144,7 +144,7 @@ def test_others_are_stopped_with_their_scripts_and_told_so(two: tuple[Kernel, Ke
     first, second = two
     start(first, "Robot", "robot")
     program = SERVER.format(name="Robot", node="program").replace('"ask"', '"other"')
-    first.run(f"%%ros_script server\n{program}\nimport rclpy\nrclpy.init()\nrclpy.spin(Robot())")
+    first.run(f"%%ros_script neighbour\n{program}\nimport rclpy\nrclpy.init()\nrclpy.spin(Robot())")
     wait_until(lambda: others(second) == [f"{FIRST}: program, robot"], lambda: others(second))
     stopped = second.run("lab.stop_others()\nprint(lab.others())")
     assert (stopped.ok, stopped.stdout) == (True, "[]\n"), stopped.error
