@@ -11,6 +11,7 @@ import secrets
 import subprocess
 import sys
 from typing import TYPE_CHECKING
+from unittest import mock
 
 import pytest
 
@@ -54,21 +55,17 @@ class Machine:
         (folder / "sitecustomize.py").write_text(SITE.format(scope=scope))
         self.environ = {name: value for name, value in os.environ.items() if name not in OWN}
         self.environ["PYTHONPATH"] = str(folder)
-        self._taken: list[domains.Lease] = []
-        self._ours = [environment.Leases().lease_exclusive() for _ in range(2)]  # of the real ones
+        self.taken: list[domains.Lease] = []
+        self.ours = [environment.Leases().lease_exclusive() for _ in range(2)]  # of the real ones
 
     def take_all(self) -> None:
-        self._taken += [self.leases.lease_exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
+        self.taken += [self.leases.lease_exclusive() for _ in range(domains.FIRST, domains.LAST + 1)]
 
     def give_back(self) -> None:
         """Only what nobody else uses in reality: nodes of others are on the rest."""
-        for lease in self._taken:
-            if lease.domain_id in {ours.domain_id for ours in self._ours}:
+        for lease in self.taken:
+            if lease.domain_id in {ours.domain_id for ours in self.ours}:
                 lease.release()
-
-    def close(self) -> None:
-        for lease in (*self._taken, *self._ours):
-            lease.release()
 
     def run(self, *command: object, **variables: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -86,7 +83,8 @@ def machine(tmp_path: Path) -> Iterator[Machine]:
     (tmp_path / "site").mkdir()
     made = Machine(tmp_path / "site")
     yield made
-    made.close()
+    for lease in (*made.taken, *made.ours):
+        lease.release()
 
 
 def all_taken(machine: Machine) -> str:
@@ -166,13 +164,9 @@ def test_the_doctor_says_so_and_looks_at_all_the_rest(machine: Machine) -> None:
 
 
 @pytest.mark.answers
-def test_a_notebook_says_so_and_grades(machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_notebook_says_so_and_grades(machine: Machine, tmp_path: Path) -> None:
     sentence = all_taken(machine)
-    for name in OWN:
-        monkeypatch.delenv(name, raising=False)
-    for name, value in machine.environ.items():
-        monkeypatch.setenv(name, value)
-    with Kernel(cwd=tmp_path) as kernel:
+    with mock.patch.dict(os.environ, machine.environ, clear=True), Kernel(cwd=tmp_path) as kernel:
         for cell, at_import in (("%load_ext course_kit", 0), (START, 1), ("%ros2 service list", 0)):
             shown = kernel.run(cell)
             assert sentence in shown.error
@@ -240,11 +234,9 @@ def test_a_class_goes_on_and_the_next_run_grades_what_got_no_domain(machine: Mac
     words = ("class", tmp_path / "in", "--exercise", TEMPERATURE, "--out", tmp_path / "out", "--workers", 2)
 
     def states() -> dict[str, tuple[str, float]]:
-        found = {}
-        for path in (tmp_path / "out/students").glob("*/*.json"):
-            report = json.loads(path.read_text())["report"]
-            found[path.parent.name] = report["status"], report["score"]
-        return found
+        found = (tmp_path / "out/students").glob("*/*.json")
+        reports = {path.parent.name: json.loads(path.read_text())["report"] for path in found}
+        return {name: (report["status"], report["score"]) for name, report in reports.items()}
 
     machine.take_all()
     first = machine.run("-c", COMMAND_WITHOUT_NAMESPACES, *words)
