@@ -103,7 +103,7 @@ def describe_edition(planned: EditionPlan) -> Iterator[str]:
     )
     if planned.drills:
         yield f"For practice it holds {_count(len(planned.drills), 'drill')}: {', '.join(planned.drills)}."
-    yield "No program in it scores more than its exercise's starter, and none has a solution's shape."
+    yield "No program in it scores more than its exercise's starter, or holds more than half of a solution."
     yield f"Left out: {_name_folders(planned.instructors)}."
     if planned.unwanted:
         yield f"Left out, as you asked: {', '.join(planned.unwanted)}."

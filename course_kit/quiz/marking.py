@@ -149,12 +149,12 @@ def _reason(scenario: Scenario, pattern: str, given: str) -> HalfMarks:
 
 
 def _zero(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
-    code, problem = MISSING, "There is no answer to this scenario."
+    code, problem = MISSING, "Your file has no answer to this scenario."
     if meant := nearest_id(scenario.id, strangers):
         code = UNKNOWN
-        problem = f"There is no answer under this id, but one under '{_cut(meant)}', which is not a scenario."
+        problem = f"Your file has no answer for this id, but one for '{_cut(meant)}', which is not a scenario."
     elif others:
-        problem += f" You answered {others} that were not drawn here: did you get your own seed (--seed)?"
+        problem += f" It answers {others} others: if you have your own number, add --seed and the number."
     half = HalfMarks(False, "", problem, code)
     return Marks(scenario, half, half)
 

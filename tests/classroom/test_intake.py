@@ -121,7 +121,7 @@ def test_what_is_no_archive_or_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(GradingError, match="no folder or zip"):
         collect(tmp_path / "nowhere")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(GradingError, match="no files"):
+    with pytest.raises(GradingError, match="No files"):
         collect(tmp_path / "empty")
 
 

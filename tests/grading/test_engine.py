@@ -81,6 +81,9 @@ def test_exactly_one_thing_is_graded() -> None:
         grading.grade(EXERCISE)
     with pytest.raises(grading.GradingError, match="one thing"):
         grading.grade(EXERCISE, SOLUTION, attach=True)
+    for command in ("nosuchcommand --fast", ""):  # nothing is graded: it is no fault of a main()
+        with pytest.raises(grading.GradingError, match="no such program"):
+            grading.grade(EXERCISE, exec_command=command)
 
 
 def test_unknown_exercise_is_refused_with_the_known_ones() -> None:

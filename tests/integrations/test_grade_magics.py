@@ -58,10 +58,8 @@ def test_one_part_alone_is_graded_and_counts_as_that(kernel: Kernel) -> None:
     assert "1.5 of 1.5 points, celsius alone" in done.result["text/plain"]  # with "offered", which it needs
     assert "1.5 of 1.5 points</strong>,\n  celsius alone" in done.result["text/html"]
     assert "Next" not in done.stdout
-    assert (
-        "No check begins with 'dor_'. The checks: offered, "
-        in kernel.run("%grade temperature_service --only dor").stderr
-    )
+    refusal = "There is no part 'dor'. The checks are: offered, "
+    assert refusal in kernel.run("%grade temperature_service --only dor").stderr
 
 
 def test_a_drill_names_its_fault_at_the_second_try_and_shows_the_solution_once_it_is_solved(

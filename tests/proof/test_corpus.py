@@ -58,7 +58,7 @@ FACTS = [
     ("robot_parameters", "topic.silent", "The closest is /velocity_limiter/wheel_speed"),
     ("robot_parameters", "validation.missing", "Your node accepted"),
     ("robot_parameters", "validation.no_reason", "It is empty."),
-    ("pattern_choice", "limit.time", "3 s of processor time"),
+    ("pattern_choice", "limit.time", "It may compute for 3 s"),
     ("pattern_choice", "quiz.malformed", "Without quotes, Python takes"),
     ("pattern_choice", "quiz.unknown", "did you mean"),
 ]

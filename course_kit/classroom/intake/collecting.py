@@ -58,7 +58,7 @@ def collect_submissions(  # noqa: PLR0913, PLR0917 - what is collected, for what
     with ExitStack() as stack:
         opened = sources.open_all(paths, workspace, exercises, layout, stack)
         if not opened.units and not opened.left:
-            raise GradingError(f"There are no files in {', '.join(map(str, paths))}.")
+            raise GradingError(f"No files to grade in {', '.join(map(str, paths))}. Check the name.")
         chooser = Chooser(opened, exercises, stack.enter_context(reader or Reader()))
         for student, units in layouts.group_by_student(opened.units, [exercise.id for exercise in exercises]).items():
             chooser.take(student, units)

@@ -100,7 +100,7 @@ def _open(path: Path, workspace: Path, exercises: Sequence[Exercise], stack: Exi
         folder = CopiedFolder(path, workspace) if copied else listing.Folder(path)
         return Download(folder, path.resolve().name, packed=False, starters=starters)
     if not path.is_file():
-        raise GradingError(f"There is no folder or zip file {path}.")
+        raise GradingError(f"There is no folder or zip file '{path}'. Check its name.")
     return Download(stack.enter_context(open_archive(path, workspace)), path.stem, packed=True, starters=starters)
 
 

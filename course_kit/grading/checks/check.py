@@ -57,7 +57,7 @@ def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
     """The checks of one part, whose ids begin with its name (`door`: `door_locked`), and those they depend on."""
     chosen = {check.id for check in checks if f"{check.id}_".startswith(f"{part}_")}
     if not chosen:
-        raise GradingError(f"No check begins with '{part}_'. The checks: {', '.join(check.id for check in checks)}.")
+        raise GradingError(f"There is no part '{part}'. The checks are: {', '.join(check.id for check in checks)}.")
     for check in reversed(in_order(checks)):
         if check.id in chosen:
             chosen.update(check.depends_on)

@@ -116,7 +116,7 @@ def explain_no_answer(
     if diagnosis is None and (cause := logged(context.program.status(fresh=True).stderr, context.job)):
         diagnosis, message = cause
     if waited_s < ANSWER_S and context.time_is_up():
-        message += f" That used up the {context.deadline_s:g} s that this check may take."
+        message += f" This check may take {context.deadline_s:g} s, and no time is left."
     return Failed(evidence, message, diagnosis)
 
 

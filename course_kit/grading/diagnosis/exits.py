@@ -71,8 +71,8 @@ def explain_limit(process: ProcessStatus, job: Job) -> Cause | None:
         limits.cpu_s if process.signal == signal.SIGXCPU else process.cpu_s
     )  # what is dead is not counted any more
     causes = {
-        "time": f"Your program was stopped: it had used the processor for {computed:.0f} s (the "
-        f"limits are {limits.cpu_s} s of processor time and {limits.wall_s:g} s in all).",
+        "time": f"Your program was stopped because it did not end: it computed for {computed:.0f} s. "
+        f"It may compute for {limits.cpu_s} s, and take {limits.wall_s:g} s in all.",
         "memory": f"Your program needed more than the {limits.memory_mb} MB of memory it may use.",
         "output": f"Your program was stopped: it printed more than {limits.output_kb} kB.",
         "processes": f"Your program started more than the {limits.tasks} processes and threads it "

@@ -40,10 +40,7 @@ def advice_for_root() -> str:
     """What to tell somebody who grades as root; empty for everybody else."""
     if os.geteuid():
         return ""
-    return (
-        "you are grading as root. Use an ordinary account if you can: submissions are isolated less well "
-        "when you grade as root. See course_kit/grading/LIMITS.md."
-    )
+    return "you are grading as root. Use an ordinary account, where isolation is stronger: course_kit/grading/LIMITS.md"
 
 
 def guest_user(worker: int) -> int:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import shutil
 import sys
 from contextlib import suppress
 from dataclasses import replace
@@ -73,8 +74,8 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         words = tuple(shlex.split(command))
     except ValueError as problem:
         raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
-    if not words:
-        raise GradingError("The command after --exec is empty.")
+    if not words or shutil.which(words[0]) is None:
+        raise GradingError(f"--exec cannot start '{command}': there is no such program. Check its name.")
     return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
 
 
