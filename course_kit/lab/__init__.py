@@ -10,6 +10,7 @@ from __future__ import annotations
 from course_kit.lab.api import (
     call,
     call_blocking,
+    current,
     diagram,
     next_messages,
     nodes,
@@ -25,8 +26,8 @@ from course_kit.lab.api import (
     stop_script,
     subscribe,
     timeline,
+    use,
 )
-from course_kit.lab.awaiting import current, use
 from course_kit.lab.errors import (
     ActionNotFoundError,
     DeadlockError,

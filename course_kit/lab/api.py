@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_kit.lab.awaiting import current, to_be_awaited
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
     from course_kit.lab.goals import Goal
+    from course_kit.lab.runtime.core import Lab
     from course_kit.lab.runtime.neighbours import OtherNotebook
     from course_kit.lab.runtime.nodes import NodeList
     from course_kit.lab.scripts.running import Script
@@ -20,6 +21,25 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import ActionType, Message, ServiceType
 
 NodeT = TypeVar("NodeT")
+
+
+class _Current:
+    lab: Lab | None = None
+
+
+def current() -> Lab:
+    """The lab of this process, made on first use."""
+    if _Current.lab is None:
+        from course_kit.lab.runtime.core import Lab
+
+        _Current.lab = Lab()
+    return _Current.lab
+
+
+def use(lab: Lab | None) -> Lab | None:
+    """Make another lab the current one; None for a new one on next use."""
+    before, _Current.lab = _Current.lab, lab
+    return before
 
 
 def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
@@ -247,7 +267,9 @@ def diagram(*, last: int | None = None) -> object:
     Raises:
         LabError: nothing is being recorded (`%load_ext course_kit` begins it).
     """
-    return current().require_recorder().diagram(last)
+    from course_kit.lab.recording.diagram import draw_diagram
+
+    return draw_diagram(current().require_recorder().events, last)
 
 
 def timeline() -> object:
@@ -259,7 +281,10 @@ def timeline() -> object:
     Raises:
         LabError: nothing is being recorded (`%load_ext course_kit` begins it).
     """
-    return current().require_recorder().timeline()
+    from course_kit.lab.recording.timeline import Timeline
+
+    recorder = current().require_recorder()
+    return Timeline(recorder.events, recorder.spans)
 
 
 @to_be_awaited("lab.send_goal")
@@ -298,7 +323,7 @@ async def send_goal(  # noqa: PLR0913 - four of them are options, by name
 
     engine = current().engine
     engine.not_in_callback("lab.send_goal()")
-    sending = goals.PendingGoal(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sending = goals.PendingGoal(engine, action, action_type, goal, fields, timeout)
     sent: Goal = await calls.call_async(sending.call_back(on_feedback, on_result))
     return sent
 
@@ -319,6 +344,6 @@ def send_goal_blocking(  # noqa: PLR0913 - the same
 
     engine = current().engine
     engine.not_in_callback("lab.send_goal_blocking()")
-    sending = goals.PendingGoal(engine, action, action_type, goals.make_goal(action_type, goal, fields), timeout)
+    sending = goals.PendingGoal(engine, action, action_type, goal, fields, timeout)
     sent: Goal = calls.call_blocking(sending.call_back(on_feedback, on_result))
     return sent

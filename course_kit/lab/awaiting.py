@@ -16,30 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from types import TracebackType
 
-    from course_kit.lab.runtime.core import Lab
-
-
-class _Current:
-    lab: Lab | None = None
-
-
-def current() -> Lab:
-    """The lab of this process, made on first use."""
-    if _Current.lab is None:
-        from course_kit.lab.runtime.core import Lab
-
-        _Current.lab = Lab()
-    return _Current.lab
-
-
-def use(lab: Lab | None) -> Lab | None:
-    """Make another lab the current one; None for a new one on next use."""
-    before, _Current.lab = _Current.lab, lab
-    return before
-
-
 P = ParamSpec("P")
 T = TypeVar("T")
+UNAWAITED: dict[Pending[Any], None] = {}  # in the order of their calls; a cell that ends names its own
 _PYTHONS_OWN = ("_", "cr_", "gi_", "ag_")  # what Python itself looks for on anything that may be a coroutine
 
 
@@ -54,12 +33,7 @@ class Pending(Coroutine[Any, Any, T]):
         self._make = make
         self._missing = missing
         self._running: Coroutine[Any, Any, T] | None = None
-        current().notebook.expect(self, awaited=False)
-
-    @property
-    def begun(self) -> bool:
-        """Whether it was awaited."""
-        return self._running is not None
+        UNAWAITED[self] = None
 
     def send(self, value: Any, /) -> Any:
         """As any coroutine's; a task of asyncio does it."""
@@ -79,7 +53,7 @@ class Pending(Coroutine[Any, Any, T]):
         return self._begin().__await__()
 
     def __repr__(self) -> str:
-        current().notebook.expect(self, awaited=True)  # it has said so now
+        UNAWAITED.pop(self, None)  # it has said so now
         return self._missing
 
     def __getattr__(self, name: str) -> NoReturn:
@@ -97,13 +71,13 @@ class Pending(Coroutine[Any, Any, T]):
         self._complain()
 
     def _complain(self) -> NoReturn:
-        current().notebook.expect(self, awaited=True)
+        UNAWAITED.pop(self, None)
         raise NotAwaitedError(self._missing)
 
     def _begin(self) -> Coroutine[Any, Any, T]:
         if self._running is None:
+            UNAWAITED.pop(self, None)
             self._running = self._make()
-            current().notebook.expect(self, awaited=True)
         return self._running
 
 

@@ -10,7 +10,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rclpy.qos import qos_profile_services_default
 
@@ -18,7 +18,7 @@ from course_kit.lab.clients import WantedServer, not_found
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
 from course_kit.ros.filling import make_message
 from course_kit.ros.graph import SERVES
-from course_kit.ros.messages import BadFieldError, is_message_type, is_service_type, type_name, with_article
+from course_kit.ros.messages import BadFieldError, describe_type, is_message_type
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.runtime.engine import Engine
     from course_kit.ros.filling import Fields
-    from course_kit.ros.messages import Message, ServiceType
+    from course_kit.ros.messages import ActionType, Message, ServiceType
 
 _APPEARANCE = 2.0  # seconds a service is given to appear on the graph; discovery takes a tenth of that
 _POLL = 0.005  # seconds between looks at the graph, which cost microseconds
@@ -46,7 +46,8 @@ class PendingCall(ABC):
 
     def may_send(self) -> bool:
         if self._is_there():
-            self._lab.before_call(self._wanted.role, self._wanted.name)
+            if not self._is_ours():
+                self._lab.before_call(self._wanted.role, self._wanted.name)
             return True
         waited = min(_APPEARANCE, self._timeout)
         if time.monotonic() - self._start < waited:
@@ -61,13 +62,17 @@ class PendingCall(ABC):
         return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
 
     def check(self) -> None:
-        self._lab.output.drain()
-        if self._has_come():
+        if self.has_come():
             return
+        self._lab.output.drain()
         if time.monotonic() - self._start >= self._timeout:
             raise NoAnswerError(self._too_late())
         if self._is_gone():
             raise NoAnswerError(server_gone(self._wanted.name))
+
+    @abstractmethod
+    def has_come(self) -> bool:
+        """Whether the answer is there."""
 
     @abstractmethod
     def result(self) -> Any:
@@ -76,10 +81,6 @@ class PendingCall(ABC):
     def close(self) -> None:
         """Stop waiting, whether or not the answer has come."""
         self._lab.output.drain()
-
-    @abstractmethod
-    def _has_come(self) -> bool:
-        """Whether the answer is there."""
 
     @abstractmethod
     def _too_late(self) -> str:
@@ -93,6 +94,10 @@ class PendingCall(ABC):
     def _is_there(self) -> bool:
         """Whether the server is on the graph."""
 
+    @abstractmethod
+    def _is_ours(self) -> bool:
+        """Whether a node of this lab is such a server."""
+
 
 def server_gone(name: str) -> str:
     """What to say of a server that has gone with an answer, or a goal, on its way."""
@@ -105,7 +110,7 @@ class ServiceCall(PendingCall):
     def __init__(  # noqa: PLR0913, PLR0917 - a request, and where it goes
         self, lab: Engine, service: str, service_type: ServiceType, ready: Message, fields: Fields, timeout: float
     ) -> None:
-        self._request = _make_request(service_type, ready, fields)
+        self._request = make_part(service_type, "Request", ready, fields)
         self._client = lab.clients.client(service_type, service)
         self._response: Future | None = None
         super().__init__(lab, WantedServer(SERVES, self._client.name, self._client.type_name), timeout)
@@ -136,7 +141,8 @@ class ServiceCall(PendingCall):
         self._client.busy.discard(self)
         super().close()
 
-    def _has_come(self) -> bool:
+    def has_come(self) -> bool:
+        """Whether the answer is there."""
         return self._response is not None and bool(self._response.done())
 
     def _too_late(self) -> str:
@@ -151,6 +157,10 @@ class ServiceCall(PendingCall):
     def _is_there(self) -> bool:
         return self._client.is_ready()
 
+    def _is_ours(self) -> bool:
+        nodes = [node for live in self._lab.nodes.live for node in live.made]
+        return any(service.service_name == self._wanted.name for node in nodes for service in node.services)
+
 
 async def call_async(call: PendingCall) -> Any:
     """Drive a call from asyncio; uses no time while it waits."""
@@ -158,34 +168,21 @@ async def call_async(call: PendingCall) -> Any:
     try:
         while not call.may_send():  # noqa: ASYNC110 - rclpy has no event for changes of the graph
             await asyncio.sleep(_POLL)
-        answered = loop.create_future()
+        news = asyncio.Event()
 
         def wake() -> None:
-            if not answered.done():
-                answered.set_result(None)
-
-        def wake_loop() -> None:
             with suppress(RuntimeError):  # the loop is closed: nobody waits
-                loop.call_soon_threadsafe(wake)
+                loop.call_soon_threadsafe(news.set)
 
-        timer: asyncio.TimerHandle | None = None
-
-        def look() -> None:
-            nonlocal timer
+        call.send(wake)
+        while not call.has_come():
+            timer = loop.call_later(call.next_check(), news.set)
             try:
-                call.check()
-            except Exception as error:  # noqa: BLE001 - whatever it is, the caller must not wait for ever
-                if not answered.done():
-                    answered.set_exception(error)
-            else:
-                timer = loop.call_later(call.next_check(), look)
-
-        call.send(wake_loop)
-        timer = loop.call_later(call.next_check(), look)
-        try:
-            await answered
-        finally:
-            timer.cancel()
+                await news.wait()
+            finally:
+                timer.cancel()
+            news.clear()
+            call.check()
         return call.result()
     finally:
         call.close()
@@ -205,22 +202,28 @@ def call_blocking(call: PendingCall) -> Any:
         call.close()
 
 
-def _make_request(service_type: ServiceType, ready: Message, fields: Fields) -> Message:
-    """The request to be sent; raises FieldError."""
-    if not is_service_type(service_type):
-        raise FieldError(not_of_kind(service_type, "service", ("_Request", "_Response"), "lab.call"))
-    return message_of(service_type.Request, ready, fields, f"a {type_name(service_type)} request")
+# By the part of it that is sent: what a class is, which verb takes it, and all its parts.
+_INTERFACES = {
+    "Request": ("a service", "lab.call", ("_Request", "_Response")),
+    "Goal": ("an action", "lab.send_goal", ("_Goal", "_Result", "_Feedback")),
+}
 
 
-def not_of_kind(given: object, kind: str, parts: tuple[str, ...], verb: str) -> str:
-    """What to say of something that is no service's or action's class."""
+def make_part(
+    interface: ServiceType | ActionType, part: Literal["Request", "Goal"], ready: Message, fields: Fields
+) -> Message:
+    """The request of a service or the goal of an action to be sent; raises FieldError."""
+    message_type = getattr(interface, part, None)
+    if message_type is not None:
+        return message_of(message_type, ready, fields)
+    kind, verb, parts = _INTERFACES[part]
     hint = ""
-    owner = getattr(given, "__name__", "")
+    owner = getattr(interface, "__name__", "")
     if owner.endswith(parts):
         hint = f" Use {owner.rpartition('_')[0]} itself."
-    elif not isinstance(given, type):
+    elif not isinstance(interface, type):
         hint = f" The order is: {verb}(name, Type, field=value)."
-    return f"{owner or repr(given)} is not {with_article(kind)} type.{hint}"
+    raise FieldError(f"{owner or repr(interface)} is not {kind} type.{hint}")
 
 
 def require_message_type(given: object) -> None:
@@ -229,13 +232,13 @@ def require_message_type(given: object) -> None:
         raise FieldError(f"{getattr(given, '__name__', given)!r} is not a message type.")
 
 
-def message_of(message_type: type[Message], ready: Message, fields: Fields, owner: str) -> Message:
+def message_of(message_type: type[Message], ready: Message, fields: Fields) -> Message:
     """The message to be sent."""
     if ready is None:
         try:
-            return make_message(message_type, fields, owner)
+            return make_message(message_type, fields)
         except BadFieldError as error:
             raise FieldError(str(error)) from error
     if fields or not isinstance(ready, message_type):
-        raise FieldError(f"Pass either {owner} or its fields as keywords.")
+        raise FieldError(f"Pass either {describe_type(message_type)} or its fields as keywords.")
     return ready

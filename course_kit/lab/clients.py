@@ -6,17 +6,16 @@ import os
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.validate_topic_name import validate_topic_name
 
 from course_kit.lab.errors import ActionNotFoundError, LabError, ServiceNotFoundError, error_text
 from course_kit.ros import graph
-from course_kit.ros.compat import rcl_error
 from course_kit.ros.goal import GoalClient
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import full_action_name, is_hidden, is_of_every_node, nearest_name
 from course_kit.ros.service import ServiceClient
-from course_kit.ros.topic import types_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -134,7 +133,7 @@ class Clients:
         self, message_type: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
     ) -> Subscription:
         wanted = type_name(message_type)
-        types = types_of(self.node, "/" + str(topic).lstrip("/"))
+        types = dict(self.node.get_topic_names_and_types()).get("/" + str(topic).lstrip("/"), [])
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
             raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
         made: Subscription = _check_name(
@@ -190,7 +189,7 @@ def _check_name(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
     interface, name = key
     if not isinstance(name, str):
         raise LabError(f"The name comes first and is a string: {name!r} is not. The type comes second.")
-    refusals: tuple[type[BaseException], ...] = (*rcl_error(), ValueError)  # the second one from an action client
+    refusals = (getattr(rclpy_implementation, "RCLError", ValueError), ValueError)  # the second from an action client
     try:
         return make()
     except (InvalidServiceNameException, InvalidTopicNameException) as error:

@@ -10,12 +10,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.awaiting import to_be_awaited
-from course_kit.lab.calls import PendingCall, call_async, call_blocking, message_of, not_of_kind, server_gone
+from course_kit.lab.calls import PendingCall, call_async, call_blocking, make_part, server_gone
 from course_kit.lab.clients import WantedServer
-from course_kit.lab.errors import FieldError, LabError, NoAnswerError
+from course_kit.lab.errors import LabError, NoAnswerError
+from course_kit.lab.runtime.describe import actions_of
 from course_kit.ros.goal import GoalTracker
 from course_kit.ros.graph import RUNS
-from course_kit.ros.messages import is_action_type, type_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.showing import copy_message
 
 if TYPE_CHECKING:
@@ -78,7 +79,8 @@ class Wait(PendingCall):
             self._tracker.listeners.remove(self._listener)
         super().close()
 
-    def _has_come(self) -> bool:
+    def has_come(self) -> bool:
+        """Whether they have arrived."""
         return self._arrived()
 
     def _too_late(self) -> str:
@@ -89,6 +91,9 @@ class Wait(PendingCall):
 
     def _is_there(self) -> bool:
         return self._tracker.client.has_server()
+
+    def _is_ours(self) -> bool:
+        return any(self._wanted.name in actions_of(node) for live in self._lab.nodes.live for node in live.made)
 
 
 _QUIET = 60.0  # seconds without any news of a goal, until its feedback is no longer waited for
@@ -213,17 +218,13 @@ class Goal:
         return Wait(self._lab, self._tracker, timeout, lacking, lambda: bool(answer), ask, lambda: answer[0])
 
 
-def make_goal(action_type: ActionType, ready: Message, fields: Fields) -> Message:
-    """The goal to be sent; raises FieldError."""
-    if not is_action_type(action_type):
-        raise FieldError(not_of_kind(action_type, "action", ("_Goal", "_Result", "_Feedback"), "lab.send_goal"))
-    return message_of(action_type.Goal, ready, fields, f"a goal of {type_name(action_type)}")
-
-
 class PendingGoal(Wait):
     """The wait until a server has accepted or rejected a goal."""
 
-    def __init__(self, lab: Engine, action: str, action_type: ActionType, request: Message, timeout: float) -> None:
+    def __init__(  # noqa: PLR0913, PLR0917 - a goal, and where it goes
+        self, lab: Engine, action: str, action_type: ActionType, ready: Message, fields: Fields, timeout: float
+    ) -> None:
+        request = make_part(action_type, "Goal", ready, fields)
         client = lab.clients.goal_client(action_type, action)
         tracker = GoalTracker(client, request, lab.call_back)
         self.goal = goal = Goal(lab, tracker, request)

@@ -10,7 +10,8 @@ import asyncio
 import re
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_kit.lab.awaiting import current, to_be_awaited
+from course_kit.lab.api import call, call_blocking, current
+from course_kit.lab.awaiting import to_be_awaited
 from course_kit.lab.errors import (
     FieldError,
     LabError,
@@ -186,8 +187,6 @@ def _list_declared(node: str, name: str, known: list[str]) -> str:
 
 
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab.api import call
-
     try:
         return await parameters.await_steps(
             steps, lambda asked: call(f"{node}/{asked.service}", asked.interface, timeout=timeout, **asked.fields)
@@ -197,8 +196,6 @@ async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
 
 
 def _ask_blocking(node: str, steps: Steps[T], timeout: float) -> T:
-    from course_kit.lab.api import call_blocking
-
     try:
         return parameters.run_steps(
             steps,

@@ -78,7 +78,7 @@ class DeliveryWait:
 
     def __init__(self, lab: Engine, topic: str, message_type: object) -> None:
         self._lab = lab
-        nodes = [*(live.node for live in lab.nodes), *lab.hooks.own_nodes]
+        nodes = [*(live.node for live in lab.nodes.live), *lab.hooks.own_nodes]
         known = [end for node in nodes for end in node.subscriptions] if lab.found.has(compat.RECORDING) else []
         mine = [end for end in known if end.topic_name == topic and end.msg_type is message_type]
         self._counts: dict[RclpySubscription, int] = dict.fromkeys(mine, 0)
@@ -117,7 +117,7 @@ class DeliveryWait:
 def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
     """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it."""
     require_message_type(message_type)
-    ready = message_of(message_type, message, fields, f"a {type_name(message_type)}")
+    ready = message_of(message_type, message, fields)
     publisher = lab.clients.publisher(message_type, topic)
     _wait_until(lambda: is_heard(lab.node, publisher))
     if lab.in_callback():  # this is the thread that would deliver

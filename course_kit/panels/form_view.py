@@ -14,7 +14,7 @@ from course_kit.interfaces.comments import comments_of
 from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
-from course_kit.ros.messages import is_service_type, type_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.showing import copy_message, field_rows
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class ServiceForm(Panel):
     """A form for one service."""
 
     def __init__(self, service: str, service_type: ServiceType, timeout: float) -> None:
-        if not isinstance(service, str) or not is_service_type(service_type):
+        if not isinstance(service, str) or not hasattr(service_type, "Request"):
             raise FieldError(
                 'A form needs a name and a service type: panels.service_form("/add_two_ints", AddTwoInts).'
             )

@@ -17,7 +17,7 @@ from course_kit.lab.errors import FieldError
 from course_kit.panels.base import LatestValue, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros import graph
-from course_kit.ros.messages import is_action_type, type_name
+from course_kit.ros.messages import type_name
 from course_kit.ros.showing import copy_message, describe_message
 
 if TYPE_CHECKING:
@@ -299,7 +299,7 @@ class ActionPanel(GoalFollower):
     """A panel for one action."""
 
     def __init__(self, action: str, action_type: ActionType) -> None:
-        if not isinstance(action, str) or not is_action_type(action_type):
+        if not isinstance(action, str) or not hasattr(action_type, "Goal"):
             raise FieldError('A panel needs a name and an action type: panels.action_panel("/fibonacci", Fibonacci).')
         super().__init__(action)
         self._type = action_type

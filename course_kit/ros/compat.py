@@ -110,7 +110,6 @@ _OF_GOALS = (FEEDBACK, WAITING_FOR_GOALS)
 _OF_CELLS = (PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
 OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
 ALL = (*OF_THE_LAB, GRADING, DIAGNOSES)
-_ENDING = "; everything else works."
 
 
 class Compatibility:
@@ -125,7 +124,7 @@ class Compatibility:
 
     def sentences(self) -> list[str]:
         """What is off and why, a sentence for each feature."""
-        return [f"{feature.lost}: {_describe_absent(names)}{_ENDING}" for feature, names in self._missing.items()]
+        return [f"{feature.lost}: {_describe_absent(names)}." for feature, names in self._missing.items()]
 
 
 def check_features(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:
@@ -157,14 +156,6 @@ def is_there(name: str) -> bool:
     return hasattr(found, last) or last in _names_in(found)
 
 
-def rcl_error() -> tuple[type[BaseException], ...]:
-    """The exception of ROS's C library, to be caught; none where rclpy does not show it."""
-    from rclpy.impl import implementation_singleton as singleton
-
-    found = getattr(getattr(singleton, "rclpy_implementation", None), "RCLError", None)
-    return () if found is None else (found,)
-
-
 def _names_in(found: object) -> set[str]:
     """What the code of a function names and calls its variables; of a class, what its methods do."""
     if isinstance(found, FunctionType):
@@ -185,7 +176,7 @@ def _describe_absent(names: tuple[str, ...]) -> str:
     """Which names a package does not have, and in which version."""
     package = names[0].partition(":")[0].partition(".")[0]
     text = ", ".join(name.replace(":", ".") for name in names)
-    return f"{package}{_version(package)} has no {text}"
+    return f"{package}{_version(package)} has no {text}; everything else works"
 
 
 def _version(package: str) -> str:

@@ -13,7 +13,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from course_kit.ros.messages import BadFieldError, Message, is_message_type, ros_word, with_article
+from course_kit.ros.messages import BadFieldError, Message, describe_type, is_message_type, ros_word, with_article
 from course_kit.ros.names import nearest_name
 
 Fields = Mapping[str, object]
@@ -34,8 +34,8 @@ _HINTS = {
 _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
 
 
-def make_message(message_type: type[Message], fields: Fields, owner: str) -> Message:
-    """Make a message with these fields; a dict stands for a message inside it."""
+def make_message(message_type: type[Message], fields: Fields, owner: str = "") -> Message:
+    """Make a message with these fields; a dict stands for a message inside it. Errors call it `owner`, or its type."""
     message = message_type(check_fields=True)  # whatever ROS_PYTHON_CHECK_FIELDS was when the type was imported
     _put(message, fields, owner, "", from_yaml=False)
     return message
@@ -63,7 +63,7 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
     for name, value in fields.items():
         field = f"{path}{name}"
         if name not in known:
-            raise BadFieldError(unknown_field(name, known, owner))
+            raise BadFieldError(unknown_field(name, known, owner or describe_type(type(message))))
         now = getattr(message, name)
         if isinstance(value, dict) and is_message_type(type(now)):
             inner = type(now)(check_fields=True)
@@ -74,6 +74,7 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
         try:
             setattr(message, name, fitted)
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
+            owner = owner or describe_type(type(message))
             raise BadFieldError(explain_refusal(name, value, known[name], owner)) from error
 
 

@@ -7,12 +7,10 @@ from statistics import fmean as mean
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     Size = tuple[float, float]
     Point = tuple[float, float]
-    from collections.abc import Iterable
-
     Box = tuple[str, str]
     Arrow = tuple[Box, Box]
 
@@ -48,23 +46,16 @@ def layers(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, in
 
 def _find_back_arrows(boxes: Sequence[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
     """Arrows that close a circle with those before them."""
-    after: dict[Box, list[Box]] = {box: [] for box in boxes}
+    reached = {box: {box} for box in boxes}  # from each, along the arrows so far
     turned: set[Arrow] = set()
     for begin, end in arrows:
-        if _leads_to(begin, end, after):
+        if begin in reached[end]:
             turned.add((begin, end))
-        else:
-            after[begin].append(end)
+            continue
+        for found in reached.values():
+            if begin in found:
+                found.update(reached[end])
     return turned
-
-
-def _leads_to(wanted: Box, begin: Box, after: Mapping[Box, list[Box]]) -> bool:
-    seen, left = {begin}, [begin]
-    while left:
-        following = [box for box in after[left.pop()] if box not in seen]
-        seen.update(following)
-        left += following
-    return wanted in seen
 
 
 def _columns(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> dict[Box, int]:

@@ -26,14 +26,12 @@ def type_name(interface: Any) -> str:
     return "/".join([*module[:2], interface.__name__]) if len(module) > 1 else str(interface.__name__)
 
 
-def is_service_type(interface: object) -> bool:
-    """Whether this is a service's class, with a Request and a Response."""
-    return isinstance(interface, type) and hasattr(interface, "Request") and hasattr(interface, "Response")
-
-
-def is_action_type(interface: object) -> bool:
-    """Whether this is an action's class, with a Goal, a Result and a Feedback."""
-    return isinstance(interface, type) and all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
+def describe_type(message_type: MessageType) -> str:
+    """A class of messages in a sentence, e.g. "a std_msgs/msg/String", "a std_srvs/srv/Trigger request"."""
+    name = type_name(message_type)
+    if name.endswith("_Request"):
+        return f"a {name.removesuffix('_Request')} request"
+    return f"a goal of {name.removesuffix('_Goal')}" if name.endswith("_Goal") else f"a {name}"
 
 
 def is_message_type(interface: object) -> bool:

@@ -60,9 +60,9 @@ class SentRequest:
         """How often it was sent."""
         return len(self._futures)
 
-    def send_again(self, client: ServiceClient | None = None) -> None:
-        """Send the same once more, by another client if wanted."""
-        self._futures.append((client or self._client).rclpy_client.call_async(self._request))
+    def send_again(self) -> None:
+        """Send the same once more."""
+        self._futures.append(self._client.rclpy_client.call_async(self._request))
 
     def is_answered(self) -> bool:
         """Whether a response has come, or a failure to give one."""

@@ -97,11 +97,6 @@ def subscriptions_of(node: Node, topic: str) -> list[Endpoint]:
     return _endpoints(node.get_subscriptions_info_by_topic(topic))
 
 
-def types_of(node: Node, topic: str) -> list[str]:
-    """The types with which a topic of this full name is used; none of a topic nobody uses."""
-    return dict(node.get_topic_names_and_types()).get(topic, [])
-
-
 def is_heard(node: Node, publisher: Publisher) -> bool:
     """Whether a publisher is connected with all subscriptions that are on the graph."""
     return publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)

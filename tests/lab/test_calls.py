@@ -80,7 +80,7 @@ def test_wrong_fields(fields: dict[str, Any], message: str) -> None:
 )
 def test_wrong_values(kind: Any, fields: dict[str, Any], message: str) -> None:
     with pytest.raises(lab.FieldError, match=message):
-        message_of(kind, None, fields, "a message")
+        message_of(kind, None, fields)
 
 
 @pytest.mark.parametrize("kind", [SetBool.Request, String, "SetBool", 3])

@@ -50,7 +50,7 @@ def test_lines_that_another_thread_shows_land_in_the_cell_that_runs(fresh_kernel
     fresh_kernel.run(SERVER)
     fresh_kernel.run(
         "import contextvars, threading\n"
-        "from course_kit.lab.awaiting import current\n"
+        "from course_kit.lab.api import current\n"
         "asked, shown = threading.Event(), threading.Event()\n"
         "def show():\n    asked.wait(10)\n    current().output.drain()\n    shown.set()\n"
         "threading.Thread(target=contextvars.copy_context().run, args=(show,), daemon=True).start()"

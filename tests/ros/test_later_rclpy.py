@@ -153,16 +153,15 @@ def lab_with_goals_that_others_end(domain: int, monkeypatch: pytest.MonkeyPatch)
         yield mine
 
 
-def test_a_server_without_an_execute_callback_ends_its_goals_and_is_recorded(
-    lab_with_goals_that_others_end: Lab,
-) -> None:
+@pytest.mark.usefixtures("lab_with_goals_that_others_end")
+def test_a_server_without_an_execute_callback_ends_its_goals_and_is_recorded() -> None:
     lab.start(WithoutExecuteCallback)
     goal = lab.send_goal_blocking("/count", Fibonacci, order=1)
     with pytest.raises(NoAnswerError, match="counter has not ended the goal, and no execute callback is running"):
         goal.result_blocking(timeout=0.5)
     lab.call_blocking("/end", Trigger)
     assert list(goal.result_blocking(timeout=10).sequence) == [7]
-    assert "/count result: SUCCEEDED, sequence=[7]" in str(lab_with_goals_that_others_end.require_recorder().diagram())
+    assert "/count result: SUCCEEDED, sequence=[7]" in str(lab.diagram())
 
 
 SPINS = """\

@@ -54,7 +54,7 @@ def test_the_first_response_to_any_sending_counts(pair: Pair) -> None:
     pair.forgotten = 1
     sent = pair.client.send(AddTwoInts.Request(a=2, b=2))
     pair.spin_until(lambda: pair.asked == 1)
-    sent.send_again(ServiceClient(pair.asking, AddTwoInts, "/ns/add"))
+    sent.send_again()
     pair.spin_until(sent.is_answered)
     assert (sent.response().sum, sent.times_sent) == (4, 2)
 

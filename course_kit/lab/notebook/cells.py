@@ -21,6 +21,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from course_kit.lab.awaiting import UNAWAITED
 from course_kit.lab.errors import InputError, LabError
 from course_kit.lab.overrides.patches import Patches
 from course_kit.lab.runtime.failures import advice_on, explain_error
@@ -50,14 +51,12 @@ class Notebook:
         self.nodes_run: Callable[[], bool] = lambda: False
         self.on_end: CellEnd = lambda *_, **__: None
         self._stopped = False  # in this cell
-        self._verbs: list[object] = []  # that the running cell has called and not awaited
         self._limits = {name: CellLimit() for name in _STREAMS}
         self._patches = Patches()
         self._attached = False
         self._loop: asyncio.AbstractEventLoop | None = None
         self._scheduled = False
         self._beat: asyncio.TimerHandle | None = None
-        self._cell = contextvars.Context()  # in which ipykernel keeps whose output it is
 
     @property
     def title(self) -> str:
@@ -86,11 +85,6 @@ class Notebook:
             return str(found[1]) if found else None
         return None
 
-    def expect(self, verb: object, *, awaited: bool) -> None:
-        """A verb was called, or awaited; a cell that ends without awaiting it gets a note."""
-        if self._attached:
-            self._verbs = [*(other for other in self._verbs if other is not verb), *([] if awaited else [verb])]
-
     def attach(self, thread_id: int, found: Compatibility) -> None:
         """Begin: take over what the thread prints and logs, and all further producers of output."""
         self._output.producers.add(thread_id)
@@ -109,8 +103,7 @@ class Notebook:
             return
         self._attached = True
         self._output.queued = True
-        self._output.in_cell = self._in_cell
-        self._cell = contextvars.copy_context()
+        self._output.cell = contextvars.copy_context()
         self._route()
         show_all_output(self._patches)
         self._shell.events.register("pre_run_cell", self._before_cell)
@@ -131,7 +124,6 @@ class Notebook:
         self._patches.undo()
         self._output.queued = False
         self._output.on_put = lambda: None
-        self._output.in_cell = lambda write: write()
         for event, function in (("pre_run_cell", self._before_cell), ("post_run_cell", self._after_cell)):
             with suppress(ValueError):
                 self._shell.events.unregister(event, function)
@@ -218,16 +210,9 @@ class Notebook:
         self._scheduled = False
         self._output.drain()
 
-    def _in_cell(self, write: Callable[[], None]) -> None:
-        """Write under the cell that runs, or has run last."""
-        if threading.current_thread() is threading.main_thread():
-            write()
-        else:
-            self._cell.copy().run(write)
-
     def _before_cell(self, info: object) -> None:
         del info
-        self._cell = contextvars.copy_context()
+        self._output.cell = contextvars.copy_context()
         for limit in self._limits.values():
             limit.begin()
         self._route()
@@ -250,7 +235,8 @@ class Notebook:
 
     def _tell_not_awaited(self) -> None:
         """The cell has ended: say which verbs nothing has awaited, nor will."""
-        verbs, self._verbs = self._verbs, []
+        verbs = list(UNAWAITED)
+        UNAWAITED.clear()
         coming: list[Any] = []
         with suppress(RuntimeError):  # a terminal has no loop
             coming = [task.get_coro() for task in asyncio.all_tasks()]

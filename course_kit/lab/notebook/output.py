@@ -7,6 +7,7 @@ something itself, when a call returns, and at the end of a cell. In a plain prog
 
 from __future__ import annotations
 
+import contextvars
 import sys
 import threading
 from collections import deque
@@ -29,7 +30,7 @@ class Output:
         self.queued = False
         self.pumps: list[Callable[[], None]] = []
         self.on_put: Callable[[], None] = lambda: None
-        self.in_cell: Callable[[Callable[[], None]], None] = lambda write: write()
+        self.cell = contextvars.Context()  # of the running cell, or the latest: ipykernel writes under it
         self.producers: set[int] = set()
         self._lines: deque[tuple[Stream, str]] = deque(maxlen=_KEPT)
         self._parts: dict[tuple[int, Stream], str] = {}
@@ -83,7 +84,10 @@ class Output:
             self._news.clear()
             for pump in self.pumps:
                 pump()
-            self.in_cell(self._write_queued)
+            if threading.current_thread() is threading.main_thread():
+                self._write_queued()
+            else:
+                self.cell.copy().run(self._write_queued)
         finally:
             self._drainer = None
             self._draining.release()

@@ -198,7 +198,7 @@ class ActionHooks:
         self._patches.set(ServerGoalHandle, "publish_feedback", publish_feedback_seen)
 
     def _emit(self, kind: Kind, entity: Any, value: object, number: int, at: int = 0) -> None:
-        if not self._hooks.events:
+        if not self._hooks.events.observers:
             return
         where: Where | None = vars(entity).get(_WHERE)
         if where is None and isinstance(entity, ActionClient):
@@ -230,8 +230,9 @@ def hook_execution(patches: Patches, hooks: MessageHooks) -> None:
         server: ActionServer, execute_callback: Callable[..., Any], goal_handle: ServerGoalHandle
     ) -> None:
         where = where_of(server)
-        seen = _report_execution(execute_callback, where, hooks.spans) if hooks.events and where else execute_callback
-        await execute_goal(server, seen, goal_handle)
+        if hooks.events.observers and where is not None:
+            execute_callback = _report_execution(execute_callback, where, hooks.spans)
+        await execute_goal(server, execute_callback, goal_handle)
 
     patches.set(ActionServer, "_execute_goal", execute_goal_seen)
 

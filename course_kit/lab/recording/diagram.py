@@ -7,12 +7,10 @@ notebook; neither holds times or identifiers.
 from __future__ import annotations
 
 import textwrap
-from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.arrows import arrows_of
-from course_kit.lab.recording.timeline import SPAN_KINDS, Timeline
 from course_kit.ros.names import short_name
 from course_kit.ros.sequence import Arrow, sequence_css, sequence_svg
 from course_kit.text.templates import render_template
@@ -102,35 +100,11 @@ def _line(text: str) -> str:
     return " ".join(text.split())
 
 
-KEPT = 2000  # events; a call has four
 DRAWN = 60  # arrows, unless the caller wants another number
 
 
-class Recording:
-    """What has crossed since it began, up to a number of events, and its diagram."""
-
-    def __init__(self) -> None:
-        self._events: deque[Event] = deque(maxlen=KEPT)
-        self._spans: deque[Event] = deque(maxlen=KEPT)  # apart, so that a fast timer pushes no call out
-
-    @property
-    def events(self) -> list[Event]:
-        """The events, oldest first; those of other processes arrive late and are put where they belong."""
-        return sorted(self._events, key=lambda event: event.at)
-
-    def observe(self, event: Event) -> None:
-        (self._spans if event.kind in SPAN_KINDS else self._events).append(event)
-
-    def restart(self) -> None:
-        self._events.clear()
-        self._spans.clear()
-
-    def diagram(self, last: int | None = None) -> Diagram:
-        """Draw the latest arrows, `last` of them at most."""
-        arrows = arrows_of(self.events)
-        count = DRAWN if last is None else max(0, last)
-        return Diagram(arrows[len(arrows) - min(count, len(arrows)) :], left_out=max(0, len(arrows) - count))
-
-    def timeline(self) -> Timeline:
-        """Draw which thread was inside which callback, and what waited meanwhile."""
-        return Timeline(self.events, sorted(self._spans, key=lambda event: event.at))
+def draw_diagram(events: list[Event], last: int | None = None) -> Diagram:
+    """Draw the latest arrows, `last` of them at most."""
+    arrows = arrows_of(events)
+    count = DRAWN if last is None else max(0, last)
+    return Diagram(arrows[len(arrows) - min(count, len(arrows)) :], left_out=max(0, len(arrows) - count))

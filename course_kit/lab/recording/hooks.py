@@ -7,6 +7,7 @@ both the message and the number of its request. When a thread is inside a callba
 
 from __future__ import annotations
 
+import functools
 import inspect
 import os
 import threading
@@ -77,8 +78,6 @@ class CallbackSpans:
 
     def report_work(self, work: Work, where: Where, what: str) -> Work:
         """The same work, reported while it runs."""
-        if not self._events or is_of_every_node(where[1]):
-            return work
 
         async def reported() -> None:
             await self.steps(work(), where, what)
@@ -163,7 +162,7 @@ class MessageHooks:
 
         def call_async_seen(client: Client, request: Message) -> Future:
             self.clients.add(client)
-            if not self.events:
+            if not self.events.observers:
                 return call_async(client, request)
             before = time.monotonic_ns()  # the answer may be here before `call_async` returns
             future = call_async(client, request)
@@ -172,7 +171,7 @@ class MessageHooks:
 
         def publish_seen(publisher: Publisher, message: Message) -> None:
             kind: Any = publisher.msg_type  # a class, which its type in rclpy does not say
-            if self.events and not isinstance(message, bytes) and isinstance(message, kind):
+            if self.events.observers and not isinstance(message, bytes) and isinstance(message, kind):
                 where = self.identify(publisher)
                 if where[1] not in _SILENT_TOPICS:
                     self.events.emit("published", where, message)
@@ -275,8 +274,8 @@ class MessageHooks:
 
     def take_timer(self, executor: Executor, timer: Timer, work: Work | None) -> Work | None:
         """What `Executor._take_timer` has returned, reported while it runs."""
-        if work is None:
-            return None
+        if work is None or not self.events.observers:
+            return work
         node = vars(timer).get(_NODE)
         if node is None:
             owners = [node for node in executor.get_nodes() if any(timer is own for own in node.timers)]
@@ -288,23 +287,29 @@ class MessageHooks:
 
     def _report_callback(self, work: Work, entity: Any, what: str) -> Work:
         """The work, reported while it runs, unless it is that of the lab itself or of ROS."""
-        if not self.events:
+        if not self.events.observers:
             return work
         try:
             where = self.identify(entity)
         except InvalidHandle:
             return work
         own = where[0] in self.aliases.values()
-        return work if own or where[1] in _SILENT_TOPICS else self.spans.report_work(work, where, what)
+        return work if own or _is_of_ros(where[1]) else self.spans.report_work(work, where, what)
 
     def _emit(self, kind: Any, entity: Any, message: object, sequence: int) -> None:
-        if self.events:
+        if self.events.observers:
             try:
                 where = self.identify(entity)
             except InvalidHandle:
                 return
             if where[1] not in _SILENT_TOPICS:
                 self.events.emit(kind, where, message, sequence)
+
+
+@functools.lru_cache(maxsize=256)
+def _is_of_ros(channel: str) -> bool:
+    """Whether ROS or the lab speaks there, and no learner's callback."""
+    return channel in _SILENT_TOPICS or is_of_every_node(channel)
 
 
 def _service_type(entity: Service | Client) -> ServiceType:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from course_kit.lab.recording.events import Event
 
-SPAN_KINDS = frozenset({"callback_begun", "callback_ended"})
 _LAB_THREAD = "ros-lab"
 _WORDS = {"service": "answers {}", "topic": "hears {}", "timer": "timer {}", "goal": "executes a goal of {}"}
 # What is sent and has to be taken in by a thread of the other side, with a word for it.
@@ -58,8 +57,6 @@ def busy_times(events: Iterable[Event], own_process: int) -> list[CallbackSpan]:
     found: list[CallbackSpan] = []
     lanes: dict[tuple[int, int], str] = {}
     for event in events:
-        if event.kind not in SPAN_KINDS:
-            continue
         key = (event.value["process"], event.sequence)
         if event.kind == "callback_ended":
             span = open_spans.pop(key, None)

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 from course_kit.lab.errors import LabError
 from course_kit.lab.notebook.cells import Notebook
 from course_kit.lab.notebook.output import Output
-from course_kit.lab.recording.events import EventStream
+from course_kit.lab.recording.events import EventStream, Recording
 from course_kit.ros import graph
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable
 
-    from course_kit.lab.recording.diagram import Recording
     from course_kit.lab.runtime.engine import Engine
     from course_kit.lab.runtime.neighbours import Neighbours
     from course_kit.lab.runtime.nodes import LiveNode
@@ -78,7 +77,7 @@ class Lab:
 
     def live_nodes(self) -> list[LiveNode]:
         """The started nodes, by name."""
-        return sorted(self._engine.nodes, key=lambda live: live.name) if self._engine is not None else []
+        return sorted(self._engine.nodes.live, key=lambda live: live.name) if self._engine is not None else []
 
     def keep(self, subscription: Subscription) -> Subscription:
         self._subscriptions = [*(other for other in self._subscriptions if other.is_open), subscription]
@@ -96,8 +95,6 @@ class Lab:
 
     def record(self) -> Recording:
         """Begin a recording, which `lab.diagram` draws; what was recorded before is forgotten."""
-        from course_kit.lab.recording.diagram import Recording
-
         if self.recorder is None:
             self.recorder = Recording()
             self.events.listen(self.recorder.observe)
@@ -174,7 +171,7 @@ class Lab:
         engine = self._engine
         if engine is None or engine.in_callback():
             return
-        own = {live.name for live in engine.nodes}
+        own = {live.name for live in engine.nodes.live}
         deadline = time.monotonic() + _SETTLING
         pause = threading.Event()  # rclpy has no event for changes of the graph
         while time.monotonic() < deadline:

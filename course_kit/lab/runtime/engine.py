@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import rclpy.utilities
 
 from course_kit.lab.clients import Clients
-from course_kit.lab.errors import CallbackStopped, DeadlockError
+from course_kit.lab.errors import CallbackStopped
 from course_kit.lab.overrides.patches import Patches, quieten_finalizers
 from course_kit.lab.recording.action_hooks import ActionHooks, hook_execution
 from course_kit.lab.recording.hooks import MessageHooks
@@ -56,6 +56,8 @@ class Engine:
         self.failures = Failures(output, notebook.locate, self.hooks)
         self.executor_thread = ExecutorThread(notebook.ros_arguments(found), self.failures, found)
         self.executor = self.executor_thread.executor
+        self.in_callback = self.executor_thread.is_current_thread
+        self.not_in_callback = self.executor_thread.refuse_to_wait
         self.executions = execution.Executions(self.executor, output)
         self.nodes = Nodes(self.executor_thread, self._end_goals, self._forget)
         self.clients = Clients(self.executor_thread, self.hooks)
@@ -82,7 +84,7 @@ class Engine:
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
-        self._end_goals([live.node for live in self.nodes], _LAST_JOIN)
+        self._end_goals([live.node for live in self.nodes.live], _LAST_JOIN)
         try:
             return self.executor_thread.close(self._destroy_nodes)
         finally:
@@ -101,9 +103,6 @@ class Engine:
     def own_names(self) -> frozenset[str]:
         return frozenset({self.node.get_fully_qualified_name()})
 
-    def in_callback(self) -> bool:
-        return self.executor_thread.is_current_thread()
-
     def in_execution(self) -> bool:
         return self.executions.find_by_thread() is not None
 
@@ -111,13 +110,6 @@ class Engine:
         """The callback that is running on this thread, or the lab's."""
         running = self.executions.find_by_thread()
         return self.executor.callback_run if running is None else execution.callback_of(running)
-
-    def not_in_callback(self, what: str) -> None:
-        if self.in_callback():
-            raise DeadlockError(
-                f"{what} inside a callback would wait for the thread it runs on. Use the node's own client and "
-                f"{'send_goal_async' if 'goal' in what else 'call_async'}() there."
-            )
 
     def call_back(self, function: Callable[[], object]) -> None:
         """Call a learner's function on the lab's thread; report what it raises."""
@@ -142,7 +134,7 @@ class Engine:
 
     def end_strays(self, kept: Iterable[object]) -> list[str]:
         """Destroy the nodes that neither the lab nor an executor of the learner's runs; returns their names."""
-        run = [node for live in self.nodes for node in (live.node, *live.helpers)]
+        run = [node for live in self.nodes.live for node in live.made]
         run += [node for executor in list(self.spinning) for node in executor.get_nodes()]
         ids = set(map(id, (*run, *self.guests, *kept)))
         return nodes.end_strays(lambda node: id(node) not in ids)
@@ -157,7 +149,7 @@ class Engine:
     def why_no_answer(self, service: str) -> str:
         if busy := self._busy():
             return busy
-        for live in self.nodes:
+        for live in self.nodes.live:
             serving = [server for server in live.node.services if server.service_name == service]
             if any(server is unfinished for server in serving for unfinished in self.executor.unfinished_entities()):
                 return f"A callback of {live.node.get_name()} for this service has not finished: it awaits something."
@@ -174,7 +166,7 @@ class Engine:
     def why_no_result(self, action: str) -> str:
         if busy := self._busy():
             return busy
-        for live in self.nodes:
+        for live in self.nodes.live:
             if action in actions_of(live.node):
                 running = self.executions.find_by_node(live.node)
                 if running is not None and running.thread is not None:

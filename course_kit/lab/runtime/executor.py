@@ -181,6 +181,13 @@ class ExecutorThread:
     def is_current_thread(self) -> bool:
         return threading.current_thread() is self._thread
 
+    def refuse_to_wait(self, what: str) -> None:
+        if self.is_current_thread():
+            raise DeadlockError(
+                f"{what} inside a callback would wait for the thread it runs on. Use the node's own client and "
+                f"{'send_goal_async' if 'goal' in what else 'call_async'}() there."
+            )
+
     def run_between_callbacks(self, function: Callable[[], object], deadline: float) -> bool:
         if self.is_current_thread():
             function()

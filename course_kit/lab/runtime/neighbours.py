@@ -129,11 +129,6 @@ class Neighbours:
 
     def tell_who_answers(self, role: graph.Role, name: str) -> None:
         """Say so once where another notebook's node answers, in place of one that this one has forgotten to start."""
-        own = [node for live in self._lab.nodes for node in (live.node, *live.helpers)]
-        if any(service.service_name == name for node in own for service in node.services) or (
-            role == graph.RUNS and any(name in actions_of(node) for node in own)
-        ):
-            return
         whose = {node: other.title for other in self.others() for node in other.nodes}
         if not whose or any(self._offers(node, role, name) for node in self._script_nodes()):
             return
@@ -159,7 +154,7 @@ class Neighbours:
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
         own: dict[tuple[str, graph.Role], int] = {}
-        for live in self._lab.nodes:
+        for live in self._lab.nodes.live:
             for name, role in _offered_by(live):
                 own[name, role] = own.get((name, role), 0) + 1
         for (name, role), count in own.items():
@@ -167,7 +162,7 @@ class Neighbours:
                 yield name, role
 
     def _list_offering(self, name: str, role: graph.Role) -> list[str]:
-        own = {live.name for live in self._lab.nodes} | self._lab.own_names
+        own = {live.name for live in self._lab.nodes.live} | self._lab.own_names
         found = [node for node in sorted(set(graph.node_names(self._node)) - own) if self._offers(node, role, name)]
         return found or sorted(own & {node for other in self.others() for node in other.nodes})
 
@@ -176,7 +171,7 @@ class Neighbours:
 
 
 def _offered_by(live: LiveNode) -> Iterable[tuple[str, graph.Role]]:
-    for node in (live.node, *live.helpers):
+    for node in live.made:
         for service in node.services:
             if not is_of_every_node(service.service_name):
                 yield service.service_name, graph.SERVES

@@ -10,7 +10,7 @@ import contextlib
 import gc
 import re
 import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
@@ -22,7 +22,7 @@ from course_kit.lab.runtime.failures import without_self
 from course_kit.ros.names import full_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from rclpy.node import Node
 
@@ -39,8 +39,8 @@ class LiveNode:
     node: Node
     node_class: type
     arguments: tuple[object, ...]
-    helpers: list[Node] = field(default_factory=list)
-    name: str = ""
+    made: list[Node]  # the node and those that its `__init__` has made
+    name: str
 
     def same_class(self, node_class: type) -> bool:
         mine = self.node_class
@@ -64,14 +64,12 @@ class Nodes:
         self._executor_thread = executor_thread
         self._end_goals = end_goals
         self._gone = gone
-        self._live: list[LiveNode] = []
+        self.live: tuple[LiveNode, ...] = ()
+        self._changing = threading.Lock()
         self._start = threading.local()  # on each thread the nodes `made` so far by the start that is under way
 
-    def __iter__(self) -> Iterator[LiveNode]:
-        return iter(list(self._live))
-
     def __contains__(self, node: object) -> bool:
-        return any(live.node is node for live in self._live)
+        return any(live.node is node for live in self.live)
 
     def watch(self, patches: Patches) -> None:
         """Know each node from its `Node.__init__` on, before it has its name on the graph."""
@@ -95,7 +93,7 @@ class Nodes:
         __tracebackhide__ = True  # IPython: the learner's own lines are what matters
         _require_node_class(node_class)
         given = (arguments, options)
-        for live in self:
+        for live in self.live:
             if live.precedes(node_class, given):
                 self.stop(live)
         made: list[Node] = []
@@ -116,37 +114,36 @@ class Nodes:
         if not any(node is other for other in made):
             self._destroy(made)
             raise LabError(_no_super(node_class))
-        helpers = [other for other in made if other is not node]
         name = node.get_fully_qualified_name()
         self._stop_named(name)  # a remapped name shows only now
-        self._live.append(LiveNode(node, node_class, given, helpers, name))
+        with self._changing:
+            self.live = (*self.live, LiveNode(node, node_class, given, made, name))
         self._executor_thread.executor.add_node(node)
         return node
 
     def find(self, target: object) -> list[LiveNode]:
         """The live nodes meant by a node, a class, or a name with or without its namespace."""
         if isinstance(target, type):
-            return [live for live in self if live.same_class(target)]
+            return [live for live in self.live if live.same_class(target)]
         if isinstance(target, str):
-            return [live for live in self if target in {live.name, live.name.rpartition("/")[2]}]
-        return [live for live in self if live.node is target]
+            return [live for live in self.live if target in {live.name, live.name.rpartition("/")[2]}]
+        return [live for live in self.live if live.node is target]
 
     def stop(self, live: LiveNode) -> None:
         """Take a node off the graph, between two callbacks; one that does not end is stopped."""
-        if live not in self._live:
-            return
-        self._live.remove(live)
-        nodes = [live.node, *live.helpers]
-
-        self._end_goals(nodes)
+        with self._changing:
+            if live not in self.live:
+                return
+            self.live = tuple(other for other in self.live if other is not live)
+        self._end_goals(live.made)
 
         def end() -> None:
-            self._gone(nodes)
-            self._destroy(nodes)
+            self._gone(live.made)
+            self._destroy(live.made)
 
         if not self._executor_thread.run_between_callbacks(end, _BETWEEN_CALLBACKS):
             turn = self._executor_thread.executor.callback_run
-            if turn is not None and (turn.node is None or turn.node in nodes):
+            if turn is not None and (turn.node is None or turn.node in live.made):
                 self._executor_thread.stop_callback()
             end()
 
@@ -157,19 +154,19 @@ class Nodes:
 
     def destroy_all(self) -> None:
         """Destroy every node; for the end of the lab, when no callback runs."""
-        while self._live:
-            live = self._live.pop()
-            self._destroy([live.node, *live.helpers])
+        for live in self.live:
+            self._destroy(live.made)
+        self.live = ()
 
     def _other_type(self, node_class: type, error: BaseException) -> str:
         found = re.search(r"topic name r[tqr](?P<name>/\S+?)(Request|Reply)? with", str(error))
         name = found["name"] if found else "a service or topic"
-        users = [live.name.lstrip("/") for live in self if name in channels_of(live.node)]
+        users = [live.name.lstrip("/") for live in self.live if name in channels_of(live.node)]
         others = f" It is used by {', '.join(sorted(users))}; stop that first." if users else ""
         return f"{node_class.__name__} uses {name} with a different type than the rest of this lab does.{others}"
 
     def _stop_named(self, name: str) -> None:
-        for live in self:
+        for live in self.live:
             if live.name == name:
                 self.stop(live)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.diagram import Recording
+    from course_kit.lab.recording.events import Recording
     from course_kit.lab.runtime.core import Lab
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 from typing import Any
 
 from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
-from course_kit.lab.recording.diagram import DRAWN, KEPT, Recording
-from course_kit.lab.recording.events import Event
+from course_kit.lab.recording.diagram import DRAWN, draw_diagram
+from course_kit.lab.recording.events import KEPT, Event, Recording
 from course_kit.ros.sequence import Arrow
 
 
@@ -83,8 +83,8 @@ def test_a_recording_is_bounded_sorted_and_can_begin_anew() -> None:
         recording.observe(event)
     assert len(recording.events) == KEPT
     assert [event.at for event in recording.events] == sorted(event.at for event in recording.events)
-    assert len(recording.diagram().arrows) == DRAWN
-    assert len(recording.diagram(last=3).arrows) == 3
-    assert recording.diagram(last=0).arrows == []
+    assert len(draw_diagram(recording.events).arrows) == DRAWN
+    assert len(draw_diagram(recording.events, last=3).arrows) == 3
+    assert draw_diagram(recording.events, last=0).arrows == []
     recording.restart()
     assert recording.events == []

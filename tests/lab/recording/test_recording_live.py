@@ -15,7 +15,7 @@ from course_kit import lab
 from tests.lab.nodes import Faulty, Switch
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.diagram import Recording
+    from course_kit.lab.recording.events import Recording
 
 
 @pytest.mark.usefixtures("recording")

@@ -19,7 +19,6 @@ from course_kit import lab
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from course_kit.lab.recording.diagram import Recording
     from course_kit.lab.recording.timeline import Timeline
 
 pytestmark = pytest.mark.usefixtures("recording")
@@ -74,7 +73,7 @@ def timeline() -> Timeline:
     return found
 
 
-def test_a_callback_that_awaits_gives_its_thread_back(recording: Recording) -> None:
+def test_a_callback_that_awaits_gives_its_thread_back() -> None:
     lab.start(Adder)
     lab.start(Doubler)
     lab.call_blocking("/double", AddTwoInts, a=21)
@@ -87,7 +86,7 @@ def test_a_callback_that_awaits_gives_its_thread_back(recording: Recording) -> N
     for one, other in itertools.pairwise(busy):
         assert one.end is not None
         assert one.begin <= one.end <= other.begin  # one thread is never in two callbacks
-    assert recording.timeline().waiting == []
+    assert timeline().waiting == []
 
 
 def test_a_goal_has_a_thread_of_its_own_and_a_timer_goes_on_meanwhile() -> None:
