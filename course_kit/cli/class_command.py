@@ -126,6 +126,8 @@ def _run(options: argparse.Namespace) -> int:
         raise GradingError("--again works on the results of an earlier run. Add --resume.")
     if unknown := [name for name in options.again if name not in chosen]:
         raise GradingError(f"--again has {', '.join(unknown)}, and --exercise does not. Give it to both.")
+    if options.write and not options.again:
+        raise GradingError("--write saves the changes of --again. Name the exercise with --again, too.")
     if options.dry_run:
         return _dry_run(_plan(options, chosen.values()))
     if not options.scheduler:

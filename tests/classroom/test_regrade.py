@@ -149,7 +149,11 @@ def test_at_a_terminal_it_asks(course: Course, inbox: Path, tmp_path: Path) -> N
 
 @pytest.mark.parametrize(
     ("more", "said"),
-    [(("--again", EXERCISE), "Add --resume"), (("--resume", "--again", "move_robot"), "--exercise does not")],
+    [
+        (("--again", EXERCISE), "Add --resume"),
+        (("--resume", "--again", "move_robot"), "--exercise does not"),
+        (("--resume", "--write"), "with --again, too"),
+    ],
 )
 def test_what_cannot_be_graded_again_is_said(
     more: tuple[str, ...], said: str, inbox: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
