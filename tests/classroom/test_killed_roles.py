@@ -30,7 +30,6 @@ EXERCISE = "temperature_service"
 pytestmark = [pytest.mark.answers]
 ROLES = (
     "grade warm",
-    "grade launchers",
     "grade launcher",
     "grade worker",
     "grade grader",

@@ -18,23 +18,23 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams
 from course_kit.process import Closable, tree
 from course_kit.process.fork import fork_child, freeze_memory
-from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
+from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
 _LOAD, _START, _END, _ENDED = b"load", b"start", b"end", b"ended"
 _LARGEST_ORDER = 16 * 1024  # bytes
 _MOST_DESCRIPTORS = 16
-_REQUEST, _STREAMS, _NAMESPACES = slice(0, 1), slice(1, 6), slice(6, 8)  # of the descriptors of an order to start
-_REQUEST_S = 20.0  # the fork reads at once; a machine that is stuck for so long grades nothing
+_REQUEST, _STREAMS, _NAMESPACES = 0, slice(1, 6), slice(6, 8)  # of the descriptors of an order to start
 _ENDING_S = 30.0  # killing is quick, also of hundreds of processes
 
 
@@ -61,18 +61,12 @@ class Launcher(Closable):
 
     def start(self, program: Program, setup: RunSetup, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over."""
-        ours, theirs = socket.socketpair()
-        request = Channel(ours)
         try:
-            descriptors = [theirs.fileno(), *inside.descriptors(), *network]
-            socket.send_fds(self._line, [_START], descriptors)
-            theirs.close()
-            request.send({"program": program, "setup": setup})
-        except (OSError, ChannelClosedError) as problem:
+            with open(make_memory_file("start order"), "w+b", buffering=0) as request:  # noqa: PTH123 - a descriptor
+                request.write(json.dumps([program, setup], default=msgspec.to_builtins).encode())
+                socket.send_fds(self._line, [_START], [request.fileno(), *inside.descriptors(), *network])
+        except OSError as problem:
             raise SandboxStartError(f"a program cannot be started: {problem}") from problem
-        finally:
-            theirs.close()
-            request.close()
 
     def end(self) -> None:
         """Kill all that was started; returns when it is dead."""
@@ -90,27 +84,6 @@ class Launcher(Closable):
         self._line.close()
 
 
-def serve_all(lines: Sequence[socket.socket]) -> None:
-    """The process: serve each line in an own process."""
-    set_name("grade launchers")
-    die_with_parent()
-    for line in lines:
-        fork_child(partial(_serve_one, line, lines))
-    for line in lines:
-        line.close()
-    with suppress(ChildProcessError):
-        while True:
-            os.wait()
-
-
-def _serve_one(line: socket.socket, lines: Iterable[socket.socket]) -> None:
-    die_with_parent()
-    for other in lines:
-        if other is not line:
-            other.close()
-    _serve(line)
-
-
 def _load(names: Sequence[Sequence[str]]) -> None:
     from importlib import import_module
 
@@ -121,7 +94,8 @@ def _load(names: Sequence[Sequence[str]]) -> None:
             check_for_type_support(getattr(import_module(module), name))
 
 
-def _serve(line: socket.socket) -> None:
+def serve(line: socket.socket) -> None:
+    """The process: obey until the other end closes."""
     set_name("grade launcher")
     adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -153,7 +127,7 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
     set_name("grade enter")
     die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
-    program, setup = _receive(descriptors[_REQUEST][0])
+    program, setup = _read_order(descriptors[_REQUEST])
     try:
         if network := descriptors[_NAMESPACES]:
             namespaces.join(*network)
@@ -170,8 +144,8 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
     os.waitpid(child, 0)
 
 
-def _receive(descriptor: int) -> tuple[Program, RunSetup]:
-    channel = Channel(socket.socket(fileno=descriptor))
-    request = channel.receive(_REQUEST_S)
-    channel.close()
-    return convert_record(request["program"], Program), convert_record(request["setup"], RunSetup)
+def _read_order(descriptor: int) -> tuple[Program, RunSetup]:
+    with open(descriptor, "rb") as file:
+        file.seek(0)
+        program, setup = json.load(file)
+    return convert_record(program, Program), convert_record(setup, RunSetup)

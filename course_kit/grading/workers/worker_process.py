@@ -11,38 +11,28 @@ import socket
 import sys
 import tempfile
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.sandbox import file_view, isolation, namespaces, needs
+from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, needs
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
-from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError, serve_all
+from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
 from course_kit.grading.workers import grader_module, grader_process
 from course_kit.process.fork import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.model.job import GradingOutcome, Isolation
     from course_kit.grading.sandbox.file_view import FileView
-    from course_kit.process import Closable
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 _FIRST_SERVED = -19  # nice value
-
-
-@dataclass(frozen=True)
-class _Common:
-    """What holds for all workers of this process."""
-
-    isolation: Isolation  # what isolates submissions
-    priority: int  # the nice value they run at
-    view: FileView  # the files they see
 
 
 def serve(channels: Sequence[Channel]) -> None:
@@ -59,67 +49,61 @@ def serve(channels: Sequence[Channel]) -> None:
         grader_process.warm_up()
     finally:
         found = trial.outcome()
-    common = _Common(found, usual, file_view.view_of_program())
+    view = file_view.view_of_program()
     pairs = [Launcher.pair() for _ in channels]
-    launchers = [launcher for launcher, _ in pairs]
+    ends = [*channels, *(end for pair in pairs for end in pair)]
     freeze_memory()
-    fork_child(partial(_serve_launchers, [end for _, end in pairs], [*channels, *launchers]))
-    for channel, starter in zip(channels, launchers, strict=True):
-        others = [end for end in (*channels, *launchers) if end not in (channel, starter)]
-        fork_child(partial(_work_apart, channel, starter, others, common))
-    for pipe in (*channels, *launchers):
-        pipe.close()
-    for _, end in pairs:
+
+    def fork(run: Callable[[], object], *kept: Channel | Launcher | socket.socket) -> None:
+        """Fork; the child holds none of the ends of others, else nobody would notice that one of those ends."""
+
+        def run_apart() -> None:
+            die_with_parent()
+            for end in ends:
+                if end not in kept:
+                    end.close()
+            run()
+
+        fork_child(run_apart)
+
+    for channel, (starter, line) in zip(channels, pairs, strict=True):
+        fork(partial(launcher.serve, line), line)
+        fork(partial(_work, channel, starter, found, view, usual), channel, starter)
+    for end in ends:
         end.close()
     with suppress(ChildProcessError):
         while True:
             os.wait()
 
 
-def _serve_launchers(ends: Sequence[socket.socket], others: Sequence[Closable]) -> None:
-    """The process from which submissions are forked: nothing was loaded before that is not for them."""
-    for other in others:
-        other.close()
-    serve_all(ends)
-
-
-def _work_apart(channel: Channel, starter: Launcher, others: Sequence[Closable], common: _Common) -> None:
-    """A worker, which is a fork of this process."""
+def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView, priority: int) -> None:
+    """A worker, which is a fork of this process: grade job after job, until the other end closes."""
     os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
-    die_with_parent()
     adopt_orphans()
     set_name("grade worker")
-    for other in others:
-        other.close()  # else nobody would notice the end of that worker
+    user = isolation.guest_user(os.getpid()) if found.user else 0
+    loaded: set[tuple[str, str]] = set()
+    network = Network()
     with (
         suppress(ChannelClosedError, GivenUpError),
         tempfile.TemporaryDirectory(prefix="course-kit-worker-", ignore_cleanup_errors=True) as folder,
     ):
         os.chmod(folder, 0o711)  # noqa: PTH101, S103 - a submission with its own user finds its directory in it
         os.environ["ROS_LOG_DIR"] = folder  # of the grader process, which logs nothing
-        _work(channel, starter, common, folder)
-
-
-def _work(channel: Channel, starter: Launcher, common: _Common, folder: str) -> None:
-    """Grade job after job, until ChannelClosedError ends it."""
-    found = common.isolation
-    user = isolation.guest_user(os.getpid()) if found.user else 0
-    loaded: set[tuple[str, str]] = set()
-    network = Network()
-    channel.send({"isolation": found, "process": os.getpid()})
-    while True:
-        job = convert_record(channel.receive()["job"], Job)
-        job = replace(job, isolation=found, priority=common.priority, scratch=folder, user=user)
-        if new := _prepare(job) - loaded:
-            starter.load(sorted(new))
-            loaded |= new
-        if found.network and job.mode != "attach" and not network.descriptors:
-            network = enter_own_network(user)
-        for _ in range(_TRIES):
-            outcome = _grade(job, channel, starter, common.view, network)
-            if not outcome["again"]:
-                break
-        channel.send(outcome)
+        channel.send({"isolation": found, "process": os.getpid()})
+        while True:
+            job = convert_record(channel.receive()["job"], Job)
+            job = replace(job, isolation=found, priority=priority, scratch=folder, user=user)
+            if new := _prepare(job) - loaded:
+                starter.load(sorted(new))
+                loaded |= new
+            if found.network and job.mode != "attach" and not network.descriptors:
+                network = enter_own_network(user)
+            for _ in range(_TRIES):
+                outcome = _grade(job, channel, starter, view, network)
+                if not outcome["again"]:
+                    break
+            channel.send(outcome)
 
 
 def _prepare(job: Job) -> set[tuple[str, str]]:
