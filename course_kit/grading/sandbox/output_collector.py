@@ -22,6 +22,7 @@ _TEXTS = ("returned", "result", "value", "lost_in")
 _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
+_WATCHER_KILLED = "the process that watches the submission was killed, perhaps because the machine is out of memory"
 _LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
 _EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens after that
@@ -63,10 +64,10 @@ class OutputCollector:
     """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
 
     def __init__(self, streams: Streams, limit_kb: int, totals: tuple[BoundedOutput, BoundedOutput]) -> None:
-        self.over = False
+        self.over = streams.status < 0
         self.samples = 0
         self.evidence_bytes = 0
-        self._streams = streams
+        self.streams = streams
         self._limit = limit_kb * 1024
         self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
         self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
@@ -76,35 +77,41 @@ class OutputCollector:
         self._evidence = b""
         self._evidence_taken = 0
 
+    def ask(self, what: bytes) -> None:
+        """Ask the init process for `SAMPLE`, `STACKS` or `KILL`; the answer comes on its stream."""
+        with suppress(OSError):  # it has ended; so its stream says
+            os.write(self.streams.control, what + b"\n")
+
     def open_streams(self) -> dict[int, str]:
         """The descriptors that may still bring something, with their names."""
         names = ("stdout", "stderr", "status", "evidence")
-        return {getattr(self._streams, name): name for name in names if getattr(self._streams, name) >= 0}
+        return {getattr(self.streams, name): name for name in names if getattr(self.streams, name) >= 0}
 
     def take(self, name: str) -> None:
         """Read what has come on the stream `name`."""
-        descriptor = getattr(self._streams, name)
+        descriptor = getattr(self.streams, name)
         try:
             data = os.read(descriptor, _CHUNK)
         except BlockingIOError:
             return
         if not data:
             os.close(descriptor)
-            setattr(self._streams, name, -1)
+            setattr(self.streams, name, -1)
             if name == "status":
-                self._drain()
-                self.over = True
+                self.take_the_rest()  # its last words explain the end
+                if not _ENDS & set(self._facts):
+                    self._facts.setdefault("problem", _WATCHER_KILLED)
         elif name == "status":
             self._take_status(data)
         else:
             self._keep(name, data)
 
     def take_the_rest(self) -> None:
-        """Read what is left when all processes of the sandbox are dead."""
+        """Read what is left when the program has ended."""
         # They need not end: a program may have sent them to a process that lives on. So no more than can be there.
         for name in self.open_streams().values():
             for _ in range(0, _LAST_WORDS, _CHUNK):
-                if getattr(self._streams, name) >= 0:
+                if getattr(self.streams, name) >= 0:
                     self.take(name)
         self.over = True
 
@@ -114,11 +121,7 @@ class OutputCollector:
 
     def fault(self) -> str:
         """What of the sandbox has failed by itself, for people; empty while all is well."""
-        if problem := self._facts.get("problem"):
-            return str(problem)
-        if self.over and not _ENDS & set(self._facts):
-            return "the process that watches the submission was killed, perhaps because the machine is out of memory"
-        return ""
+        return str(self._facts.get("problem", ""))
 
     def was_killed(self) -> bool:
         """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
@@ -167,14 +170,8 @@ class OutputCollector:
         self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
         self._evidence_taken += len(data)
         if self._evidence_taken > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
-            os.close(self._streams.evidence)
-            self._streams.evidence = -1
-
-    def _drain(self) -> None:
-        """Read what the program had still written when it ended: its last words explain the end."""
-        for name in ("stdout", "stderr", "evidence"):
-            with suppress(OSError):
-                self._keep(name, os.read(getattr(self._streams, name), _LAST_WORDS))
+            os.close(self.streams.evidence)
+            self.streams.evidence = -1
 
     def _keep(self, name: str, data: bytes) -> None:
         if name == "evidence":

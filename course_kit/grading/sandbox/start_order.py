@@ -54,7 +54,7 @@ class RunSetup:
 
     limits: Limits  # what it may use
     isolation: Isolation  # what is known to hold on this machine
-    scratch: str  # the folder in which its scratch directory is made; within the sandbox that directory itself
+    scratch: str  # its scratch directory
     view: FileView = field(default_factory=FileView)  # the files it sees
     # variables to set for the program, beside HOME, TMPDIR and PWD
     environment: Mapping[str, str] = field(default_factory=dict)
@@ -91,14 +91,14 @@ class Streams:
                 setattr(self, name, -1)
 
 
-def run_setup(job: Job, variables: Mapping[str, str], view: FileView) -> RunSetup:
+def run_setup(job: Job, variables: Mapping[str, str], view: FileView, scratch: str) -> RunSetup:
     """The setup for a job, with these variables and files."""
     user = _user(job)
     interfaces = {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}  # before others of one name
     return RunSetup(
         limits=job.limits,
         isolation=job.isolation,
-        scratch=job.scratch,
+        scratch=scratch,
         view=_view(job, view),
         environment={**_NO_BYTECODE, **variables, **interfaces},
         priority=job.priority,

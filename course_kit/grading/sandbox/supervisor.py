@@ -11,8 +11,7 @@ import select
 import shutil
 import tempfile
 import time
-from contextlib import ExitStack, suppress
-from dataclasses import replace
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from course_kit import environment
@@ -21,13 +20,13 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
-from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams, program_of, run_setup
+from course_kit.grading.sandbox.start_order import Streams, program_of, run_setup
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
 from course_kit.process.libc import die_with_parent, make_memory_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -82,8 +81,8 @@ class Supervisor:
         self._parent = parent
         self._began = time.monotonic()
         self._totals = (BoundedOutput(), BoundedOutput())
-        self._sandbox: Sandbox | None = None
-        self._collector: OutputCollector | None = None
+        self._folder = ""  # the scratch directory of what runs; empty while nothing does
+        self._collector = OutputCollector(Streams(*[-1] * 5), 0, self._totals)  # of what was started last
         self._lives = _share_byte()  # 1 while it does; shared with the grader, as a question costs both processes
         self._domains = ExitStack()
         self._launches = 0
@@ -152,9 +151,9 @@ class Supervisor:
     def _look_after_everything(self) -> None:
         """End a submission whose time is up."""
         now, deadline = time.monotonic(), self._wall_end()
-        if self._collector is not None and (fault := self._collector.fault()):
+        if fault := self._collector.fault():
             raise _BrokenOffError(fault)
-        if now > deadline and self._collector is not None and not self._collector.over:
+        if now > deadline and not self._collector.over:
             self._end_submission("time")
         if now > deadline + _GRADER_GRACE_S:
             raise _BrokenOffError("the grader's own process did not finish in time")
@@ -185,9 +184,16 @@ class Supervisor:
         job = self._job.for_program(message["program"]) if self._job.files else self._job
         program = program_of(job, arguments, message["files"])
         variables = {**message["variables"], **self._network.variables, "ROS_DOMAIN_ID": str(domain)}
-        setup = run_setup(job, variables, self._view)
-        self._sandbox = Sandbox(program, setup, self._launcher, self._network.descriptors)
-        self._collector = OutputCollector(self._sandbox.streams, job.limits.output_kb, self._totals)
+        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=job.scratch or None)
+        setup = run_setup(job, variables, self._view, self._folder)
+        if setup.user:
+            os.chown(self._folder, setup.user, setup.user)
+        streams, inside = _pipes()
+        self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
+        try:
+            self._launcher.start(program, setup, inside, self._network.descriptors)
+        finally:
+            inside.close()
         self._lives[0] = True
         return {"domain": domain}
 
@@ -207,35 +213,32 @@ class Supervisor:
         return self._domains.enter_context(environment.exclusive_domain())
 
     def _facts(self, *, fresh: bool) -> Record:
-        if self._collector is None or self._sandbox is None:
-            return {"running": False}
         if fresh and not self._collector.over:
             self._ask(init_process.SAMPLE)
         return self._collector.facts()
 
     def _ask(self, what: bytes) -> None:
-        assert self._collector is not None and self._sandbox is not None  # noqa: PT018, S101 - something runs
         before = self._collector.samples
-        self._sandbox.ask(what)
+        self._collector.ask(what)
         self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
 
     def _kill_program(self, program: bytes) -> bool:
         """Kill the process that runs one of several programs; whether there was one."""
-        if self._collector is None or self._collector.over:
+        if self._collector.over:
             return False
         self._ask(init_process.KILL + program)
         return bool(self._collector.facts().get("found"))
 
     def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty if it is silent."""
-        if self._collector is None or self._sandbox is None or self._collector.over:
+        if self._collector.over:
             return ""
         self._collector.forget_stacks()
         began = time.monotonic()
-        self._sandbox.ask(init_process.STACKS + program)
+        self._collector.ask(init_process.STACKS + program)
         self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
         # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
-        self._sandbox.ask(init_process.STACKS + program)
+        self._collector.ask(init_process.STACKS + program)
         whole_s = began + _DUMP_S - time.monotonic()
         self._pump_until(lambda collector: collector.has_whole_dump() or collector.over, whole_s)
         size = -1
@@ -251,13 +254,13 @@ class Supervisor:
 
     def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
         deadline = time.monotonic() + patience_s
-        while self._collector is not None and not condition(self._collector) and time.monotonic() < deadline:
+        while not condition(self._collector) and time.monotonic() < deadline:
             self._pump(_QUIET_S, None)
 
     def _pump(self, timeout: float, grader_process: Channel | None) -> bool:
         """Take in what the sandbox brings; True when the grader process wants something."""
         poll = select.poll()
-        streams = self._collector.open_streams() if self._collector else {}
+        streams = self._collector.open_streams()
         for descriptor in streams:
             poll.register(descriptor, select.POLLIN)
         if grader_process is not None:
@@ -267,66 +270,42 @@ class Supervisor:
         for descriptor, _ in poll.poll(timeout * 1000):
             if descriptor == self._parent.fileno():
                 raise GivenUpError
-            if descriptor in streams and self._collector is not None:
+            if descriptor in streams:
                 self._collector.take(streams[descriptor])
                 self._lives[0] = not self._collector.over
             else:
                 asked = True
-        if self._collector is not None and self._collector.too_much_output() and not self._collector.over:
+        if self._collector.too_much_output() and not self._collector.over:
             self._end_submission("output")
         return asked
 
     def _end_submission(self, limit: str) -> None:
-        if self._collector is not None:
-            self._collector.stopped_by_us(limit)
+        self._collector.stopped_by_us(limit)
         self._kill()
 
     def _kill(self) -> None:
-        if self._sandbox is None or self._collector is None:
-            return
-        self._sandbox.end()
-        self._collector.take_the_rest()
-        self._lives[0] = False
-        self._sandbox.streams.close()
-
-    def _stop(self) -> None:
-        if self._collector is not None and self._collector.was_killed():
-            self._again = True
-            if machine.count_oom_kills() != self._killed_before:
-                self._fault = "the machine ran out of memory, and Linux killed a process to free some"
-        self._kill()
-        if self._arguments and self._collector is not None and self._collector.facts()["stderr"]:
-            words = " ".join(self._arguments)  # or a provoked error looks like one of the ordinary run
-            self._totals[1].add(f"[Your program printed the lines above when it was started with: {words}]\n".encode())
-        self._sandbox = self._collector = None
-
-
-class Sandbox:
-    """One running submission."""
-
-    def __init__(self, program: Program, setup: RunSetup, launcher: Launcher, network: Sequence[int] = ()) -> None:
-        """Start `program`. Returns at once; whether it starts well is seen in what comes out of `streams`."""
-        self._launcher = launcher
-        self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=setup.scratch or None)
-        if setup.user:
-            os.chown(self._folder, setup.user, setup.user)
-        self.streams, inside = _pipes()
-        try:
-            launcher.start(program, replace(setup, scratch=self._folder), inside, network)
-        finally:
-            inside.close()
-
-    def ask(self, what: bytes) -> None:
-        """Ask the init process for `SAMPLE`, `STACKS` or `KILL`; the answer comes on its stream."""
-        with suppress(OSError):  # it has ended; so its stream says
-            os.write(self.streams.control, what + b"\n")
-
-    def end(self) -> None:
         """Kill all that was started; returns when it is dead and its scratch directory gone."""
+        if not self._folder:
+            return
         try:
             self._launcher.end()
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = ""
+        self._collector.take_the_rest()
+        self._lives[0] = False
+        self._collector.streams.close()
+
+    def _stop(self) -> None:
+        if self._collector.was_killed():
+            self._again = True
+            if machine.count_oom_kills() != self._killed_before:
+                self._fault = "the machine ran out of memory, and Linux killed a process to free some"
+        self._kill()
+        if self._arguments and self._collector.facts()["stderr"]:
+            words = " ".join(self._arguments)  # or a provoked error looks like one of the ordinary run
+            self._totals[1].add(f"[Your program printed the lines above when it was started with: {words}]\n".encode())
+        self._arguments = ()
 
 
 def _pipes() -> tuple[Streams, Streams]:
