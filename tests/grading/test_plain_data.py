@@ -11,7 +11,7 @@ from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.submission import Facts
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.grading.sandbox.start_order import Program, RunSetup
+from course_kit.grading.sandbox.start_order import Program, StartOrder
 
 
 def through_json(thing: object) -> dict[str, object]:
@@ -36,9 +36,8 @@ def test_a_job_arrives_with_all_its_parts() -> None:
     assert convert_record(through_json(job), Job) == job
 
 
-def test_the_conditions_and_the_program_of_a_sandbox_arrive() -> None:
-    view = FileView(("/usr",), ("/usr/x",), ("/bin",))
-    cell = RunSetup(Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
-    assert convert_record(through_json(cell), RunSetup) == cell
+def test_an_order_to_start_a_program_arrives() -> None:
     program = Program("a.py", "text", arguments=("-p", "x"), files={"f": "text"}, command=("sh",))
-    assert convert_record(through_json(program), Program) == program
+    view = FileView(("/usr",), ("/usr/x",), ("/bin",))
+    order = StartOrder(program, Limits(tasks=9), Isolation(files=True), "/scratch", view, {"A": "b"})
+    assert convert_record(through_json(order), StartOrder) == order

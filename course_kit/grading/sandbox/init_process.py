@@ -22,7 +22,7 @@ from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams
+    from course_kit.grading.sandbox.start_order import StartOrder, Streams
 
 FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"
@@ -35,42 +35,40 @@ _MB = 1024 * 1024
 _LONGEST_NAME = 15  # characters that the kernel keeps of a process's name
 
 
-def main(program: Program, setup: RunSetup, inside: Streams) -> None:
+def main(order: StartOrder, inside: Streams) -> None:
     """Arrange the files, start the program, watch it, and end when it has ended."""
     set_name("grade init")
     die_with_parent()
     adopt_orphans()
-    if setup.isolation.files:
+    if order.isolation.files:
         try:
-            arrange_files(setup.view, setup.scratch, 2 * setup.limits.file_mb, setup.user)
+            arrange_files(order.view, order.scratch, 2 * order.limits.file_mb, order.user)
         except OSError as problem:  # it worked when it was tried out: the machine has run out of something
             inside.tell(problem=f"the sandbox cannot be arranged: {problem}")
             return
     child = os.fork()
     if child == 0:
         try:
-            runner.main(program, setup, inside)
+            runner.main(order, inside)
         finally:
             os._exit(FAILED)
     namespaces.forbid_tracing()
     for end in (inside.stdout, inside.stderr, inside.evidence):
         os.close(end)
-    waiting = WaitTime(child, with_children=bool(program.command) or program.launches)
-    _Watch(child, setup, inside, waiting, together=program.launches).until_end()
-    if not setup.isolation.processes:
+    _Watch(child, order, inside).until_end()
+    if not order.isolation.processes:
         tree.end_descendants()
     os._exit(0)
 
 
 class _Watch:
-    def __init__(self, child: int, setup: RunSetup, inside: Streams, waiting: WaitTime, *, together: bool) -> None:
-        """Watch a program, or several `together`: the kernel counts the computing of each process alone."""
+    def __init__(self, child: int, order: StartOrder, inside: Streams) -> None:
         self._child = child
-        self._together = together
-        self._limits = setup.limits
-        self._own_network = setup.isolation.network
+        self._together = order.program.launches  # the kernel counts the computing of each process alone
+        self._limits = order.limits
+        self._own_network = order.isolation.network
         self._inside = inside
-        self._waiting = waiting
+        self._waiting = WaitTime(child, with_children=self._together or bool(order.program.command))
         self._root = tree.this_process()
         self._began = time.monotonic()
         self._computed_before = sum(os.times()[:2])

@@ -23,7 +23,7 @@ import msgspec
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.isolation import enter_processes
-from course_kit.grading.sandbox.start_order import Program, RunSetup, Streams
+from course_kit.grading.sandbox.start_order import StartOrder, Streams
 from course_kit.process import Closable, tree
 from course_kit.process.fork import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
@@ -59,11 +59,11 @@ class Launcher(Closable):
         with suppress(OSError):  # it has ended; starting a program says so
             self._line.send(_LOAD + json.dumps(interfaces).encode())
 
-    def start(self, program: Program, setup: RunSetup, inside: Streams, network: Sequence[int]) -> None:
+    def start(self, order: StartOrder, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over."""
         try:
             with open(make_memory_file("start order"), "w+b", buffering=0) as request:  # noqa: PTH123 - a descriptor
-                request.write(json.dumps([program, setup], default=msgspec.to_builtins).encode())
+                request.write(json.dumps(order, default=msgspec.to_builtins).encode())
                 socket.send_fds(self._line, [_START], [request.fileno(), *inside.descriptors(), *network])
         except OSError as problem:
             raise SandboxStartError(f"a program cannot be started: {problem}") from problem
@@ -102,7 +102,9 @@ def serve(line: socket.socket) -> None:
     while True:
         order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
         if order == _START:
-            _fork_gate(line, descriptors)
+            fork_child(partial(_gate, line, descriptors), failed=init_process.FAILED)
+            for descriptor in descriptors:
+                os.close(descriptor)
         elif order == _END:
             tree.end_descendants()
             with suppress(OSError):
@@ -115,37 +117,26 @@ def serve(line: socket.socket) -> None:
             return
 
 
-def _fork_gate(line: socket.socket, descriptors: Sequence[int]) -> None:
-    fork_child(partial(_gate, line, descriptors), failed=init_process.FAILED)
-    for descriptor in descriptors:
-        os.close(descriptor)
-
-
 def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
     line.close()
     gc.disable()  # a collection would copy pages; the program has it again
     set_name("grade enter")
     die_with_parent()
     inside = Streams(*descriptors[_STREAMS])
-    program, setup = _read_order(descriptors[_REQUEST])
+    with open(descriptors[_REQUEST], "rb") as file:  # noqa: PTH123 - a descriptor
+        file.seek(0)
+        order = convert_record(json.load(file), StartOrder)
     try:
         if network := descriptors[_NAMESPACES]:
             namespaces.join(*network)
             for descriptor in network:
                 os.close(descriptor)
-        if setup.isolation.processes:
-            enter_processes(setup.user)
+        if order.isolation.processes:
+            enter_processes(order.user)
     except OSError as problem:  # it worked when it was tried out: the machine has run out of something
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
     die_with_parent()  # entering a user namespace has cleared it
-    child = fork_child(partial(init_process.main, program, setup, inside), failed=init_process.FAILED)
+    child = fork_child(partial(init_process.main, order, inside), failed=init_process.FAILED)
     inside.close()
     os.waitpid(child, 0)
-
-
-def _read_order(descriptor: int) -> tuple[Program, RunSetup]:
-    with open(descriptor, "rb") as file:
-        file.seek(0)
-        program, setup = json.load(file)
-    return convert_record(program, Program), convert_record(setup, RunSetup)

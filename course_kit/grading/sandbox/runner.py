@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from types import CodeType
 
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.start_order import RunSetup, Streams
+    from course_kit.grading.sandbox.start_order import StartOrder, Streams
     from course_kit.launch.node import ProcessDescription
 
 # What launch files import has to be loaded before the kit's own files disappear.
@@ -53,11 +53,11 @@ _LONGEST_VALUE = 48 * 1024  # characters of all together; the grader keeps 64 kB
 _LONGEST_NAME, _MOST_NAMES = 40, 50
 
 
-def main(program: Program, setup: RunSetup, inside: Streams) -> None:
+def main(order: StartOrder, inside: Streams) -> None:
     """Turn this process into the submission; never returns but where it cannot be locked in."""
     try:
-        evidence = _lock_in(setup, inside)
-        program = _prepare(program, setup)
+        evidence = _lock_in(order, inside)
+        program = _prepare(order)
     except Exception as problem:  # noqa: BLE001 - all of it is the kit's; it worked when it was tried out
         inside.tell(problem=f"the program could not be started: {problem}")
         return
@@ -85,28 +85,28 @@ def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence:
     _finish(status)
 
 
-def _lock_in(setup: RunSetup, inside: Streams) -> int:
+def _lock_in(order: StartOrder, inside: Streams) -> int:
     """Give up every right and every stream that is not the program's; returns the descriptor for evidence."""
     set_name("submission")
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # as in any fresh Python; the grader's processes ignore it
     atexit._clear()  # noqa: SLF001 - what the launcher has registered is not the program's
-    os.setpriority(os.PRIO_PROCESS, 0, setup.priority)
-    _give_up_rights(setup)
-    setup.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
+    os.setpriority(os.PRIO_PROCESS, 0, order.priority)
+    _give_up_rights(order)
+    order.view = FileView()  # who looks through the frames below learns no name of a folder that is hidden
     return _arrange_streams(inside)
 
 
-def _give_up_rights(setup: RunSetup) -> None:
+def _give_up_rights(order: StartOrder) -> None:
     """For good: after this the process, and all it starts, can do no more than the submission may."""
-    if not setup.isolation.files and setup.isolation.landlock:
-        landlock.restrict(file_view.list_readable(setup.view), (setup.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
-    if setup.user:
-        isolation.become(setup.user)
+    if not order.isolation.files and order.isolation.landlock:
+        landlock.restrict(file_view.list_readable(order.view), (order.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
+    if order.user:
+        isolation.become(order.user)
     namespaces.drop_privileges()
     namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
-    if setup.isolation.syscalls:
-        seccomp.install(processes=setup.isolation.processes, files=setup.isolation.files)
+    if order.isolation.syscalls:
+        seccomp.install(processes=order.isolation.processes, files=order.isolation.files)
     _forget_the_grader()
 
 
@@ -117,19 +117,20 @@ def _forget_the_grader() -> None:
             del sys.modules[name]
 
 
-def _prepare(program: Program, setup: RunSetup) -> Program:
+def _prepare(order: StartOrder) -> Program:
     """Lay out all that the program finds when it begins; returns it with the names of its files among its arguments."""
-    folder = setup.scratch
-    variables = {**setup.environment, "HOME": folder, "TMPDIR": folder, "PWD": folder, "ROS_LOG_DIR": f"{folder}/log"}
-    os.environ.update(variables)
+    program, folder = order.program, order.scratch
+    os.environ.update(order.environment, HOME=folder, TMPDIR=folder, PWD=folder, ROS_LOG_DIR=f"{folder}/log")
     sys.dont_write_bytecode = True
     tempfile.tempdir = None  # the grader's own choice; TMPDIR counts now
     os.chdir(program.folder or folder)
-    program = _with_files(program, Path(folder))
+    for name, text in program.files.items():
+        Path(folder, name).write_text(text, encoding="utf-8")
     if not program.command:
         Path(program.name).write_text(program.source, encoding="utf-8", errors="surrogatepass")
-    limits.apply_to_this_process(setup.limits, setup.others)
-    return program
+    limits.apply_to_this_process(order.limits, order.others)
+    named = (f"{folder}/{word}" if word in program.files else word for word in program.arguments)
+    return replace(program, arguments=tuple(named))
 
 
 def _arrange_streams(inside: Streams) -> int:
@@ -144,28 +145,17 @@ def _arrange_streams(inside: Streams) -> int:
     os.closerange(inside.status + 1, os.sysconf("SC_OPEN_MAX"))
     sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - it stays open
     for name, descriptor in (("stdout", 1), ("stderr", 2)):
-        stream = _text(descriptor)
+        raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
+        stream = io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)
     return evidence
-
-
-def _text(descriptor: int) -> io.TextIOWrapper:
-    raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
-    return io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
 
 
 def _refuse_input(*prompt: object) -> str:
     """Stands in for `input`, which would find the end of an empty file and say no more than that."""
     del prompt
     raise EOFError("no one is there to type an answer")
-
-
-def _with_files(program: Program, folder: Path) -> Program:
-    for name, text in program.files.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    named = (str(folder / word) if word in program.files else word for word in program.arguments)
-    return replace(program, arguments=tuple(named))
 
 
 def _execute(program: Program) -> None:
@@ -190,7 +180,9 @@ def _run(program: Program, evidence: int) -> None:
         _run_for_value(code, module, program.variable, evidence)
         return
     notes.watch_lost_nodes(evidence, program.name)
-    default = _default_context()  # rclpy forgets one that was shut down, and with it that there was a node
+    from rclpy.utilities import get_default_context
+
+    default = get_default_context()  # rclpy forgets one that was shut down, and with it that there was a node
     exec(code, module.__dict__)  # noqa: S102
     if _has_made_nodes():
         return
@@ -304,13 +296,6 @@ def _literal(value: object) -> str:
         return repr(value)
     except Exception:  # noqa: BLE001 - a learner's class, a list within itself, a number with too many digits
         return f"<{type(value).__name__}>"
-
-
-def _default_context() -> object:
-    """The context that `rclpy.init()` will use."""
-    from rclpy.utilities import get_default_context
-
-    return get_default_context()
 
 
 def _has_made_nodes() -> bool:

@@ -24,6 +24,7 @@ from course_kit.process import tree
 
 if TYPE_CHECKING:
     from course_kit.grading.model.job import Job
+    from course_kit.grading.model.plain_data import Record
 
 _COUNTS_BY_NAMESPACE = (5, 14)  # Linux
 # What the user's other programs, gradings among them, may start while this one runs.
@@ -49,9 +50,10 @@ class Program:
 
 
 @dataclass
-class RunSetup:
-    """Under which conditions a program runs."""
+class StartOrder:
+    """A program, and under which conditions it runs."""
 
+    program: Program
     limits: Limits  # what it may use
     isolation: Isolation  # what is known to hold on this machine
     scratch: str  # its scratch directory
@@ -91,35 +93,34 @@ class Streams:
                 setattr(self, name, -1)
 
 
-def run_setup(job: Job, variables: Mapping[str, str], view: FileView, scratch: str) -> RunSetup:
-    """The setup for a job, with these variables and files."""
+def make_start_order(
+    job: Job, message: Record, variables: Mapping[str, str], view: FileView, scratch: str
+) -> StartOrder:
+    """The order to start a job's program as a message of the grader process wants it, in an empty directory."""
     user = _user(job)
-    interfaces = {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}  # before others of one name
-    return RunSetup(
-        limits=job.limits,
-        isolation=job.isolation,
-        scratch=scratch,
-        view=_view(job, view),
-        environment={**_NO_BYTECODE, **variables, **interfaces},
-        priority=job.priority,
-        others=0 if user else _others(job),
-        user=user,
-    )
-
-
-def program_of(job: Job, arguments: tuple[str, ...], files: Mapping[str, str]) -> Program:
-    """The program of a job, for one start."""
-    return Program(
+    program = Program(
         name=job.name,
         source=job.source,
         class_name=job.class_name,
         own_start=job.own_start,
-        arguments=arguments,
-        files={**{name: file.source for name, file in job.files.items() if name != job.name}, **files},
+        arguments=tuple(message["arguments"]),
+        files={**{name: file.source for name, file in job.files.items() if name != job.name}, **message["files"]},
         command=job.command,
         folder=job.folder,
         variable=job.variable,
         launches=job.launches,
+    )
+    interfaces = {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}  # before others of one name
+    return StartOrder(
+        program,
+        limits=job.limits,
+        isolation=job.isolation,
+        scratch=scratch,
+        view=_view(job, view),
+        environment={**_NO_BYTECODE, **message["variables"], **variables, **interfaces},
+        priority=job.priority,
+        others=0 if user else _others(job),
+        user=user,
     )
 
 

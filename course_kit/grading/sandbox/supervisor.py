@@ -20,7 +20,7 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
-from course_kit.grading.sandbox.start_order import Streams, program_of, run_setup
+from course_kit.grading.sandbox.start_order import Streams, make_start_order
 from course_kit.process import tree
 from course_kit.process.fork import fork_child
 from course_kit.process.libc import die_with_parent, make_memory_file
@@ -178,20 +178,19 @@ class Supervisor:
     def _launch(self, message: Record) -> Record:
         """Start the submission."""
         self._stop()
-        self._arguments = arguments = tuple(message["arguments"])
+        self._arguments = tuple(message["arguments"])
         self._launches += 1
         domain = self._domain()
         job = self._job.for_program(message["program"]) if self._job.files else self._job
-        program = program_of(job, arguments, message["files"])
-        variables = {**message["variables"], **self._network.variables, "ROS_DOMAIN_ID": str(domain)}
+        variables = {**self._network.variables, "ROS_DOMAIN_ID": str(domain)}
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=job.scratch or None)
-        setup = run_setup(job, variables, self._view, self._folder)
-        if setup.user:
-            os.chown(self._folder, setup.user, setup.user)
+        order = make_start_order(job, message, variables, self._view, self._folder)
+        if order.user:
+            os.chown(self._folder, order.user, order.user)
         streams, inside = _pipes()
         self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
         try:
-            self._launcher.start(program, setup, inside, self._network.descriptors)
+            self._launcher.start(order, inside, self._network.descriptors)
         finally:
             inside.close()
         self._lives[0] = True
