@@ -65,33 +65,25 @@ def speaking_task(process_id: int) -> int:
     """A number by which /proc tells a process's memory and files: its own, or a thread's if the first has ended."""
     if _stat(process_id)[0] != _ENDED:
         return process_id
-    threads = [int(name) for name in os.listdir(f"/proc/{process_id}/task")]  # noqa: PTH208 - hot
-    return next((thread for thread in threads if thread != process_id and _lives(thread)), process_id)
-
-
-def _lives(thread: int) -> bool:
-    with suppress(OSError, IndexError):
-        return _stat(thread)[0] != _ENDED
-    return False
+    for thread in map(int, os.listdir(f"/proc/{process_id}/task")):  # noqa: PTH208 - hot
+        with suppress(OSError, IndexError):
+            if thread != process_id and _stat(thread)[0] != _ENDED:
+                return thread
+    return process_id
 
 
 def tasks_of_user(user: int) -> int:
     """Processes and threads of a user."""
     tasks = 0
     for process_id in _list_processes():
-        with suppress(OSError, ValueError, IndexError, StopIteration):
-            if _user(process_id) == user:
-                tasks += int(_stat(process_id)[17])
+        with (
+            suppress(OSError, ValueError, KeyError),
+            open(f"/proc/{process_id}/status", encoding="utf-8", errors="replace") as file,  # noqa: PTH123 - hot
+        ):
+            fields = dict(line.split(":", 1) for line in file)
+            if int(fields["Uid"].split()[0]) == user:
+                tasks += int(fields["Threads"])
     return tasks
-
-
-def _user(process_id: int) -> int:
-    """Whose process it is; the files of one that forbids tracing belong to root, whoever's it is."""
-    owner = Path(f"/proc/{process_id}").stat().st_uid
-    if owner:
-        return owner
-    with open(f"/proc/{process_id}/status", encoding="utf-8", errors="replace") as file:  # noqa: PTH123 - hot
-        return next(int(line.split()[1]) for line in file if line.startswith("Uid:"))
 
 
 def end_descendants() -> None:
@@ -101,24 +93,19 @@ def end_descendants() -> None:
     so that a program which forks while it is being killed does not escape.
     """
     own = this_process()
-    while not _has_no_child():
+    while True:
+        try:
+            os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:  # living or unreaped
+            return
         # The kernel's list may lack a child when another ends just then.
-        doomed = _listed_children(own) or _all_children(own)
+        doomed = _listed_children(own) or _children().get(own, [])
         for process_id in (*doomed, *(below for child in doomed for below in _list_below(child, _listed_children))):
             with suppress(ProcessLookupError):
                 os.kill(process_id, signal.SIGKILL)
         for child in doomed:
             with suppress(ChildProcessError):
                 os.waitpid(child, 0)
-
-
-def _has_no_child() -> bool:
-    """Whether this process has no child, living or unreaped."""
-    try:
-        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
-    except ChildProcessError:
-        return True
-    return False
 
 
 def _list_below(process_id: int, children_of: Callable[[int], list[int] | None]) -> list[int]:
@@ -139,14 +126,10 @@ def _listed_children(parent: int) -> list[int]:
             with open(f"/proc/{parent}/task/{thread}/children", encoding="utf-8") as file:  # noqa: PTH123 - hot
                 found += map(int, file.read().split())
     except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
-        return _all_children(parent)
+        return _children().get(parent, [])
     except OSError:
         return found
     return found
-
-
-def _all_children(parent: int) -> list[int]:
-    return _children().get(parent, [])
 
 
 def _children() -> dict[int, list[int]]:

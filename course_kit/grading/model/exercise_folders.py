@@ -88,7 +88,7 @@ def find_exercises() -> FoundExercises:
             problems.append(_explain_nothing_found(folder, VARIABLE))
         for exercise in exercises:
             known = found.get(exercise.name, ())
-            if not any(_is_same(exercise, other) for other in known):
+            if not any(exercise.samefile(other) for other in known):
                 found[exercise.name] = (*known, exercise)
     return FoundExercises(found, tuple(problems))
 
@@ -131,13 +131,6 @@ def _exercises(folder: Path) -> Iterator[Path]:
         for exercise in sorted(folder.iterdir()):
             if (exercise / TOML).is_file():
                 yield exercise
-
-
-def _is_same(path: Path, other: Path) -> bool:
-    try:
-        return path.samefile(other)
-    except OSError:
-        return path == other
 
 
 def _explain_nothing_found(folder: Path, named_by: str) -> str:

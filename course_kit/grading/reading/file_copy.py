@@ -122,32 +122,21 @@ def _list_submission_files(folder: Path) -> list[Path]:
 def _open(path: Path) -> int:
     """A descriptor of an ordinary file."""
     try:
-        _require_no_way_out(path)
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
-    except UnreadableError:
-        raise
+        leads_out = path.is_symlink() and path.resolve().parent != path.parent.resolve()
+        descriptor = -1 if leads_out else os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
     except FileNotFoundError:
         raise UnreadableError(f"There is no file {path}.") from None
     except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, no permission, a null byte in the name
         raise _not_read(path, problem) from None
-    try:
-        _require_a_file(path, os.fstat(descriptor).st_mode)
-    except UnreadableError:
-        os.close(descriptor)
-        raise
-    return descriptor
-
-
-def _require_no_way_out(path: Path) -> None:
-    if path.is_symlink() and path.resolve().parent != path.parent.resolve():
+    if leads_out:
         raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
-
-
-def _require_a_file(path: Path, mode: int) -> None:
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return descriptor
+    os.close(descriptor)
     if stat.S_ISDIR(mode):
         raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
-    if not stat.S_ISREG(mode):
-        raise UnreadableError(f"{path.name} is not an ordinary file. Hand in a .py or .ipynb file.")
+    raise UnreadableError(f"{path.name} is not an ordinary file. Hand in a .py or .ipynb file.")
 
 
 def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:

@@ -58,7 +58,9 @@ class Channel(Closable):
 
     def receive(self, timeout: float | None = None) -> Record:
         """Wait for one message, at most `timeout` seconds for its beginning."""
-        if not self._is_readable(timeout):
+        poll = select.poll()  # unlike select(), good for descriptors past 1023
+        poll.register(self._socket, select.POLLIN)
+        if not poll.poll(None if timeout is None else timeout * 1000):
             raise TimeoutError(f"no message from the other process within {timeout:g} s")
         (length,) = _LENGTH.unpack(self._receive_exactly(_LENGTH.size))
         try:
@@ -86,12 +88,6 @@ class Channel(Closable):
 
     def __del__(self) -> None:
         self._socket.close()
-
-    def _is_readable(self, timeout: float | None) -> bool:
-        """Whether something can be read, or the other end has closed, within `timeout` seconds."""
-        poll = select.poll()  # unlike select(), good for descriptors past 1023
-        poll.register(self._socket, select.POLLIN)
-        return bool(poll.poll(None if timeout is None else timeout * 1000))
 
     def _receive_exactly(self, count: int) -> bytes:
         parts = []

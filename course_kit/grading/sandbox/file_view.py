@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import landlock
 from course_kit.process import libc
 
 if TYPE_CHECKING:
@@ -27,10 +26,11 @@ ROBOT = str(_PACKAGE / "robot.py")  # the one module that exercises ask a submis
 # What a submission, and a Python that it starts, may import of the kit; the rest does not exist for it.
 MODULES_OF_KIT = ("autoload", "robot", "environment", "interfaces", "launch")
 _PARTS_OF_KIT = ("__init__.py", "py.typed", *MODULES_OF_KIT, *(f"{name}.py" for name in MODULES_OF_KIT))
-_SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store")
-_SETTINGS = (
-    *("ld.so.cache", "ld.so.conf", "ld.so.conf.d", "alternatives", "localtime", "timezone", "mime.types"),
-    *("ssl/certs", "ssl/openssl.cnf"),  # and not ssl/private, which holds the machine's keys
+_SYSTEM = (
+    *("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store"),
+    *("/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/alternatives"),
+    *("/etc/localtime", "/etc/timezone", "/etc/mime.types"),
+    *("/etc/ssl/certs", "/etc/ssl/openssl.cnf"),  # and not ssl/private, which holds the machine's keys
 )
 _SEARCH_PATHS = ("LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "COURSE_KIT_INTERFACE_PATH")
 _DEVICES = ("null", "random", "urandom")  # not "zero": shared, it is memory that nothing counts
@@ -96,7 +96,7 @@ def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
     safe = {path for path in places if _is_safe(path)} | set(wanted)
     is_shown = set(_checkout()) & set(map(os.path.realpath, safe))
     masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
-    return FileView().with_more(sorted({*_system(), *safe, *kit}), masked)
+    return FileView().with_more(sorted({*_SYSTEM, *safe, *kit}), masked)
 
 
 def _links(path: str) -> Iterator[str]:
@@ -112,10 +112,6 @@ def _links(path: str) -> Iterator[str]:
 def _checkout() -> tuple[str, ...]:
     """The course's folder, where the package lies in one and not among other libraries."""
     return (str(_PACKAGE.parent),) if (_PACKAGE.parent / "pyproject.toml").is_file() else ()
-
-
-def _system() -> list[str]:
-    return [*_SYSTEM, *(f"/etc/{name}" for name in _SETTINGS)]
 
 
 def _interpreter() -> list[str]:
@@ -162,7 +158,7 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
     mount_memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
     mount_memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
     try:
-        _mount_processes(f"{root}/proc")
+        _mount("proc", f"{root}/proc", "proc", _MS_NOSUID | _MS_NODEV | _MS_NOEXEC)  # of this PID namespace only
     except OSError:  # refused in containers that mask parts of /proc: the old one shows more, and allows no more
         bind("/proc", f"{root}/proc")
     _make_read_only(f"{root}/proc")  # the kernel's settings ask who writes, and not what he is capable of
@@ -251,11 +247,6 @@ def mount_memory(target: str, megabytes: int, *, mode: int = 0o755, user: int = 
     _mount("tmpfs", target, "tmpfs", _MS_NOSUID | _MS_NODEV, options)
 
 
-def _mount_processes(target: str) -> None:
-    """Mount a /proc that shows the processes of this PID namespace only."""
-    _mount("proc", target, "proc", _MS_NOSUID | _MS_NODEV | _MS_NOEXEC)
-
-
 def _make_read_only(folder: str, *, devices: bool = False) -> None:
     """Make all that is mounted at a folder and below it read-only and its set-uid programs ordinary ones."""
     attributes = _ATTR_RDONLY | _ATTR_NOSUID | (0 if devices else _ATTR_NODEV)
@@ -275,17 +266,17 @@ def _change_root(folder: str) -> None:
     os.chdir("/")
 
 
-def list_readable(view: FileView) -> Iterator[landlock.ReadableFile]:
-    """The view for Landlock, which knows no masks and gives a link's rights to what it leads to: no link is in it."""
+def list_readable(view: FileView) -> Iterator[tuple[str, bool]]:
+    """The view for `landlock.restrict`, which knows no masks and gives a link's rights to what it leads to."""
     for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
             yield from _list_around_masks(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
-    yield from (landlock.ReadableFile(f"/dev/{name}") for name in _DEVICES[1:])
-    yield landlock.ReadableFile("/proc")
+    yield from ((f"/dev/{name}", False) for name in _DEVICES[1:])
+    yield "/proc", False
 
 
-def _list_around_masks(path: str, masks: list[str]) -> Iterator[landlock.ReadableFile]:
-    yield landlock.ReadableFile(path, only_names=bool(masks))
+def _list_around_masks(path: str, masks: list[str]) -> Iterator[tuple[str, bool]]:
+    yield path, bool(masks)
     if not masks:
         return
     with os.scandir(path) as entries:

@@ -85,7 +85,10 @@ class _Watch:
             events = dict(poll.poll(_PERIOD_S * 1000))
             ended = self._reap()
             if ended is not None:
-                self._inside.tell(**self._usage(), **_describe_end(ended))
+                number = os.WTERMSIG(ended) if os.WIFSIGNALED(ended) else 0
+                end = {"signal": number} if number else {"exit_code": os.WEXITSTATUS(ended)}
+                limit = {"limit": "time"} if number == signal.SIGXCPU else {}
+                self._inside.tell(**self._usage(), **end, **limit)
                 return
             if self._inside.control in events and not self._obey():
                 return
@@ -181,10 +184,3 @@ def _runs(process_id: int, name: str) -> bool:
         # of one that has ended the words are empty
         return bool(words[0]) and (called == name[:_LONGEST_NAME] or name in (Path(word).name for word in words[:3]))
     return False
-
-
-def _describe_end(status: int) -> Record:
-    if os.WIFSIGNALED(status):
-        number = os.WTERMSIG(status)
-        return {"signal": number, **({"limit": "time"} if number == signal.SIGXCPU else {})}
-    return {"exit_code": os.WEXITSTATUS(status)}

@@ -11,7 +11,7 @@ import os
 import stat
 import struct
 from contextlib import suppress
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import namespaces
 from course_kit.process import libc
@@ -32,14 +32,6 @@ _OUTSIDE = 0x3  # abstract sockets and signals, since version 6
 _REFER_SINCE, _TRUNCATE_SINCE, _TCP_SINCE, _IOCTL_SINCE, _OUTSIDE_SINCE = 2, 3, 4, 5, 6
 
 
-class ReadableFile(NamedTuple):
-    """A file, or a folder with all below it, to read and to run."""
-
-    path: str  # its name; nothing is allowed by that of a symbolic link
-    # whether of a folder no more than the names in it, and in the folders below it, may be read
-    only_names: bool = False
-
-
 def version() -> int:
     """The kernel's version of Landlock, 0 where it has none or it is switched off."""
     try:
@@ -48,8 +40,14 @@ def version() -> int:
         return 0
 
 
-def restrict(readable: Iterable[ReadableFile], writable: Iterable[str]) -> None:
-    """Have this process, and all it will start, open nothing but what is listed."""
+def restrict(readable: Iterable[tuple[str, bool]], writable: Iterable[str]) -> None:
+    """Have this process, and all it will start, open nothing but what is listed, none of it a symbolic link.
+
+    Args:
+        readable: files, and folders with all below them, to read and to run; and whether of a folder no more than the
+            names in it, and in the folders below it, may be read.
+        writable: files and folders to do everything with.
+    """
     kernel = version()
     rights = _FIRST_RIGHTS
     for since, right in ((_REFER_SINCE, _REFER), (_TRUNCATE_SINCE, _TRUNCATE), (_IOCTL_SINCE, _IOCTL_DEV)):

@@ -112,14 +112,17 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
                 f"A process may {text.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
-    yield from _too_few_tasks(_tasks(promised), guest=guest)
-    yield from _full_shared_memory()
-
-
-def _too_few_tasks(needed: int, *, guest: bool) -> Iterator[str]:
+    tasks = _tasks(promised)
     for room in _task_rooms(guest=guest):
-        if room.allowed - room.used < needed:
-            yield room.told.format(allowed=room.allowed, used=room.used, needed=needed, more=room.used + needed)
+        if room.allowed - room.used < tasks:
+            yield room.told.format(allowed=room.allowed, used=room.used, needed=tasks, more=room.used + tasks)
+    with suppress(OSError):  # if it is missing, ROS 2 does without
+        found = os.statvfs(_SHARED_MEMORY)
+        if found.f_blocks and found.f_bavail * found.f_frsize < _SHARED_KB * _KB:
+            yield (
+                f"{_SHARED_MEMORY} is full, and ROS 2 needs a little of it. Delete what nobody needs there, or give it "
+                f"more room (docker run --shm-size){_AGAIN}"
+            )
 
 
 def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
@@ -133,16 +136,6 @@ def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
         with suppress(OSError, ValueError):
             allowed, used = (int((group / f"pids.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
             yield _TaskRoom(allowed, used, _OF_A_GROUP)
-
-
-def _full_shared_memory() -> Iterator[str]:
-    with suppress(OSError):  # if it is missing, ROS 2 does without
-        found = os.statvfs(_SHARED_MEMORY)
-        if found.f_blocks and found.f_bavail * found.f_frsize < _SHARED_KB * _KB:
-            yield (
-                f"{_SHARED_MEMORY} is full, and ROS 2 needs a little of it. Delete what nobody needs there, or give it "
-                f"more room (docker run --shm-size){_AGAIN}"
-            )
 
 
 def _tasks(promised: Limits) -> int:

@@ -13,7 +13,7 @@ import sys
 import traceback
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.errors import GradingError
 from course_kit.interfaces import get_type
@@ -21,8 +21,6 @@ from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from course_kit.grading.checks.check import Check
     from course_kit.grading.model.job import Job
 
@@ -30,47 +28,33 @@ _DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points
 
 
-class Grader(Protocol):
-    """What a grader is: it has `CHECKS`, or `checks_for(job)`, which makes them of the job's seed."""
-
-    INTERFACES: Sequence[Any]
-
-
-def load_for(job: Job) -> Grader:
-    """The grader of a job, its interfaces and those of the job's endpoints loaded."""
+def load_for(job: Job) -> Any:
+    """The grader of a job, which has `CHECKS` or makes them; with its interfaces and those of the job's endpoints."""
     from rclpy.type_support import check_for_type_support
 
     if job.interfaces:
         os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
     path = Path(job.grader)
-    found: Grader = _of_file(path) if path.is_absolute() else importlib.import_module(job.grader)
-    if not hasattr(found, "INTERFACES"):
-        found.INTERFACES = ()
+    found = python_module(path) if path.is_absolute() else importlib.import_module(job.grader)
+    if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
+        raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
     for interface in interfaces_of(found, job):
         check_for_type_support(interface)
     return found
 
 
-def interfaces_of(grader: Grader, job: Job) -> list[Any]:
+def interfaces_of(grader: Any, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
-    return [*grader.INTERFACES, *(get_type(end["type"]) for end in job.endpoints)]
+    return [*getattr(grader, "INTERFACES", ()), *(get_type(end["type"]) for end in job.endpoints)]
 
 
-def checks_of(grader: Grader, job: Job) -> list[Check]:
+def checks_of(grader: Any, job: Job) -> list[Check]:
     """The checks of an exercise."""
-    made: list[Check] = list(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)  # type: ignore[attr-defined]
+    made = list(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)
     worth = sum(check.points for check in made)
     if job.points and abs(worth - job.points) > _TINY:
         raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
     return made
-
-
-def _of_file(path: Path) -> Grader:
-    found: Any = python_module(path)
-    if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
-        raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
-    graded: Grader = found
-    return graded
 
 
 def python_module(path: Path) -> ModuleType:
