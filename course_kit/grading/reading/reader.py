@@ -137,21 +137,17 @@ class Reader(Closable):
         """How the reader's child has ended, and what it has written."""
         with _file_in_memory() as answer:
             contract.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
-            ended = self._await_end()
+            deadline = time.monotonic() + contract.WALL_S + _GRACE_S
+            poll = select.poll()
+            poll.register(self._line, select.POLLIN)
+            while not poll.poll(_LOOK_S * 1000):
+                if self._stopped():
+                    raise ReadingStoppedError
+                if time.monotonic() > deadline:
+                    raise EOFError("the reader hangs")
+            ended, _ = contract.receive_packet(self._line)
             answer.seek(0)
             return ended, answer.read(contract.ANSWER_BYTES)
-
-    def _await_end(self) -> Record:
-        """How the reader's child has ended."""
-        deadline = time.monotonic() + contract.WALL_S + _GRACE_S
-        poll = select.poll()
-        poll.register(self._line, select.POLLIN)
-        while not poll.poll(_LOOK_S * 1000):
-            if self._stopped():
-                raise ReadingStoppedError
-            if time.monotonic() > deadline:
-                raise EOFError("the reader hangs")
-        return contract.receive_packet(self._line)[0]
 
     def _has_answer(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""

@@ -79,7 +79,7 @@ class Supervisor:
         self._view = view
         self._network = network
         self._parent = parent
-        self._began = time.monotonic()
+        self._deadline = time.monotonic() + job.limits.wall_s
         self._totals = (BoundedOutput(), BoundedOutput())
         self._folder = ""  # the scratch directory of what runs; empty while nothing does
         self._collector = OutputCollector(Streams(*[-1] * 5), 0, self._totals)  # of what was started last
@@ -150,12 +150,12 @@ class Supervisor:
 
     def _look_after_everything(self) -> None:
         """End a submission whose time is up."""
-        now, deadline = time.monotonic(), self._wall_end()
+        now = time.monotonic()
         if fault := self._collector.fault():
             raise _BrokenOffError(fault)
-        if now > deadline and not self._collector.over:
+        if now > self._deadline and not self._collector.over:
             self._end_submission("time")
-        if now > deadline + _GRADER_GRACE_S:
+        if now > self._deadline + _GRADER_GRACE_S:
             raise _BrokenOffError("the grader's own process did not finish in time")
 
     def _obey(self, message: Record) -> Record | None:
@@ -165,22 +165,33 @@ class Supervisor:
             return None
         if what == "launch":
             return self._launch(message)
+        if what == "stacks":
+            return {"stacks": self._stacks(message["program"].encode())}
+        if what == "kill":
+            running = not self._collector.over
+            if running:
+                self._ask(init_process.KILL + message["program"].encode())
+            return {"killed": running and bool(self._collector.facts().get("found"))}
         if what == "time is up":
             self._end_submission("time")
-        elif what == "stacks":
-            return {"stacks": self._stacks(message["program"].encode())}
-        elif what == "kill":
-            return {"killed": self._kill_program(message["program"].encode())}
         elif what == "finish":
-            self._finish(message["seconds"])
-        return self._facts(fresh=what == "facts")
+            patience_s = min(message["seconds"], self._deadline - time.monotonic())
+            self._pump_until(lambda collector: collector.over, patience_s)
+            self._look_after_everything()
+        elif what == "facts" and not self._collector.over:
+            self._ask(init_process.SAMPLE)
+        return self._collector.facts()
 
     def _launch(self, message: Record) -> Record:
         """Start the submission."""
         self._stop()
         self._arguments = tuple(message["arguments"])
         self._launches += 1
-        domain = self._domain()
+        if self._network.descriptors:  # nobody else is there
+            domain = self._launches
+        else:
+            self._domains.close()
+            domain = self._domains.enter_context(environment.exclusive_domain())
         job = self._job.for_program(message["program"]) if self._job.files else self._job
         variables = {**self._network.variables, "ROS_DOMAIN_ID": str(domain)}
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=job.scratch or None)
@@ -196,37 +207,10 @@ class Supervisor:
         self._lives[0] = True
         return {"domain": domain}
 
-    def _wall_end(self) -> float:
-        return self._began + self._job.limits.wall_s
-
-    def _finish(self, seconds: float) -> None:
-        """Wait until the submission has ended, at most for so many seconds, or end it when its time is up."""
-        self._pump_until(lambda collector: collector.over, min(seconds, self._wall_end() - time.monotonic()))
-        self._look_after_everything()
-
-    def _domain(self) -> int:
-        """A ROS domain nobody else uses: in our own network any, else one leased on this machine."""
-        if self._network.descriptors:
-            return self._launches
-        self._domains.close()
-        return self._domains.enter_context(environment.exclusive_domain())
-
-    def _facts(self, *, fresh: bool) -> Record:
-        if fresh and not self._collector.over:
-            self._ask(init_process.SAMPLE)
-        return self._collector.facts()
-
     def _ask(self, what: bytes) -> None:
         before = self._collector.samples
         self._collector.ask(what)
         self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
-
-    def _kill_program(self, program: bytes) -> bool:
-        """Kill the process that runs one of several programs; whether there was one."""
-        if self._collector.over:
-            return False
-        self._ask(init_process.KILL + program)
-        return bool(self._collector.facts().get("found"))
 
     def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty if it is silent."""

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from mmap import mmap
 
     from course_kit.grading.model.job import Job
-    from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.channel import Channel
 
 
@@ -55,21 +54,21 @@ def main(supervisor: Channel, job: Job, lives: mmap) -> None:
     set_name("grade grader")
     os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
-    record: Record = {"do": "done", "problem": ""}
+    problem = ""
     try:
         _run(supervisor, job, lives)
     except ChannelClosedError:
         return
-    except GradingError as problem:
-        record["problem"] = bounds.cut_text(str(problem))
-    except Exception as problem:  # noqa: BLE001 - a broken grader or installation; the report says so
-        record["problem"] = bounds.cut_text(f"{type(problem).__name__}: {problem}")
-    supervisor.send(record)
+    except GradingError as fault:
+        problem = str(fault)
+    except Exception as fault:  # noqa: BLE001 - a broken grader or installation; the report says so
+        problem = f"{type(fault).__name__}: {fault}"
+    supervisor.send({"do": "done", "problem": bounds.cut_text(problem)})
 
 
 def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
     grader = grader_module.load_for(job)
-    context = CheckContext(supervisor, job, dict(getattr(grader, "VARIABLES", {})), lives)
+    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", {}), lives)
     checks = grader_module.checks_of(grader, job)
     if job.only:
         checks = choose_part(checks, job.only)

@@ -33,40 +33,16 @@ _DYING_S = 0.5
 _FORKS_ARE_MEANT = "ignore:This process:DeprecationWarning"
 # What a program needs to run ROS; everything else, tokens among it, stays out of a submission's reach.
 _PASSED_ON = (
-    "TZ",
-    "PATH",
-    "VIRTUAL_ENV",
-    "LD_LIBRARY_PATH",
-    *BOUND_AT_ONCE,
-    "HOME",
-    "TMPDIR",
-    "XDG_STATE_HOME",
-    "OPENBLAS_NUM_THREADS",
+    *("TZ", "PATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH", *BOUND_AT_ONCE),
+    *("HOME", "TMPDIR", "XDG_STATE_HOME", "OPENBLAS_NUM_THREADS"),
 )
 _PASSED_ON_PREFIXES = (
-    "LANG",  # with the next two: names of files mean the same folders to a worker as to whoever asks it
-    "LC_",
-    "LOCPATH",
-    "PYTHON",
-    "ROS",
-    "_ROS",
-    "RMW_",
-    "RCUTILS_",
-    "FAST",
-    "CYCLONEDDS_",
-    "AMENT_",
-    "COLCON_",
-    "CONDA_",
-    "COURSE_KIT_",
+    *("LANG", "LC_", "LOCPATH"),  # names of files mean the same folders to a worker as to whoever asks it
+    *("PYTHON", "ROS", "_ROS", "RMW_", "RCUTILS_", "FAST", "CYCLONEDDS_", "AMENT_", "COLCON_", "CONDA_", "COURSE_KIT_"),
 )
 _OTHER_GRAPHS = (
-    "ROS_STATIC_PEERS",
-    "ROS_LOCALHOST_ONLY",
-    "ROS_DISCOVERY_SERVER",
-    "ROS_SUPER_CLIENT",
-    "COURSE_KIT_DOMAIN_ID",
-    "ROS_SECURITY_ENABLE",
-    "RCL_ASSERT_RMW_ID_MATCHES",
+    *("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER", "ROS_SUPER_CLIENT"),
+    *("COURSE_KIT_DOMAIN_ID", "ROS_SECURITY_ENABLE", "RCL_ASSERT_RMW_ID_MATCHES"),
 )
 
 
