@@ -24,8 +24,6 @@ from course_kit.ros.graph import Overview
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.job import GradingOutcome, Isolation, Job
     from course_kit.grading.model.plain_data import Record
@@ -174,7 +172,11 @@ def _describe_isolation(found: Isolation, mode: str) -> str:
 
 def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
     checks = tuple(_check(exercise, result) for result in bounds.bound_results(outcome["results"]))
-    problem = _no_grade(outcome["problem"], checks)
+    problem, broken = outcome["problem"], next((check for check in checks if check.status == "error"), None)
+    if problem or not checks:
+        problem = f"The grading did not finish: {problem.rstrip('.') or 'no check was run'}."
+    elif broken:
+        problem = f'The grading did not finish: it stopped at the check "{broken.title}". {broken.message}'
     crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
     status = "error" if problem else "crashed" if crashed else "graded"
     score = 0.0 if problem else sum(check.points for check in checks)
@@ -194,14 +196,6 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: 
         problem=problem,
         isolation=isolation,
     )
-
-
-def _no_grade(problem: str, checks: Sequence[CheckReport]) -> str:
-    """Why there is no grade, in one sentence; empty when there is one."""
-    if problem or not checks:
-        return f"The grading did not finish: {problem.rstrip('.') or 'no check was run'}."
-    broken = next((check for check in checks if check.status == "error"), None)
-    return f'The grading did not finish: it stopped at the check "{broken.title}". {broken.message}' if broken else ""
 
 
 def _check(exercise: Exercise, result: Record) -> CheckReport:

@@ -84,15 +84,13 @@ def cut_text(text: str, longest: int = _LONGEST) -> str:
 def bound_results(found: Sequence[Record]) -> list[Record]:
     """Results of checks as plain data, in which no text is too long, nor all of them together."""
     longest = min(_LONGEST, _TOGETHER // (len(_TEXTS) * max(len(found), 1)))
-    return [_result(each, longest) for each in found]
-
-
-def _result(found: Record, longest: int) -> Record:
-    steps = [
-        {**step, "text": cut_text(str(step["text"]), _LONGEST_STEP)} for step in list(found["steps"])[:_MOST_STEPS]
-    ]
-    graph = [part[:_MOST_IN_GRAPH] for part in found.get("graph") or ()] or None
-    return {**found, **{name: cut_text(str(found[name]), longest) for name in _TEXTS}, "steps": steps, "graph": graph}
+    bounded = []
+    for each in found:
+        texts = {name: cut_text(str(each[name]), longest) for name in _TEXTS}
+        steps = [{**step, "text": cut_text(str(step["text"]), _LONGEST_STEP)} for step in each["steps"][:_MOST_STEPS]]
+        graph = [part[:_MOST_IN_GRAPH] for part in each.get("graph") or ()] or None
+        bounded.append({**each, **texts, "steps": steps, "graph": graph})
+    return bounded
 
 
 def _size(text: str) -> int:

@@ -59,11 +59,9 @@ class Isolation:
         holds = [text for text, _, there in kinds if there]
         missing = [name for _, name, there in kinds if not there]
         text = ", ".join([*holds, "resource limits, own session, own ROS domain, scratch directory"])
-        return (
-            f"{text}. Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
-            if missing
-            else text
-        )
+        if missing:
+            text += f". Missing: {', '.join(missing)}, because {self.reason or 'of an unknown reason'}"
+        return text
 
 
 @dataclass(frozen=True)

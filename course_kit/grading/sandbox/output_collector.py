@@ -75,7 +75,6 @@ class OutputCollector:
         self._notes: Record = {}
         self._status = b""
         self._evidence = b""
-        self._evidence_taken = 0
 
     def ask(self, what: bytes) -> None:
         """Ask the init process for `SAMPLE`, `STACKS` or `KILL`; the answer comes on its stream."""
@@ -135,7 +134,6 @@ class OutputCollector:
         """Drop older dumps, keeping the program's notes."""
         self._read_notes()
         self._evidence = b""
-        self.evidence_bytes = 0
 
     def has_whole_dump(self) -> bool:
         """Whether the dump of stacks is complete: another has begun after it."""
@@ -165,17 +163,13 @@ class OutputCollector:
             "stderr": self._output["stderr"].text(),
         }
 
-    def _take_evidence(self, data: bytes) -> None:
-        self.evidence_bytes += len(data)
-        self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
-        self._evidence_taken += len(data)
-        if self._evidence_taken > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
-            os.close(self.streams.evidence)
-            self.streams.evidence = -1
-
     def _keep(self, name: str, data: bytes) -> None:
         if name == "evidence":
-            self._take_evidence(data)
+            self.evidence_bytes += len(data)
+            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+            if self.evidence_bytes > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
+                os.close(self.streams.evidence)
+                self.streams.evidence = -1
         else:
             self._output[name].add(data)
             self._totals[name].add(data)

@@ -217,9 +217,9 @@ class Supervisor:
         if self._collector.over:
             return ""
         self._collector.forget_stacks()
-        began = time.monotonic()
+        size, began = self._collector.evidence_bytes, time.monotonic()
         self._collector.ask(init_process.STACKS + program)
-        self._pump_until(lambda collector: collector.evidence_bytes > 0 or collector.over, _DUMP_S)
+        self._pump_until(lambda collector: collector.evidence_bytes > size or collector.over, _DUMP_S)
         # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
         self._collector.ask(init_process.STACKS + program)
         whole_s = began + _DUMP_S - time.monotonic()
