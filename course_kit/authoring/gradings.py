@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from course_kit.grading import pool
 from course_kit.grading.engine import GradingRequest, report_unreadable
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.process import Closable
 

@@ -15,7 +15,7 @@ from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, load_exercise
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader
 
 if TYPE_CHECKING:
     from course_kit.grading.model.report import Report

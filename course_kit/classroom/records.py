@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from course_kit.grading.model.exercise import Exercise
-    from course_kit.grading.reading.reader import Reader
+    from course_kit.grading.reading import Reader
 
 FORMAT_VERSION = 1
 STUDENTS = "students"  # folder in the output folder: students/<student>/<exercise>.json and .html

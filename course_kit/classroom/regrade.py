@@ -15,7 +15,7 @@ from course_kit.classroom.exports.texts import csv_text, format_number, lines_of
 from course_kit.classroom.grading_loop import ClassGrading, versions_of
 from course_kit.classroom.records import RecordFolder, outcome_of
 from course_kit.environment import write_atomically
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence

@@ -20,7 +20,7 @@ from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
 from course_kit.classroom.rules.seeds import match_class
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.reader import Reader, ReadingStoppedError
+from course_kit.grading.reading import Reader, ReadingStoppedError
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:

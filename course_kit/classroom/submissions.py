@@ -12,8 +12,7 @@ from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import ReadingStoppedError
+from course_kit.grading.reading import ReadingStoppedError, copy_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.report import Report
     from course_kit.grading.model.submission import Submission
-    from course_kit.grading.reading.reader import Reader
+    from course_kit.grading.reading import Reader
 
 
 @dataclass(frozen=True)

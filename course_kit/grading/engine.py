@@ -15,8 +15,7 @@ from course_kit.grading.model import bounds, catalogue, exercise_folders, submis
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.report import CheckReport, Report
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
 from course_kit.grading.workers.worker import Worker

@@ -21,8 +21,7 @@ from course_kit.launch.actions import doubt_arguments
 from course_kit.launch.description import OnProcessExit, ProcessExited, Shutdown, execute_all, load_description
 from course_kit.launch.entity import LaunchContext
 from course_kit.launch.errors import ProgramError
-from course_kit.process.child import NOWHERE, PIPE, Child, Ladder
-from course_kit.process.output import LineReader
+from course_kit.process.child import NOWHERE, PIPE, Child, Ladder, LineReader
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

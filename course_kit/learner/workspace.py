@@ -20,8 +20,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
+from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
 from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading import engine
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from tests.grading.conftest import EXERCISE, ROOT
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise, read_exercise
 from course_kit.grading.pool import Pool
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from tests import outside_exercises
 from tests.outside_exercises import ID
 

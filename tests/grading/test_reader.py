@@ -14,8 +14,7 @@ import pytest
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import Copy, copy_file
-from course_kit.grading.reading.reader import Reader, ReadingStoppedError
+from course_kit.grading.reading import Copy, Reader, ReadingStoppedError, copy_file
 from course_kit.reader import contract
 from tests.reading import read
 from tests.waiting import wait_until
@@ -131,8 +130,7 @@ STARTS_ONE = """
 import sys
 from pathlib import Path
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.reader import Reader
-from course_kit.grading.reading.file_copy import copy_file
+from course_kit.grading.reading import Reader, copy_file
 
 reader = Reader()
 reader.start()
@@ -179,7 +177,7 @@ NO_FILES = """
 import resource, sys
 from pathlib import Path
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.file_copy import copy_file
+from course_kit.grading.reading import copy_file
 
 held = []
 try:

@@ -8,8 +8,7 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading.model.exercise import read_exercise
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.render.html import render_page
 from course_kit.grading.render.text import render_text
 from tests import several_files

@@ -10,7 +10,7 @@ import pytest
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import LARGEST, copy_file
+from course_kit.grading.reading import LARGEST, copy_file
 from tests.reading import read
 
 if TYPE_CHECKING:

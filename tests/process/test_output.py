@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.process.output import LastWords, LineReader
+from course_kit.process.child import LastWords, LineReader
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import FileSummary, Reader, starter_identities
+from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
 from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
 from course_kit.reader.fingerprints import line_shape

@@ -17,8 +17,7 @@ from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import FileSummary, starter_identities
+from course_kit.grading.reading import FileSummary, copy_file, starter_identities
 from course_kit.reader import text
 from course_kit.reader.files import is_name
 from course_kit.text.sanitize import one_line
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
     from course_kit.classroom.intake.layouts import HandIn
     from course_kit.classroom.intake.listing import LeftOut
     from course_kit.classroom.intake.sources import OpenedSources
-    from course_kit.grading.reading.reader import Reader
+    from course_kit.grading.reading import Reader
 
 _MOST_LISTED = 50  # files of one student that are listed one by one
 _MOST_TOLD = 3  # problems of one student in a sentence

@@ -15,7 +15,7 @@ from course_kit.classroom.intake.choosing import Chooser
 from course_kit.classroom.intake.recognition import AUTO
 from course_kit.classroom.intake.roster_matching import match_roster
 from course_kit.grading.errors import GradingError
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

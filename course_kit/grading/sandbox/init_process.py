@@ -86,9 +86,10 @@ class _Watch:
             ended = self._reap()
             if ended is not None:
                 number = os.WTERMSIG(ended) if os.WIFSIGNALED(ended) else 0
-                end = {"signal": number} if number else {"exit_code": os.WEXITSTATUS(ended)}
-                limit = {"limit": "time"} if number == signal.SIGXCPU else {}
-                self._inside.tell(**self._usage(), **end, **limit)
+                end: Record = {"signal": number} if number else {"exit_code": os.WEXITSTATUS(ended)}
+                if number == signal.SIGXCPU:
+                    end["limit"] = "time"
+                self._inside.tell(**self._usage(), **end)
                 return
             if self._inside.control in events and not self._obey():
                 return

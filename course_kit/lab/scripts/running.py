@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Literal, cast, get_args
 from course_kit import environment
 from course_kit.lab.errors import ScriptError
 from course_kit.lab.recording.events import KINDS, Event
-from course_kit.process.child import Child, Ladder
-from course_kit.process.output import LineReader
+from course_kit.process.child import Child, Ladder, LineReader
 from course_kit.reader.text import as_utf8
 
 if TYPE_CHECKING:

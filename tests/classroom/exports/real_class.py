@@ -10,8 +10,7 @@ from course_kit.classroom import exports
 from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.model.report import CheckReport, Report
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.render.html import render_page
 from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, check

@@ -28,8 +28,7 @@ print(report.to_json())
 GRADE_BY_A_WORKER_OF_A_CLASS = """
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.reading.file_copy import copy_file
-from course_kit.grading.reading.reader import Reader
+from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.pool import Pool
 asked = load_exercise("temperature_service")
 with copy_file(Path(sys.argv[1])) as copy, Reader() as reader, Pool(1) as pool:

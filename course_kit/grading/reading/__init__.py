@@ -1,1 +1,0 @@
-"""How a file that somebody has handed in becomes a `Submission`."""
