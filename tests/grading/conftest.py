@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 EXERCISE = "temperature_service"
 ROOT = environment.checkout_folder() or Path()
-IDLE = 3  # processes below the warm one: the worker, and two from which submissions are started
+IDLE = 2  # processes below the warm one: the worker, and the one from which submissions are started
 
 
 def processes_of(worker: grading.Worker) -> list[int]:

@@ -23,7 +23,7 @@ from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, seccomp
 from course_kit.grading.sandbox.channel import Channel
 from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
-from course_kit.grading.workers import exercise_job, grader_process
+from course_kit.grading.workers import exercise_job, worker_process
 from course_kit.process import libc
 from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
@@ -68,7 +68,7 @@ def outcomes(mode: str, programs: dict[str, str]) -> dict[str, Any]:
 def main() -> None:
     """Read programs, a JSON object by name, and print the outcome of each, and what isolated them."""
     mode, name = sys.argv[1:]
-    grader_process.warm_up()
+    worker_process.warm_up()
     os.environ.update(ROS_LOG_DIR=tempfile.gettempdir(), HOME="/nonexistent")
     if mode in OF_USER and os.getuid() == 0:
         open_the_way(sys.base_prefix)
@@ -112,7 +112,9 @@ def _grade_each(
             adopt_orphans()
             network = enter_own_network(user) if found.network else Network()
             parent, _open = Channel.pair()
-            outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(grader_process.main)
+            outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(
+                worker_process.run_checks
+            )
             print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()
