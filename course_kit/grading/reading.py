@@ -1,0 +1,359 @@
+"""Submissions become text: the bytes of files are copied and counted, and one small process reads them within limits.
+
+They are a stranger's: the process's own side is `course_kit.reader`. It is safe to use from a Jupyter kernel: nothing
+is forked here.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import select
+import signal
+import socket
+import stat
+import sys
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
+
+import course_kit
+from course_kit.grading.errors import GradingError
+from course_kit.grading.model.plain_data import Record, convert_record
+from course_kit.grading.model.submission import Submission, UnreadableError
+from course_kit.process import Closable
+from course_kit.process.child import INTO_STDOUT, Child, LastWords
+from course_kit.process.libc import make_memory_file
+from course_kit.reader import contract, files, fingerprints, text
+from course_kit.reader.files import ARCHIVE, YAML
+from course_kit.reader.process import TOO_MUCH_MEMORY
+from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from course_kit.grading.model.exercise import Exercise
+
+_MB = 1 << 20
+LARGEST = _MB  # bytes of a program
+LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
+_LARGEST = {PROGRAM: LARGEST, YAML: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK, ARCHIVE: LARGEST_NOTEBOOK}
+_MOST_FILES = 1000  # in a folder with everything that lies below it
+# Rights belong to whoever grades: a file that was closed to them, perhaps by another submission, is nobody's zero.
+_OF_THE_MACHINE = (
+    *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
+    *(errno.EACCES, errno.EPERM, errno.ESTALE),
+)
+# No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
+_START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
+_LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
+_GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
+_END_S = 2.0
+_TRIES = 2  # a reader that another program has ended gets a successor
+
+
+class Copy(Closable):
+    """A copy of a submission's file in memory: its name, its size in bytes, and SHA-256 of its kind and bytes."""
+
+    def __init__(self, name: str, *, several: bool) -> None:
+        self.name, self.size, self.digest = name, 0, ""
+        self._several = several
+        self._file = open(make_memory_file("submission"), "wb")  # noqa: PTH123, SIM115
+
+    def fileno(self) -> int:
+        """Its descriptor."""
+        return self._file.fileno()
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._file.close()
+
+    def fill(self, path: Path, *, whole: bool) -> str:
+        """Take in a file, or the files of a folder; returns the digest."""
+        if self._several and path.is_dir():
+            return self._pack(path)
+        ending = kind_of_file(path.name) or (path.suffix.lower() if self._several else "")
+        digest = hashlib.sha256(ending.encode() + b"\0")
+        with open(_open(path), "rb", buffering=0) as source:
+            if ending not in (_LARGEST if self._several else (PROGRAM, NOTEBOOK)):
+                raise UnreadableError(f"{path.name} is neither a .py nor an .ipynb file. Hand in one of these.")
+            most = _LARGEST[ending]
+            while block := self._read(source, min(_MB, most + 1 - self.size), path):
+                self.size += len(block)
+                if self.size > most:
+                    if whole:
+                        raise UnreadableError(_too_large(path))
+                    break
+                digest.update(block)
+                self._file.write(block)
+            self._file.flush()
+        return digest.hexdigest()
+
+    def _pack(self, folder: Path) -> str:
+        """The programs, parameter files and notebooks below a folder, of which `reader.files` takes those it wants."""
+        import zipfile
+
+        self.name += ARCHIVE
+        digest = hashlib.sha256()
+        with zipfile.ZipFile(self._file, "w") as archive:
+            for path in _list_submission_files(folder):
+                with open(_open(path), "rb", buffering=0) as source:
+                    data = source.read(LARGEST_NOTEBOOK + 1 - self.size)
+                self.size += len(data)
+                if self.size > LARGEST_NOTEBOOK:
+                    raise UnreadableError(
+                        f"The files in {folder.name} have more than {LARGEST_NOTEBOOK // _MB} MB. Leave others out."
+                    )
+                name = path.relative_to(folder).as_posix().encode(errors="replace").decode()
+                archive.writestr(zipfile.ZipInfo(name), data)
+                digest.update(f"{name}\0{len(data)}\0".encode() + data)
+        self._file.flush()
+        return digest.hexdigest()
+
+    @staticmethod
+    def _read(source: BinaryIO, most: int, path: Path) -> bytes:
+        try:
+            return source.read(most)
+        except OSError as problem:
+            raise _not_read(path, problem) from None
+
+
+def copy_file(path: Path, *, whole: bool = True, several: bool = False) -> Copy:
+    """Copy a file; or, where an exercise asks for several, those of a folder as a zip archive."""
+    try:
+        copy = Copy(path.name or path.absolute().name, several=several)
+        try:
+            copy.digest = copy.fill(path, whole=whole)
+        except BaseException:
+            copy.close()
+            raise
+    except OSError as problem:  # what concerns the file itself is an UnreadableError
+        raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+    return copy
+
+
+def _list_submission_files(folder: Path) -> list[Path]:
+    """The files below a folder that may be of a submission, hidden folders and what links lead to left out."""
+    found: list[Path] = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = sorted(folder for folder in folders if not folder.startswith("."))
+        found += (Path(place, name) for name in sorted(names) if Path(name).suffix in (PROGRAM, YAML, NOTEBOOK))
+        if len(found) > _MOST_FILES:
+            raise UnreadableError(f"{folder.name} holds more than {_MOST_FILES} files. Name the folder of your answer.")
+    return found
+
+
+def _open(path: Path) -> int:
+    """A descriptor of an ordinary file."""
+    try:
+        leads_out = path.is_symlink() and path.resolve().parent != path.parent.resolve()
+        descriptor = -1 if leads_out else os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+    except FileNotFoundError:
+        raise UnreadableError(f"There is no file {path}.") from None
+    except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, no permission, a null byte in the name
+        raise _not_read(path, problem) from None
+    if leads_out:
+        raise UnreadableError(f"{path.name} is a link to a file outside its folder. Hand in the file itself.")
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return descriptor
+    os.close(descriptor)
+    if stat.S_ISDIR(mode):
+        raise UnreadableError(f"{path.name or path} is a folder. Name the .py or .ipynb file in it.")
+    raise UnreadableError(f"{path.name} is not an ordinary file. Hand in a .py or .ipynb file.")
+
+
+def _not_read(path: Path, problem: Exception) -> UnreadableError | GradingError:
+    fault = GradingError if getattr(problem, "errno", None) in _OF_THE_MACHINE else UnreadableError
+    return fault(f"{path.name} cannot be read: {getattr(problem, 'strerror', None) or problem}.")
+
+
+def _too_large(path: Path) -> str:
+    if kind_of_file(path.name) == PROGRAM:
+        return f"{path.name} is larger than {LARGEST // 1024} kB. Hand in only the program."
+    return f"{path.name} is larger than {LARGEST_NOTEBOOK // _MB} MB. Clear its outputs and save it again."
+
+
+class ReadingStoppedError(Exception):
+    """Somebody has asked to stop."""
+
+
+@dataclass(frozen=True)
+class FileSummary:
+    """What a file that may be a submission holds."""
+
+    found: bool = False  # whether that is what the exercise asks for
+    identity: str = ""  # equal for programs that differ in comments and blanks alone, or ""
+    imports: frozenset[str] = frozenset()
+    prints: frozenset[int] = frozenset()  # hashes of short runs of the program's tokens, see `reader.fingerprints`
+    unreadable: str = ""  # why no program can be read
+    program: Submission | None = None  # where it was asked for, or is what the exercise asks for
+
+
+Memory: TypeAlias = dict[tuple[str, str, str], FileSummary]
+"""What was read, by the file's name and bytes and the exercise."""
+
+
+class Reader(Closable):
+    """The process, which runs from the first file on; for one thread at a time."""
+
+    def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: Memory | None = None) -> None:
+        self._stopped = stopped
+        self.memory: Memory = {} if memory is None else memory  # of what has been read
+        self._process: Child | None = None
+
+    def read(self, copy: Copy, exercise: Exercise) -> Submission:
+        """The program that somebody has handed in for an exercise."""
+        summary = self.memory.get(_key(copy, exercise)) or self._ask(copy, exercise, whatever=True, compared=False)
+        if summary.program is None:
+            raise UnreadableError(summary.unreadable)
+        return summary.program
+
+    def summarize(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> FileSummary:
+        """What a file holds, with its program if the exercise asks for it or `whatever` it is; that is remembered."""
+        known = self.memory.get(_key(copy, exercise))
+        if known is None:
+            known = self._ask(copy, exercise, whatever=whatever, compared=True)
+            if known.program is not None:
+                self.memory[_key(copy, exercise)] = known
+        return known
+
+    def close(self) -> None:
+        """End the process; what is remembered stays. Safe to call twice."""
+        if self._process is not None:
+            self._line.close()  # it notices, ends what it has under way, and stops
+            self._process.wait_or_kill(_END_S)
+            self._said.file.close()
+            self._process = None
+
+    def start(self) -> None:
+        """Start the process; it gets ready while the caller goes on."""
+        try:
+            self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            self._said = LastWords()
+            with theirs:
+                root = Path(course_kit.__file__).resolve().parent.parent
+                self._process = Child(
+                    [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)],
+                    folder="/",
+                    stdout=self._said.file,
+                    stderr=INTO_STDOUT,
+                    descriptors=[theirs.fileno()],
+                )
+        except OSError as problem:
+            raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
+
+    def _ask(self, copy: Copy, exercise: Exercise, **wishes: bool) -> FileSummary:
+        names = {"exercise": exercise.id, "class_name": exercise.class_name, "variable": exercise.variable}
+        request = {"name": copy.name, "files": exercise.files, **names, **wishes}
+        if self._stopped():
+            raise ReadingStoppedError
+        words = ""
+        for _ in range(_TRIES):
+            if self._process is None:
+                self.start()
+            try:
+                ended, answer = self._exchange(request, copy)
+            except (EOFError, ValueError, OSError):  # another program has ended it
+                pass
+            else:
+                if self._has_answer(copy, ended):
+                    return _summary(copy, answer)
+            words = self._said.last_line()
+            self.close()
+        raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
+
+    def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
+        """How the reader's child has ended, and what it has written."""
+        with _file_in_memory() as answer:
+            contract.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
+            deadline = time.monotonic() + contract.WALL_S + _GRACE_S
+            poll = select.poll()
+            poll.register(self._line, select.POLLIN)
+            while not poll.poll(_LOOK_S * 1000):
+                if self._stopped():
+                    raise ReadingStoppedError
+                if time.monotonic() > deadline:
+                    raise EOFError("the reader hangs")
+            ended, _ = contract.receive_packet(self._line)
+            answer.seek(0)
+            return ended, answer.read(contract.ANSWER_BYTES)
+
+    def _has_answer(self, copy: Copy, ended: Record) -> bool:
+        """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
+        status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
+        ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+        used_up = ended_by == signal.SIGXCPU or (ended_by and cpu_s >= contract.CPU_S - 1)
+        if ended["late"] and not used_up:
+            raise GradingError(f"The machine was too busy: {copy.name} was not read within {contract.WALL_S:g} s.")
+        if used_up:
+            why = f"Python needs more than {contract.CPU_S} s of computing for it"
+        elif ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
+            why = "Python crashes on it because something is nested too deeply"
+        elif os.WIFEXITED(status) and os.WEXITSTATUS(status) == TOO_MUCH_MEMORY:
+            why = f"Python needs more than {contract.MEMORY_MB} MB of memory for it"
+        else:
+            return status == 0
+        advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"
+        raise UnreadableError(f"{copy.name} cannot be read: {why}. {advice} in a shorter, simpler program.")
+
+
+def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
+    return copy.name, copy.digest, exercise.id
+
+
+def _file_in_memory() -> BinaryIO:
+    """A file nobody else knows."""
+    try:
+        return open(make_memory_file("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
+    except OSError as problem:
+        raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+
+
+def _summary(copy: Copy, answer: bytes) -> FileSummary:
+    """What a child has written, which has read what a stranger wrote."""
+    try:
+        fields = json.loads(answer)  # not by msgspec, which takes no text with half a character
+        if fields.get("program"):
+            fields["program"].update(name=copy.name, program=_program_name(copy.name))
+            if not all(map(files.is_name, fields["program"].get("files", ()))):
+                raise ValueError("a file's name")  # noqa: TRY301 - as for all that makes no sense
+        return convert_record(fields, FileSummary)
+    except (ValueError, AttributeError, RecursionError):
+        raise GradingError("The process that reads submissions sent an answer that makes no sense.") from None
+
+
+def _program_name(name: str) -> str:
+    """A name to run under, which stands in tracebacks as it is: `a b.py` for `a b.ipynb`."""
+    stem = name
+    while kind_of_file(stem):  # `a.py` of `a.py.txt`, then `a`
+        stem = stem.rpartition(".")[0]
+    plain = "".join(letter if letter.isprintable() and letter not in '"\\/' else "_" for letter in stem)
+    return f"{plain}.py"
+
+
+def starter_identities(exercise: Exercise) -> frozenset[str]:
+    """Those of the programs that an exercise begins with: whoever hands one in as it was has not begun."""
+    programs = exercise.folder if exercise.files else exercise.folder / exercise.starter
+    paths = (programs, exercise.folder / exercise.notebook)
+    return frozenset(filter(None, (_identity_of(path, exercise.id, exercise.files) for path in paths)))
+
+
+@lru_cache(maxsize=64)
+def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
+    """That of a file of the course; none of one that is not there, or of a notebook without a cell to fill in."""
+    with suppress(OSError, text.UnreadableTextError):
+        if wanted and path.is_dir():
+            read = {name: files.read_file(name, (path / name).read_bytes()) for name in wanted}
+            return fingerprints.program_identity(files.join_sources(read))
+        with path.open("rb") as file:
+            if wanted:
+                read = files.read_files(path.name, file, exercise_id, wanted)
+                return fingerprints.program_identity(files.join_sources(read))
+            return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
+    return ""
