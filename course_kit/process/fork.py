@@ -15,11 +15,11 @@ _BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8)
 BOUND_AT_ONCE = {_BINDS_AT_ONCE: "1"}  # variables to start such a process with: no fork has to bind functions again
 
 
-def fork_child(run: Callable[[], object], *, failed: int = 1) -> int:
+def fork_child(run: Callable[[], object]) -> int:
     """Fork, and have the child run a function and end."""
     if child := os.fork():
         return child
-    status = failed
+    status = 1
     try:
         run()
         status = 0

@@ -30,5 +30,5 @@ def test_it_ends_after_the_function() -> None:
 
 
 def test_what_the_function_raises_ends_the_child_and_is_told(capfd: pytest.CaptureFixture[str]) -> None:
-    assert status_of(fork_child(raises, failed=70)) == 70
+    assert status_of(fork_child(raises)) == 1
     assert "LookupError: told on stderr" in capfd.readouterr().err

@@ -11,6 +11,7 @@ import select
 import signal
 import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,13 +19,13 @@ from course_kit.grading.sandbox import machine, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
 from course_kit.grading.sandbox.scheduling import WaitTime, last_task
 from course_kit.process import tree
+from course_kit.process.fork import fork_child
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.start_order import StartOrder, Streams
 
-FAILED = 70  # the exit status of a kit process that could not do its work (EX_SOFTWARE)
 SAMPLE = b"m"
 STACKS, KILL = b"s", b"k"  # behind them may stand the name of the file that the process runs
 _PERIOD_S = 0.05
@@ -46,12 +47,7 @@ def main(order: StartOrder, inside: Streams) -> None:
         except OSError as problem:  # it worked when it was tried out: the machine has run out of something
             inside.tell(problem=f"the sandbox cannot be arranged: {problem}")
             return
-    child = os.fork()
-    if child == 0:
-        try:
-            runner.main(order, inside)
-        finally:
-            os._exit(FAILED)
+    child = fork_child(partial(runner.main, order, inside))
     namespaces.forbid_tracing()
     for end in (inside.stdout, inside.stderr, inside.evidence):
         os.close(end)

@@ -102,7 +102,7 @@ def serve(line: socket.socket) -> None:
     while True:
         order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
         if order == _START:
-            fork_child(partial(_gate, line, descriptors), failed=init_process.FAILED)
+            fork_child(partial(_gate, line, descriptors))
             for descriptor in descriptors:
                 os.close(descriptor)
         elif order == _END:
@@ -137,6 +137,6 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return
     die_with_parent()  # entering a user namespace has cleared it
-    child = fork_child(partial(init_process.main, order, inside), failed=init_process.FAILED)
+    child = fork_child(partial(init_process.main, order, inside))
     inside.close()
     os.waitpid(child, 0)

@@ -20,6 +20,7 @@ import tempfile
 import threading
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,7 @@ from course_kit.launch import actions, finder, modules
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
 from course_kit.process.child import Child
+from course_kit.process.fork import fork_child
 from course_kit.process.libc import die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -228,13 +230,7 @@ class _Fork(Child):
     def __init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
         self.stdout = self.stderr = None
         self._code: int | None = None
-        self.pid = os.fork()
-        if self.pid == 0:
-            try:
-                _become(program, environ)
-                _run_to_end(_run, program, evidence)
-            finally:
-                os._exit(1)
+        self.pid = fork_child(partial(_run_launched, program, environ, evidence))
 
     def exit_code(self) -> int | None:
         return self._reap(os.WNOHANG)
@@ -249,8 +245,8 @@ class _Fork(Child):
         return self._code
 
 
-def _become(program: Program, environ: Mapping[str, str]) -> None:
-    """Be a program, and no longer a launch."""
+def _run_launched(program: Program, environ: Mapping[str, str], evidence: int) -> None:
+    """Run a program in a fork of its launch."""
     set_name(program.name)
     os.setsid()
     die_with_parent()
@@ -260,6 +256,7 @@ def _become(program: Program, environ: Mapping[str, str]) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(environ)
+    _run_to_end(_run, program, evidence)
 
 
 def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: int) -> None:
