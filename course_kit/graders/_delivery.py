@@ -26,9 +26,9 @@ LOW, GOOD = BatteryState.POWER_SUPPLY_HEALTH_DEAD, BatteryState.POWER_SUPPLY_HEA
 CHARGING, DISCHARGING = BatteryState.POWER_SUPPLY_STATUS_CHARGING, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
 ROOMS = {"attic": 0.9, "cellar": 0.8, "hall": 0.1, "tower": 30.0}  # metres; nobody waits until the tower is reached
 PLACES = {**ROOMS, "shed": 1.4, "dock": 0.0}
-ALONE_MPS, SLOW_MPS = 2.0, 1.0
+ALONE_MPS, SLOW_MPS, CREEP_MPS, FAST_MPS = 2.0, 1.0, 0.2, 40.0
 BUILDING = {"room_names": list(ROOMS), "room_distances_m": list(ROOMS.values()), "speed_mps": ALONE_MPS}
-CHARGE = 0.75  # what the carrier hears
+CHARGE, LESS = 0.75, 0.5  # what the carrier hears
 SHOWN_S, CALM_S, PATIENCE_S = 1.2, 0.1, 3.0  # what has to happen within a second; what must not; and anything else
 GIVES_UP_S = 2.0 + CALM_S  # after door_timeout_s
 CLOSE, NEAR_M, END_M = 1e-3, 0.05, 0.1  # of a percentage, which is a float32; of metres, as the text says
@@ -110,9 +110,15 @@ def enter(node: GradedNode, door_timeout_s: float = PATIENCE_S) -> OfferedServic
     return door
 
 
-def tell_battery(node: GradedNode, health: int) -> None:
+def tell_battery(node: GradedNode, health: int, charge: float = CHARGE) -> None:
     """Be the battery."""
-    node.send(STATE, percentage=CHARGE, power_supply_health=health)
+    node.send(STATE, percentage=charge, power_supply_health=health)
+
+
+def expect_docked(node: GradedNode) -> None:
+    """The carrier says whether it is at the dock."""
+    is_there = node.context.memory["at"] == PLACES["dock"]
+    expect_soon(node, DOCKED, f"The robot {'stands at' if is_there else 'has left'} the dock.", data=is_there)
 
 
 def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> GradedGoal:
@@ -149,6 +155,17 @@ def require_distance(node: GradedNode, goal: GradedGoal, ended: GoalOutcome, met
     node.context.memory["driven"] += (driven_m := ended.result.distance)
     evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={driven_m:.3f}")
     require(abs(driven_m - metres) <= NEAR_M, evidence, "The robot drove a different distance for this goal.")
+
+
+def require_stop(node: GradedNode, goal: GradedGoal, speed_mps: float) -> float:
+    """A goal is cancelled in time, after no more metres than its speed allows; returns how many."""
+    ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
+    metres, most = float(ended.result.distance), speed_mps * goal.clock.wall_s() + NEAR_M
+    evidence = Evidence(goal.shown, f"distance <= {most:.2f}, at {speed_mps:g} m/s", f"distance={metres:.2f}")
+    why = "distance is what the robot drove for this goal; a change of speed_mps counts from the next goal on."
+    require(0.0 <= metres <= most, evidence, why)
+    node.context.memory["driven"] += metres
+    return metres
 
 
 def deliver(node: GradedNode, room: str) -> GradedGoal:

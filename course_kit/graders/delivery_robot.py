@@ -89,19 +89,26 @@ def battery_falls(node: GradedNode) -> None:
     robot.drive_so_far(node, 500.0, 1.0, "It is never below 0.0.")
 
 
-@robot_check(points=1.0, after=["battery_up"], proves=["charges", "status"])
+@robot_check(points=1.0, after=["battery_up"], proves=["charges", "status", "health", "within_1_s"])
 def battery_charges(node: GradedNode) -> None:
-    """battery.py alone: at the dock it charges."""
+    """battery.py alone: it is low below low_fraction, and at the dock it charges."""
     robot.have_running(node, "battery.py")
     for metres in (600.0, 690.0):  # whatever it makes of that, it is not full then
         node.send(DISTANCE, data=metres)
+    for low, health in ((0.0, robot.GOOD), (0.95, robot.LOW), (0.0, robot.GOOD)):
+        if node.set({"low_fraction": low}, of="/battery").result.successful:
+            robot.expect_state(node, f"low_fraction is {low}.", power_supply_health=health)
     inbox = node.inbox(STATE)
-    for _ in range(3):  # a busy machine is now and then late
+    for turn in range(1, 4):  # a busy machine is now and then late
         node.send(DOCKED, data=True)
         robot.expect_state(node, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
+        node.send(DISTANCE, data=690.0 + 0.01 * turn)
+        node.wait(CALM_S)
         first, began = inbox.messages[-1].percentage, inbox.times[-1]
         node.context.wait_until(lambda start=began: inbox.times[-1] >= start + 0.25, PATIENCE_S)  # type: ignore[misc]
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
+        why = f"{DOCKED} has not said that the robot has left the dock."
+        robot.expect_state(node, why, power_supply_status=robot.CHARGING)
         node.send(DOCKED, data=False)
         left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
         node.wait(CALM_S)
@@ -116,6 +123,8 @@ def battery_charges(node: GradedNode) -> None:
 def battery_refuses(node: GradedNode) -> None:
     """battery.py alone: an invalid value of a parameter is refused, a valid one is not."""
     robot.have_running(node, "battery.py")
+    node.set({"capacity_m": 1000.0}, of="/battery").accepted()
+    node.send(DISTANCE, data=0.0)
     for name, values in INVALID.items():
         for value in values:
             change = node.set({name: value}, of="/battery")
@@ -123,6 +132,10 @@ def battery_refuses(node: GradedNode) -> None:
             if name not in change.result.reason:
                 why = f"The reason does not name {name}."
                 change.fail(why, expected=f"a reason with {name}", diagnosis="validation.no_reason")
+    left = robot.expect_state(node, "It is from 0.0 to 1.0.") - 0.01
+    node.send(DISTANCE, data=10.0)
+    why = "capacity_m is still 1000.0, as every change after that was refused."
+    robot.expect_state(node, why, percentage=Approximation(left, absolute=CLOSE))
     for name, value in VALID:
         node.set({name: value}, of="/battery").accepted()
 
@@ -146,6 +159,7 @@ def door_opens(node: GradedNode) -> None:
         answer = node.call(OPEN, data=True).expect(success=True)
         answer.not_before(seconds)
         answer.within(seconds + SHOWN_S)
+    node.set({"opening_s": 2.0}, of="/door").accepted()
     node.call(OPEN, data=False).expect(success=True).within(SHOWN_S)
 
 
@@ -153,16 +167,16 @@ def door_opens(node: GradedNode) -> None:
 def door_locked(node: GradedNode) -> None:
     """door.py alone: while it is locked it refuses to open, and says why."""
     robot.have_running(node, "door.py")
-    node.set({"opening_s": 0.05, "locked": True}, of="/door").accepted()
+    node.set({"opening_s": 2.0, "locked": True}, of="/door").accepted()
     answer = node.call(OPEN, data=True)
     answer.refused(what="a request to open, although the door is locked")
     answer.within(SHOWN_S)
     node.call(OPEN, data=False).expect(success=True)
-    node.set({"locked": False}, of="/door").accepted()
+    node.set({"opening_s": 0.05, "locked": False}, of="/door").accepted()
     node.call(OPEN, data=True).expect(success=True, why="The door is no longer locked.")
 
 
-@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
+@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once", "opens"])
 def door_free(node: GradedNode) -> None:
     """door.py alone: while it opens, everybody else is answered."""
     robot.have_running(node, "door.py")
@@ -183,8 +197,16 @@ def door_free(node: GradedNode) -> None:
     sent = "a request to open; meanwhile requests to close and to open, and a change of locked"
     evidence = Evidence(sent, "all others answered while the door opens", "the door was open before they were answered")
     robot.require(in_time, evidence, "While your node waits for the door, nobody else is answered.", "service.blocks")
-    evidence = Evidence("a request to open, then locked=True", "the door opens", "it did not")
-    robot.require(right, evidence, "Whoever asked before the door was locked gets it opened.")
+    evidence = Evidence("a request to open; then one to close, and locked=True", "the door opens", "it did not")
+    robot.require(right, evidence, "Whoever asked before it was closed and locked gets it opened.")
+    first = client.send(SetBool.Request(data=True))
+    context.wait_until(first.is_answered, opening_s / 2)
+    second, clock = client.send(SetBool.Request(data=True)), context.clock()
+    context.wait_until(second.is_answered, opening_s + PATIENCE_S)
+    sent, got = "two requests to open, the second while the door opens for the first", f"{clock.wall_s():.2f} s"
+    evidence = Evidence(sent, f"the second waits for opening_s={opening_s:g}, too", got)
+    right = second.is_answered() and clock.wall_s() >= 0.9 * opening_s
+    robot.require(right, evidence, "The answer comes after opening_s, not before, whoever asked earlier.")
 
 
 # --- the carrier
@@ -220,6 +242,8 @@ def carrier_feedback(node: GradedNode) -> None:
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
     node.wait(CALM_S)
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
+    robot.tell_battery(node, robot.GOOD, robot.LESS)
+    node.wait(CALM_S)
     robot.open_door(node)
     robot.require_arrival(node, goal, "hall")
     messages = goal.wait_for_last_feedback(
@@ -233,12 +257,14 @@ def carrier_feedback(node: GradedNode) -> None:
     often = len(driving) >= max(5 * metres / robot.ALONE_MPS, 1 + 3 * took_s)  # a busy machine is now and then late
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
     asks = early and all(seen.phase == robot.DOOR for seen in early)
+    charges = [seen.battery for seen in (*early, *heard[-1:])]
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
         (often, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
-        (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in heard), f"battery={robot.CHARGE}, as {STATE} said"),
+        (all(abs(one - robot.CHARGE) < CLOSE for one in charges[:-1]), f"battery={robot.CHARGE}, as {STATE} said"),
+        (abs(charges[-1] - robot.LESS) < CLOSE, f"battery={robot.LESS} at the end, as {STATE} said meanwhile"),
     ):
         robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
 
@@ -268,6 +294,7 @@ def carrier_one_goal(node: GradedNode) -> None:
     """carrier.py alone: one goal at a time, and only one of two that come at the same instant."""
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
+    node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
     robot.open_door(node)
     node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
@@ -282,7 +309,7 @@ def carrier_one_goal(node: GradedNode) -> None:
         robot.require_arrival(node, goal, room)
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort"])
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort", "asks"])
 def carrier_refused(node: GradedNode) -> None:
     """carrier.py alone: a door that refuses ends the delivery, with the reason."""
     door, words = robot.enter(node), f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
@@ -290,33 +317,50 @@ def carrier_refused(node: GradedNode) -> None:
     robot.require_aborted(node, node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
     robot.open_door(node)
     robot.deliver(node, "cellar")
+    goal = robot.ask_for_delivery(node, "cellar", door)  # where it stands already
+    robot.open_door(node)
+    robot.require_arrival(node, goal, "cellar")
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings"])
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])
 def carrier_cancel(node: GradedNode) -> None:
     """carrier.py alone: a delivery is cancelled at the door and on the way; the next one works."""
-    door, start = robot.enter(node), node.context.memory["at"]
+    door, memory = robot.enter(node), node.context.memory
     goal = robot.ask_for_delivery(node, "tower", door)
-    robot.require_distance(node, goal, goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False), 0.0)
+    node.wait(2 * CALM_S)
+    robot.require_stop(node, goal, 0.0)
     robot.open_door(node)
-    goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - start - 0.15
+    goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - memory["at"] - 0.5
     node.context.wait_until(lambda: any(seen.feedback.distance_remaining < far for seen in goal.feedback), PATIENCE_S)
-    ended = goal.cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
-    node.context.memory["at"] = start + ended.result.distance
-    robot.require_distance(node, goal, ended, max(0.15, ended.result.distance))
+    node.set({"speed_mps": robot.FAST_MPS}, of="/carrier").accepted()
+    node.wait(2 * CALM_S)
+    memory["at"] += robot.require_stop(node, goal, robot.ALONE_MPS)
+    node.set({"speed_mps": robot.CREEP_MPS}, of="/carrier").accepted()
+    goal = node.goal(DELIVER, room="dock").accepted_by()
+    node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
+    memory["at"] -= robot.require_stop(node, goal, robot.CREEP_MPS)
+    robot.expect_docked(node)
     rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
     node.set({**rooms, "speed_mps": robot.SLOW_MPS}, of="/carrier").accepted()
     robot.require_arrival(node, node.goal(DELIVER, room="shed").accepted_by(), "shed", robot.SLOW_MPS)
     node.set(robot.BUILDING, of="/carrier").accepted()
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort"])
+@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort", "asks"])
 def carrier_silent(node: GradedNode) -> None:
     """carrier.py alone: without an answer of the door the delivery is given up in time."""
     door = robot.enter(node)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.3 + robot.GIVES_UP_S, after_s=0.25)
+    node.set({"door_timeout_s": PATIENCE_S}, of="/carrier").accepted()
+    goal = robot.ask_for_delivery(node, "hall", door)
+    door.reply(SetBool.Response(success=False, message="too late"), 1)
+    node.wait(CALM_S)
     robot.open_door(node)
+    ended = goal.wait_for_end(PATIENCE_S, "SUCCEEDED")
+    why = "The door has answered the request of the delivery before, which was given up: that is no answer to this one."
+    robot.require("too late" not in ended.result.message, Evidence(goal.shown, "SUCCEEDED", ended.result.message), why)
+    node.context.memory["driven"] += ended.result.distance
     robot.require_some_delivery(node, "hall", PATIENCE_S)
 
 

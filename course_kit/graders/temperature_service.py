@@ -143,7 +143,7 @@ class Temperatures(Model):
         "unknown_unit",
         asks=draw_one_of(
             *((20.0, *pair) for word in (*_ODD, *_NEAR) for pair in ((word, CELSIUS), (FAHRENHEIT, word))),
-            *((value, word, word) for value in (0.0, math.nan, -1e5) for word in ("kelvin", "", "Celsius")),
+            *((value, word, word) for value in (20.0, 0.0, math.nan, -1e5) for word in ("kelvin", "", "Celsius")),
             *((value, "kelvin", unit) for value in (32.0, math.nan, -1e5) for unit in UNITS),
         ),
     )

@@ -98,9 +98,9 @@ class OfferedService:
         if self.answer is not None:
             self.reply(self.answer)
 
-    def reply(self, response: Message) -> None:
-        """Answer every request that waits."""
-        while self._waiting:
+    def reply(self, response: Message, most: int = _MOST_REQUESTS) -> None:
+        """Answer every request that waits, or so many of them, those that came first."""
+        for _ in range(min(most, len(self._waiting))):
             self._record.add_sent(f"response: {in_one_line(response)}", "response")
             self.rclpy_service.send_response(response, self._waiting.popleft())
 
