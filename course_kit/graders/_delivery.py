@@ -115,10 +115,10 @@ def tell_battery(node: GradedNode, health: int, charge: float = CHARGE) -> None:
     node.send(STATE, percentage=charge, power_supply_health=health)
 
 
-def expect_docked(node: GradedNode) -> None:
-    """The carrier says whether it is at the dock."""
-    is_there = node.context.memory["at"] == PLACES["dock"]
-    expect_soon(node, DOCKED, f"The robot {'stands at' if is_there else 'has left'} the dock.", data=is_there)
+def expect_distance(node: GradedNode) -> None:
+    """The carrier says how far it has driven in all."""
+    driven = Approximation(node.context.memory["driven"], absolute=NEAR_M)
+    expect_soon(node, DISTANCE, f"{DISTANCE} says something else than the results of goals.", data=driven)
 
 
 def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> GradedGoal:

@@ -228,8 +228,7 @@ def carrier_delivers(node: GradedNode) -> None:
     for room in ("attic", "cellar"):
         goal = robot.ask_for_delivery(node, room, door)
         node.wait(CALM_S)
-        driven = Approximation(node.context.memory["driven"], absolute=robot.NEAR_M)
-        robot.expect_soon(node, DISTANCE, f"{DISTANCE} says something else than the results of goals.", data=driven)
+        robot.expect_distance(node)
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
         robot.open_door(node)
@@ -339,7 +338,9 @@ def carrier_cancel(node: GradedNode) -> None:
     goal = node.goal(DELIVER, room="dock").accepted_by()
     node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
     memory["at"] -= robot.require_stop(node, goal, robot.CREEP_MPS)
-    robot.expect_docked(node)
+    robot.expect_distance(node)
+    why = "The robot stands on the way to the dock, where it was stopped."
+    robot.expect_soon(node, DOCKED, why, data=False)
     rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
     node.set({**rooms, "speed_mps": robot.SLOW_MPS}, of="/carrier").accepted()
     robot.require_arrival(node, node.goal(DELIVER, room="shed").accepted_by(), "shed", robot.SLOW_MPS)
