@@ -156,6 +156,9 @@ def door_opens(node: GradedNode) -> None:
     robot.have_running(node, "door.py")
     for seconds in (0.55, 0.05):
         node.set({"opening_s": seconds}, of="/door").accepted()
+        node.context.record.add_sent(f"request {OPEN}: data=True, which {seconds / 2} s later is sent again")
+        node.context.grader_node.client(SetBool, OPEN, 1).send(SetBool.Request(data=True))
+        node.wait(seconds / 2)
         answer = node.call(OPEN, data=True).expect(success=True)
         answer.not_before(seconds)
         answer.within(seconds + SHOWN_S)
@@ -176,7 +179,7 @@ def door_locked(node: GradedNode) -> None:
     node.call(OPEN, data=True).expect(success=True, why="The door is no longer locked.")
 
 
-@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once", "opens"])
+@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
 def door_free(node: GradedNode) -> None:
     """door.py alone: while it opens, everybody else is answered."""
     robot.have_running(node, "door.py")
@@ -199,14 +202,6 @@ def door_free(node: GradedNode) -> None:
     robot.require(in_time, evidence, "While your node waits for the door, nobody else is answered.", "service.blocks")
     evidence = Evidence("a request to open; then one to close, and locked=True", "the door opens", "it did not")
     robot.require(right, evidence, "Whoever asked before it was closed and locked gets it opened.")
-    first = client.send(SetBool.Request(data=True))
-    context.wait_until(first.is_answered, opening_s / 2)
-    second, clock = client.send(SetBool.Request(data=True)), context.clock()
-    context.wait_until(second.is_answered, opening_s + PATIENCE_S)
-    sent, got = "two requests to open, the second while the door opens for the first", f"{clock.wall_s():.2f} s"
-    evidence = Evidence(sent, f"the second waits for opening_s={opening_s:g}, too", got)
-    right = second.is_answered() and clock.wall_s() >= 0.9 * opening_s
-    robot.require(right, evidence, "The answer comes after opening_s, not before, whoever asked earlier.")
 
 
 # --- the carrier
@@ -248,10 +243,8 @@ def carrier_feedback(node: GradedNode) -> None:
     messages = goal.wait_for_last_feedback(
         lambda many: any(seen.feedback.distance_remaining < robot.END_M for seen in many)
     )
-    heard, driving = (
-        [seen.feedback for seen in messages],
-        [seen.came_s for seen in messages if seen.feedback.phase == robot.DRIVING],
-    )
+    heard = [seen.feedback for seen in messages]
+    driving = [seen.came_s for seen in messages if seen.feedback.phase == robot.DRIVING]
     left, took_s = [seen.distance_remaining for seen in heard], driving[-1] - driving[0] if driving else 0.0
     often = len(driving) >= max(5 * metres / robot.ALONE_MPS, 1 + 3 * took_s)  # a busy machine is now and then late
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"

@@ -7,7 +7,6 @@ is marked, and what is said is whether the submission is complete.
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -129,68 +128,47 @@ def _with_nearest(name: str, drawn: list[str]) -> str:
 
 def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    variable = context.job.variable
-    written_out = context.job.literal
-    found = find_answers(written_out, variable) if written_out else _run(context)
-    if found.too_large:
+    told, variable = context.job.literal or _run(context), context.job.variable
+    if told.get("too_large"):
         raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", "quiz.malformed")
-    if not found.is_set:
-        raise _not_set(found, variable)
-    if found.entries is None:
+    if "value" in told:
         message = f"{variable} is not a dictionary, so no answer can be found under a scenario's id."
-        raise Failed(Evidence("", _SHAPE, found.value[:80]), message, "quiz.malformed")
-    return found.entries
+        raise Failed(Evidence("", _SHAPE, told["value"][:80]), message, "quiz.malformed")
+    if "entries" not in told:
+        raise _not_set([name for name in told.get("set_names", ()) if name != variable], variable)
+    return read_entries(told)
 
 
-def _run(context: CheckContext) -> FoundAnswers:
+def _run(context: CheckContext) -> Record:
     """Have the program work its answers out, and find out why if it does not come to its end."""
-    job = context.job
     process = context.program.run_to_end(context.time_is_up)
-    if "set_names" in process.notes:
-        found = find_answers(process.notes, job.variable)
-        if found.is_set or not process.notes.get("ended_itself"):
-            return found
-    code, message = exits.explain_start(process, job)
+    told = process.notes
+    if "set_names" in told and not (told.get("ended_itself") and told.keys().isdisjoint(_FOUND)):
+        return told
+    code, message = exits.explain_start(process, context.job)
     raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 
-def _not_set(found: FoundAnswers, variable: str) -> Failed:
-    names = ", ".join(found.set_names) or "nothing"
-    meant = quiz.nearest(variable, found.set_names)
+def _not_set(set_names: list[str], variable: str) -> Failed:
+    names = ", ".join(set_names) or "nothing"
+    meant = quiz.nearest(variable, set_names)
     message = f"Your program does not set a variable called {variable}; it sets {names}."
     if meant:
         message += f" Did you mean {meant}?"
     return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
 
 
+_FOUND = ("too_large", "value", "entries")  # what is told of a variable that is set
 _NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
 _LONGEST = 500  # characters of an answer or its id, as text
 
 
-@dataclass(frozen=True)
-class FoundAnswers:
-    """What a submission has put into its variable."""
-
-    entries: dict[object, object] | None = None
-    value: str = ""
-    set_names: tuple[str, ...] = field(default=())
-    is_set: bool = True
-    too_large: bool = False
-
-
-def find_answers(told: Record, variable: str) -> FoundAnswers:
+def read_entries(told: Record) -> dict[object, object]:
     """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`)."""
-    names = tuple(name for name in told.get("set_names", ()) if name != variable)
-    if told.get("too_large"):
-        return FoundAnswers(set_names=names, too_large=True)
-    if "value" in told:
-        return FoundAnswers(value=told["value"], set_names=names)
-    if "entries" not in told:
-        return FoundAnswers(set_names=names, is_set=False)
     entries: dict[object, object] = {}
     for key, text, *problem in told["entries"]:
         _put(entries, key, text, "".join(problem))
-    return FoundAnswers(entries, set_names=names)
+    return entries
 
 
 def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:

@@ -42,7 +42,7 @@ text = "The high limit is 5."
 _GRADER = '''
 from pathlib import Path
 
-from course_kit.graders.pattern_choice import find_answers
+from course_kit.graders.pattern_choice import read_entries
 from course_kit.grading.checks.vocabulary import Evidence, Failed, check
 
 INTERFACES = ()
@@ -53,8 +53,8 @@ def limits(node):
     """What the submission has set, by name."""
     context = node.context
     if context.job.literal is not None:
-        return find_answers(context.job.literal, "limits").entries
-    return find_answers(context.run_to_end().notes, "limits").entries
+        return read_entries(context.job.literal)
+    return read_entries(context.run_to_end().notes)
 
 
 @check(points=1.0, proves=["low_is_two"])
