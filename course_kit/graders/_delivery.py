@@ -138,9 +138,9 @@ def open_door(node: GradedNode) -> None:
     door.reply(door.answer)
 
 
-def require_arrival(node: GradedNode, goal: GradedGoal, room: str, speed_mps: float = ALONE_MPS) -> None:
-    """A goal for which the door is open ends SUCCEEDED, after as long as the way takes."""
-    memory = node.context.memory
+def deliver(node: GradedNode, room: str, speed_mps: float = ALONE_MPS, goal: GradedGoal | None = None) -> None:
+    """A goal, or this one, for which the door is open ends SUCCEEDED, after as long as the way takes."""
+    memory, goal = node.context.memory, goal or node.goal(DELIVER, room=room).accepted_by()
     metres = abs(PLACES[room] - memory["at"])
     ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / speed_mps + SHOWN_S, delivered=True)
     took_s = min(goal.clock.wall_s(), memory.get("opened", goal.clock).wall_s())
@@ -166,13 +166,6 @@ def require_stop(node: GradedNode, goal: GradedGoal, speed_mps: float) -> float:
     require(0.0 <= metres <= most, evidence, why)
     node.context.memory["driven"] += metres
     return metres
-
-
-def deliver(node: GradedNode, room: str) -> GradedGoal:
-    """A delivery while the door opens at once."""
-    goal = node.goal(DELIVER, room=room).accepted_by()
-    require_arrival(node, goal, room)
-    return goal
 
 
 def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: str = "", after_s: float = 0.0) -> None:

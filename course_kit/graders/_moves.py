@@ -37,7 +37,7 @@ CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # seconds that a move may take for each metre, and in addition
 _PROMPT_S = 1.0  # within which the statuses of two goals have come
-_OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
+OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 
 
@@ -291,9 +291,13 @@ def require_truth(move: Move) -> None:
         _require_on_the_way(move, state.feedback)
     if long and arrived:
         _require_from_begin_to_end(move, heard, expected)
-    if long:
-        for state in heard:
-            _require_own_part(move, state.feedback)
+    for said in [state.feedback for state in heard] if long else ():
+        wanted = 1.0 - said.distance_remaining / move.length
+        if not abs(said.progress - wanted) <= _FITS + _ROUNDING:
+            got = f"progress={said.progress:.4g} with distance_remaining={said.distance_remaining:.4g}"
+            expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole way"
+            why = f"progress={said.progress:.4g} is not the part of this goal's own way that is done."
+            raise HastyError(Evidence(move.goal.shown, expected, got), why)
 
 
 def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
@@ -339,29 +343,12 @@ def _require_from_begin_to_end(move: Move, heard: Sequence[ReceivedFeedback], ex
         raise HastyError(evidence, why)
 
 
-def _require_own_part(move: Move, feedback: Any) -> None:
-    wanted = 1.0 - feedback.distance_remaining / move.length
-    if not abs(feedback.progress - wanted) <= _FITS + _ROUNDING:
-        got = f"progress={feedback.progress:.4g} with distance_remaining={feedback.distance_remaining:.4g}"
-        expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole way"
-        why = f"progress={feedback.progress:.4g} is not the part of this goal's own way that is done."
-        raise HastyError(Evidence(move.goal.shown, expected, got), why)
-
-
-def require_limits(goal: GradedGoal) -> None:
-    """Progress stays in 0 to 1 where there is no way to go and no feedback is needed."""
-    if found := find_jump(goal.wait_for_last_feedback(lambda _: True)):
-        evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
-        raise Failed(evidence, "A goal at the present position needs no feedback, but progress goes from 0 to 1.")
-
-
-ASPECTS = {
+ASPECTS = {  # of a move that has ended SUCCEEDED, by the check whose points it costs
     "arrives": require_arrival,
     "distance": require_distance,
     "feedback": require_enough,
     "progress": require_truth,
 }
-# of a move that has ended SUCCEEDED, by the check whose points it costs
 
 # --- a move that is cancelled
 
@@ -435,10 +422,3 @@ def require_one_at_a_time(
     both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
     why = "Your server accepted a second goal while the first was still running."
     raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")
-
-
-def require_end_before(first: GradedGoal, second: GradedGoal, evidence: Evidence) -> None:
-    """A goal that was being cancelled had ended when the second was accepted; both have ended."""
-    if (first.over_at or 0.0) > second.began_at + _OVERLAP_S:
-        why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
-        raise Failed(evidence, why, breaks="second_goal")

@@ -227,7 +227,7 @@ def carrier_delivers(node: GradedNode) -> None:
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
         robot.open_door(node)
-        robot.require_arrival(node, goal, room)
+        robot.deliver(node, room, goal=goal)
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["tells_phase", "tells_remaining", "tells_battery"])
@@ -239,7 +239,7 @@ def carrier_feedback(node: GradedNode) -> None:
     robot.tell_battery(node, robot.GOOD, robot.LESS)
     node.wait(CALM_S)
     robot.open_door(node)
-    robot.require_arrival(node, goal, "hall")
+    robot.deliver(node, "hall", goal=goal)
     messages = goal.wait_for_last_feedback(
         lambda many: any(seen.feedback.distance_remaining < robot.END_M for seen in many)
     )
@@ -274,7 +274,7 @@ def carrier_rejects(node: GradedNode) -> None:
         goal.wait_for_answer("the goal rejected")
         if not goal.accepted:
             break
-        robot.require_arrival(node, goal, "attic")
+        robot.deliver(node, "attic", goal=goal)
     goal.rejected(what="a delivery, although the battery is low")
     robot.deliver(node, "dock")
     robot.tell_battery(node, robot.GOOD)
@@ -291,14 +291,14 @@ def carrier_one_goal(node: GradedNode) -> None:
     robot.open_door(node)
     node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
     last = robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
-    robot.require_arrival(node, goal, "attic")
+    robot.deliver(node, "attic", goal=goal)
     if last is not goal:  # it came when the first was over
-        robot.require_arrival(node, last, "hall")
+        robot.deliver(node, "hall", goal=last)
     for room in ("cellar", "attic", "cellar", "attic"):  # which callback comes first is a matter of chance
         door.answer = None
         goal = robot.require_one(node, node.goal(DELIVER, room=room), node.goal(DELIVER, room=room))
         robot.open_door(node)
-        robot.require_arrival(node, goal, room)
+        robot.deliver(node, room, goal=goal)
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort", "asks"])
@@ -311,7 +311,7 @@ def carrier_refused(node: GradedNode) -> None:
     robot.deliver(node, "cellar")
     goal = robot.ask_for_delivery(node, "cellar", door)  # where it stands already
     robot.open_door(node)
-    robot.require_arrival(node, goal, "cellar")
+    robot.deliver(node, "cellar", goal=goal)
 
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])
@@ -336,7 +336,7 @@ def carrier_cancel(node: GradedNode) -> None:
     robot.expect_soon(node, DOCKED, why, data=False)
     rooms = {"room_names": ["shed"], "room_distances_m": [robot.PLACES["shed"]]}
     node.set({**rooms, "speed_mps": robot.SLOW_MPS}, of="/carrier").accepted()
-    robot.require_arrival(node, node.goal(DELIVER, room="shed").accepted_by(), "shed", robot.SLOW_MPS)
+    robot.deliver(node, "shed", robot.SLOW_MPS)
     node.set(robot.BUILDING, of="/carrier").accepted()
 
 

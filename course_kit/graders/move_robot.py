@@ -96,8 +96,10 @@ class RobotModel(Model):
         self.targets[-1] = place_inside(self.at, 0.3, angle)  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
-        with _moves.charge_to("already_there"):
-            _moves.require_limits(goal)
+        if found := _moves.find_jump(goal.wait_for_last_feedback(lambda _: True)):
+            evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
+            why = "A goal at the present position needs no feedback, but progress goes from 0 to 1."
+            raise Failed(evidence, why, breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
     @step_rule("outside")
@@ -195,7 +197,9 @@ class RobotModel(Model):
             self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
             if second.accepted:
                 self.note_arrival(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
-                _moves.require_end_before(first, second, evidence)
+                if (first.over_at or 0.0) > second.began_at + _moves.OVERLAP_S:
+                    why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
+                    raise Failed(evidence, why, breaks="second_goal")
 
     @step_rule("cancel", way=STOPS, share=CUTS, disturbed=draw_one_of(False, True), then=draw_one_of(None, MOVES))
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:

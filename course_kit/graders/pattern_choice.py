@@ -56,7 +56,7 @@ class _Sheet:
 
     def __init__(self, scenarios: tuple[Scenario, ...]) -> None:
         self._scenarios = scenarios
-        self._result: MarkedAnswers | None = None
+        self._result: MarkedAnswers  # from the first check on
 
     def read(self, context: CheckContext) -> Evidence:
         entries = _read(context)
@@ -67,12 +67,13 @@ class _Sheet:
 
     def known_ids(self, context: CheckContext) -> Evidence:
         del context
-        strangers = self._require_marked().strangers
+        strangers = self._result.strangers
         expected = "ids of scenarios only"
         if not strangers:
             return Evidence("", expected, expected)
         drawn = [scenario.id for scenario in self._scenarios]
-        named = [_with_nearest(name, drawn) for name in strangers[:_MOST_NAMED]]
+        meant = {name: quiz.nearest(name, drawn) for name in strangers[:_MOST_NAMED]}
+        named = [f"'{name}' (did you mean '{near}'?)" if near else f"'{name}'" for name, near in meant.items()]
         if (others := len(strangers) - len(named)) > 0:
             named.append(f"{others} more")
         message = f"These entries belong to no scenario: {'; '.join(named)}. They do not change your points."
@@ -80,22 +81,16 @@ class _Sheet:
 
     def pattern(self, place: int, context: CheckContext) -> Evidence:
         del context
-        marks = self._require_marked().marks[place]
+        marks = self._result.marks[place]
         sent = f"{marks.scenario.id}: {marks.scenario.text}"
         return _verdict(marks.pattern, sent, _PATTERN_WANTED)
 
     def reason(self, place: int, context: CheckContext) -> Evidence:
-        marks = self._require_marked().marks[place]
+        marks = self._result.marks[place]
         listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, context.job.seed)]
         given = marks.scenario.reasons.get(marks.reason.got)
-        half = marks.reason
-        got = f"{half.got}: {given}" if given else half.got
-        return _verdict(half, "", f"the reason that decides, out of {', '.join(listed)}", got)
-
-    def _require_marked(self) -> MarkedAnswers:
-        if self._result is None:
-            raise RuntimeError("the answers were not read")
-        return self._result
+        got = f"{marks.reason.got}: {given}" if given else marks.reason.got
+        return _verdict(marks.reason, "", f"the reason that decides, out of {', '.join(listed)}", got)
 
 
 def _not_here(result: MarkedAnswers) -> str:
@@ -119,11 +114,6 @@ def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Ev
     if not half.right:
         raise Failed(evidence, half.explanation, half.code)
     return evidence
-
-
-def _with_nearest(name: str, drawn: list[str]) -> str:
-    meant = quiz.nearest(name, drawn)
-    return f"'{name}' (did you mean '{meant}'?)" if meant else f"'{name}'"
 
 
 def _read(context: CheckContext) -> dict[object, object]:
