@@ -37,7 +37,6 @@ from course_kit.grading.checks.vocabulary import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-
 INTERFACES = (MoveRobot,)
 VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
@@ -97,9 +96,8 @@ class RobotModel(Model):
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
         if found := _moves.find_jump(goal.wait_for_last_feedback(lambda _: True)):
-            evidence = Evidence(goal.shown, "progress from 0 to 1, if there is feedback", found)
             why = "A goal at the present position needs no feedback, but progress goes from 0 to 1."
-            raise Failed(evidence, why, breaks="already_there")
+            raise Failed(Evidence(goal.shown, "progress from 0 to 1, if any", found), why, breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
     @step_rule("outside")
