@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from posixpath import basename
 
 from course_kit.reader import text
 
@@ -75,13 +76,13 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
         if folder is None and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
         members = [] if folder is None else [path for path in entries if path.rpartition("/")[0] == folder]
-        members = [path for path in members if is_name(_last_part(path))]
-        members.sort(key=lambda path: (_last_part(path) not in wanted, path))
+        members = [path for path in members if is_name(basename(path))]
+        members.sort(key=lambda path: (basename(path) not in wanted, path))
         if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
             )
-        return {_last_part(path): read_file(_last_part(path), archive.read(path)) for path in members[:MOST_FILES]}
+        return {basename(path): read_file(basename(path), archive.read(path)) for path in members[:MOST_FILES]}
     except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
         if isinstance(problem, text.UnreadableTextError):
             raise
@@ -102,10 +103,6 @@ def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
 
 def _is_left_out(path: str) -> bool:
     return any(part.startswith(".") or part in _LEFT_OUT for part in path.split("/"))
-
-
-def _last_part(path: str) -> str:
-    return path.rpartition("/")[2]
 
 
 def join_sources(read: Mapping[str, Read]) -> str:

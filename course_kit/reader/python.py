@@ -6,7 +6,7 @@ import ast
 import builtins
 import json
 import resource
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from itertools import accumulate
 
 from course_kit.reader.contract import MEMORY_MB
@@ -45,17 +45,16 @@ def read_facts(tree: ast.Module) -> dict[str, object]:
     nodes = list(ast.walk(tree))
     called = [(_called_name(node), node.lineno) for node in nodes if isinstance(node, ast.Call)]
     read = sorted((node.lineno, node.attr) for node in nodes if isinstance(node, ast.Attribute))
+    calls, looks = ([line for line, name in read if name in names] for names in (_CALLS, _LOOKS))
     functions = [node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    spans = [(function.lineno, function.end_lineno or function.lineno) for function in functions]
+    found = [(*span, _any_between(calls, *span) and _any_between(looks, *span)) for span in spans]
     return {
         "awaits": any(isinstance(node, ast.Await) for node in nodes),
         "floor_divides": any(isinstance(node, ast.FloorDiv) for node in nodes),
         "loops": any(isinstance(node, ast.While) for node in nodes),
         "waits": any(name in _WAITING for name, _ in called),
-        "functions": _functions(
-            [(function.lineno, function.end_lineno or function.lineno) for function in functions],
-            [line for line, name in read if name in _CALLS],
-            [line for line, name in read if name in _LOOKS],
-        ),
+        "functions": found[:_MOST_FUNCTIONS] if any(waits for _, _, waits in found) else [],
         "future": min((line for name, line in called if name == "Future"), default=0),
     }
 
@@ -92,19 +91,8 @@ def _called_name(call: ast.Call) -> str:
     return str(getattr(call.func, "attr", getattr(call.func, "id", "")))
 
 
-def _functions(
-    spans: Sequence[tuple[int, int]], calls: Sequence[int], looks: Sequence[int]
-) -> list[tuple[int, int, bool]]:
-    """First and last line of each function, and whether it sends a call and looks at a future; none if none does."""
-    found = [
-        (first, last, _any_between(calls, first, last) and _any_between(looks, first, last)) for first, last in spans
-    ]
-    return found[:_MOST_FUNCTIONS] if any(waits for _, _, waits in found) else []
-
-
 def _any_between(lines: Sequence[int], first: int, last: int) -> bool:
-    place = bisect_left(lines, first)
-    return place < len(lines) and lines[place] <= last
+    return bisect_left(lines, first) < bisect_right(lines, last)
 
 
 def _cut(text: str) -> str:

@@ -11,9 +11,8 @@ from course_kit.reader import python
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
     from typing import BinaryIO
-
 
 LARGEST = 1 << 20  # bytes of a program
 PROGRAM, NOTEBOOK = ".py", ".ipynb"
@@ -99,7 +98,8 @@ def join_cells(
     for number, cell in cells:
         rest = _plain_lines(cell).split("\n")
         first = _first_statement(rest)
-        rest = _dedent_lines(rest, rest[first])
+        indentation = rest[first][: len(rest[first]) - len(rest[first].lstrip(" \t"))]  # IPython takes it away, too
+        rest = [line.removeprefix(indentation) for line in rest]
         if not (match := _MAGIC.match(rest.pop(first))):
             continue
         if match["exercise"] != exercise:
@@ -136,12 +136,6 @@ def _first_statement(lines: list[str]) -> int:
     return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
 
 
-def _dedent_lines(lines: list[str], like: str) -> list[str]:
-    """The lines without the indentation of one of them, which IPython takes away, too."""
-    indentation = like[: len(like) - len(like.lstrip(" \t"))]
-    return [line.removeprefix(indentation) for line in lines]
-
-
 def _started_once(parts: list[list[str]]) -> list[list[str]]:
     """Cells as a notebook runs them: all of them, and what starts a program, such as its `main`, at the end."""
     if len(parts) < 2:  # noqa: PLR2004 - several
@@ -161,7 +155,8 @@ def code_cells(name: str, text: str) -> list[tuple[int, str]]:
     try:
         # Its numbers do not matter; `len` is the cheapest function of their digits, which may be a million.
         cells = json.loads(text, parse_int=len, parse_float=len)["cells"]
-        return [(number, _text_of(cell)) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
+        sources = [(number, cell["source"]) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
+        return [(number, source if isinstance(source, str) else "".join(source)) for number, source in sources]
     except _NO_NOTEBOOK:
         raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
 
@@ -186,15 +181,6 @@ def _exported_cells(source: str) -> list[tuple[int, str]]:
             ):
                 found.append((numbers[node.lineno], f"%%submission {line}\n{cell}"))
     return found
-
-
-def _text_of(cell: Mapping[str, object]) -> str:
-    source = cell["source"]  # a list of lines in a file, a string in other writers' files
-    if isinstance(source, list):
-        return "".join(source)
-    if not isinstance(source, str):
-        raise TypeError("a cell without text")
-    return source
 
 
 def _plain_lines(text: str) -> str:
