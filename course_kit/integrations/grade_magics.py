@@ -202,7 +202,9 @@ class GradeMagics(Magics):
         """Show our solution beside yours, once you have passed: `%solution EXERCISE`."""
         from course_kit.learner import handouts
 
-        ours = handouts.earned_solution(line.strip())
+        ours, sentence = handouts.read_solution(line.strip())
+        if sentence:
+            raise GradingError(sentence)
         yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
         display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
 

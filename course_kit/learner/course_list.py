@@ -55,22 +55,17 @@ class Row:
 def list_rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used."""
     records, trouble = progress.read_progress()
-    found_folders = find_exercises(folder)
-    names = {*found_folders.folders, *(exercise_folders.drills(folder) if practice else ())}
-    loaded = [_load(name, folder) for name in sorted(names)]
-    listed = [exercise for exercise in loaded if isinstance(exercise, Exercise) and exercise.practice == practice]
-    found = [Row(exercise, records.get(exercise.id, progress.ProgressRecord())) for exercise in listed]
-    problems = [trouble, *(problem for problem in loaded if isinstance(problem, str)), *found_folders.problems]
-    found.sort(key=lambda row: (row.exercise.order, row.exercise.id))
-    return found, [sentence for sentence in problems if sentence]
-
-
-def _load(name: str, folder: Path | None) -> Exercise | str:
-    """The exercise, or what is wrong with it: one that is being written must not hide the others."""
-    try:
-        return load_exercise(name, folder)
-    except GradingError as problem:
-        return str(problem)
+    there = find_exercises(folder)
+    found, problems = [], [trouble]
+    for name in sorted({*there.folders, *(exercise_folders.drills(folder) if practice else ())}):
+        try:
+            exercise = load_exercise(name, folder)
+        except GradingError as problem:  # noqa: PERF203 - one that is being written must not hide the others
+            problems.append(str(problem))
+        else:
+            found.append(Row(exercise, records.get(exercise.id, progress.ProgressRecord())))
+    found = sorted((row for row in found if row.exercise.practice == practice), key=lambda row: row.exercise.order)
+    return found, [sentence for sentence in (*problems, *there.problems) if sentence]
 
 
 def format_json(found: list[Row]) -> str:
@@ -96,13 +91,8 @@ def format_list(found: list[Row]) -> str:
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
         )
         lines.append(f"Next: {following.id}, {where}")
-    return "\n".join([*lines, *_describe_steps()])
-
-
-def _describe_steps() -> list[str]:
-    """A line for each lesson of which any step was tried: how many are right."""
-    lines = [f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in _lessons() if lesson.tried]
-    return ["", "Steps of the lessons:", *lines] if lines else []
+    steps = [f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in _lessons() if lesson.tried]
+    return "\n".join([*lines, *(["", "Steps of the lessons:", *steps] if steps else [])])
 
 
 @dataclass(frozen=True)
@@ -169,29 +159,22 @@ def _lines(row: Row, width: int) -> list[str]:
 
 def next_step(passed: str, root: Path | None = None) -> str:
     """What to do after an exercise was passed: the next lesson and the next exercise; after a drill the next drill."""
-    drills, _ = list_rows(practice=True)
-    if (drill := next((row.exercise for row in drills if row.exercise.id == passed), None)) is not None:
-        left = next((row.exercise.id for row in drills if not row.known.passed and row.exercise is not drill), None)
-        way = f"Next: {environment.course_command()} drills {left}." if left else "That was the last drill."
-        return f"{way}{_comparison(drill)}"
-    root = root or environment.course_files()
-    exercises = [row.exercise for row in list_rows()[0]]
-    number = next((exercise.order for exercise in exercises if exercise.id == passed), 0)
-    following = next((exercise for exercise in exercises if exercise.order > number), None)
-    lessons = sorted((root / "notebooks").glob(f"{number + 1:02}_*.ipynb")) if root is not None else []
-    steps = [f"lesson {number + 1}, notebooks/{lessons[0].name}"] if lessons and following else []
-    if following is not None:
-        steps.append(f"exercise {following.order}, {following.id}")
-    way = f"Next: {'; then '.join(steps)}." if steps else "That was the last exercise."
-    return f"{way}{_comparison(next((exercise for exercise in exercises if exercise.id == passed), None))}"
-
-
-def _comparison(exercise: Exercise | None) -> str:
-    """How to see our solution, where there is one; a student edition has none."""
-    if exercise is None or not exercise.solution.exists():
-        return ""
+    exercise, command = load_exercise(passed), environment.course_command()
+    rows, _ = list_rows(practice=exercise.practice)
+    if exercise.practice:
+        left = next((row.exercise.id for row in rows if not row.known.passed and row.exercise.id != passed), None)
+        way = f"Next: {command} drills {left}." if left else "That was the last drill."
+    elif following := next((row.exercise for row in rows if row.exercise.order > exercise.order), None):
+        root, number = root or environment.course_files(), exercise.order + 1
+        lessons = sorted((root / "notebooks").glob(f"{number:02}_*.ipynb")) if root is not None else []
+        lesson = f"lesson {number}, notebooks/{lessons[0].name}; then " if lessons else ""
+        way = f"Next: {lesson}exercise {following.order}, {following.id}."
+    else:
+        way = "That was the last exercise."
+    if not exercise.solution.exists():  # a student edition has none
+        return way
     where = f" --exercises {shlex.quote(str(exercise.folder))}" if exercise_folders.is_added(exercise.folder) else ""
-    return f" Compare yours with ours: {environment.course_command()} solution {exercise.id}{where}"
+    return f"{way} Compare yours with ours: {command} solution {exercise.id}{where}"
 
 
 def describe_drills() -> tuple[str, list[str]]:
@@ -221,9 +204,9 @@ def begin_drill(drill_id: str) -> str:
     place = workspace.exercise_folder(exercise)
     if place is None:
         raise workspace.no_files_of(exercise, "watch")
-    for missing in handouts.changed_files(exercise, place):
-        if not missing.file.exists():
-            missing.carry_out()
+    for file, starter in handouts.changed_files(exercise, place).items():
+        if not file.exists():
+            handouts.put_starter(file, starter)
     command, program = environment.course_command(), workspace.shorten_path(place / exercise.starter)
     lines = [*wrap_text(f"Drill {exercise.order}: {exercise.title}", "", _INDENT), "", *wrap_text(exercise.symptom), ""]
     lines += [

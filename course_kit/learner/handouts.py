@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -15,50 +14,34 @@ from course_kit.learner import progress, workspace
 from course_kit.learner.workspace import shorten_path
 from course_kit.text.console import note, refuse
 
-if TYPE_CHECKING:
-    from course_kit.learner.progress import ProgressRecord
 
-
-@dataclass(frozen=True)
-class ChangedFile:
-    """A learner's file that is no longer the starter, or is gone."""
-
-    file: Path
-    starter: bytes
-
-    @property
-    def backup(self) -> Path:
-        """The first free name beside the file; the highest number is the newest."""
-        number = 1
-        while os.path.lexists(free := self.file.with_name(f"{self.file.stem}.backup-{number}{self.file.suffix}")):
-            number += 1
-        return free
-
-    def carry_out(self) -> None:
-        """Save the learner's file, put the starter in its place, and say so; if that fails, the file stays."""
-        again = f" again; yours is kept as {self.backup.name}" if self.file.exists() else ""
-        try:
-            if again:
-                saved = self.backup
-                environment.files.write_new(saved, self.file.read_bytes())
-                shutil.copystat(self.file, saved)
-            environment.write_atomically(self.file, self.starter)
-        except OSError as problem:
-            raise GradingError(
-                f"{self.file} could not be written: {problem.strerror or problem}. The file there is unchanged."
-            ) from problem
-        print(f"{shorten_path(self.file)} is the starter{again}.")
-
-
-def changed_files(exercise: Exercise, place: Path | None = None) -> list[ChangedFile]:
-    """The starter files of an exercise that the learner has changed, or that are not there."""
-    found = []
+def put_starter(file: Path, starter: bytes) -> None:
+    """Save a learner's file, put the starter in its place, and say so; if that fails, the file stays."""
+    again = ""
     try:
-        for name, file in _files(exercise, exercise.folder if place is None else place).items():
+        if file.exists():
+            names = (file.with_name(f"{file.stem}.backup-{number}{file.suffix}") for number in count(1))
+            backup = next(name for name in names if not os.path.lexists(name))  # the highest number is the newest
+            environment.files.write_new(backup, file.read_bytes())
+            shutil.copystat(file, backup)
+            again = f" again; yours is kept as {backup.name}"
+        environment.write_atomically(file, starter)
+    except OSError as problem:
+        raise GradingError(
+            f"{file} could not be written: {problem.strerror or problem}. The file there is unchanged."
+        ) from problem
+    print(f"{shorten_path(file)} is the starter{again}.")
+
+
+def changed_files(exercise: Exercise, place: Path) -> dict[Path, bytes]:
+    """The files of an exercise that the learner has changed, or that are not there, with their starters."""
+    found = {}
+    try:
+        for name, file in _files(exercise, place).items():
             starter = (exercise.folder / name).read_bytes()
             content = starter if file.parent == exercise.folder else workspace.clear_for_learner(name, starter)
             if not file.exists() or file.read_bytes() not in (content, starter):
-                found.append(ChangedFile(file, content))
+                found[file] = content
     except OSError as problem:
         raise GradingError(f"{problem.filename} cannot be read: {problem.strerror}. Nothing was changed.") from None
     return found
@@ -80,13 +63,13 @@ def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None)
     place = place or workspace.exercise_folder(exercise)
     if place is None and not forget:
         raise workspace.no_files_of(exercise, "reset")
-    returns = [] if place is None else changed_files(exercise, place)
-    if not returns and not forget and place is not None:
+    changed = {} if place is None else changed_files(exercise, place)
+    if not changed and not forget and place is not None:
         print(f"{exercise.id} already matches the starter: {shorten_path(place)}")
         return 0
-    for each in returns:
-        each.carry_out()
-    if returns:
+    for file, starter in changed.items():
+        put_starter(file, starter)
+    if changed:
         print("If it is open in JupyterLab: File > Reload from Disk.")
     if forget:
         if trouble := progress.update_progress(exercise.id, lambda _: None):
@@ -95,17 +78,9 @@ def reset_exercise(exercise_id: str, *, forget: bool, place: Path | None = None)
     return 0
 
 
-def earned_solution(exercise_id: str) -> str:
-    """The text of the solution."""
-    text, sentence = _solution(load_exercise(exercise_id))
-    if sentence:
-        raise GradingError(sentence)
-    return text
-
-
 def show_solution(exercise_id: str, *, anyway: bool) -> int:
     """Print the solution; 1 when it has to be earned first."""
-    text, sentence = _solution(load_exercise(exercise_id))
+    text, sentence = read_solution(exercise_id)
     if sentence and not anyway:
         note(sentence)
         return 1
@@ -113,19 +88,18 @@ def show_solution(exercise_id: str, *, anyway: bool) -> int:
     return 0
 
 
-def _solution(exercise: Exercise) -> tuple[str, str]:
-    """The text, and why it is not to be seen yet."""
+def read_solution(exercise_id: str) -> tuple[str, str]:
+    """The text of an exercise's solution, and why it is not to be seen yet."""
+    exercise = load_exercise(exercise_id)
     if not exercise.solution.exists():
         raise GradingError("This edition of the course comes without solutions. Ask your instructor.")
     known = progress.read_progress()[0].get(exercise.id, progress.ProgressRecord())
     texts = [f"# --- {name}\n{(exercise.solution / name).read_text(encoding='utf-8')}" for name in exercise.files]
     text = "\n".join(texts) if texts else exercise.solution.read_text(encoding="utf-8")
-    return text, "" if known.passed else _not_yet(exercise, known)
-
-
-def _not_yet(exercise: Exercise, known: ProgressRecord) -> str:
+    if known.passed:
+        return text, ""
     so_far = f"your best so far is {known.best:g}" if known.tries else "you have not been graded yet"
-    return (
+    return text, (
         f"You can see the solution once you have passed, with {exercise.pass_mark:g} of {exercise.points:g} points; "
         f"{so_far}.\nStuck? {environment.course_command()} hint {exercise.id}\nInstructors: add --show."
     )

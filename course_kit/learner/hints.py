@@ -45,13 +45,13 @@ def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Pa
     if again:
         return _text(exercise, found, 0, max(given, found.in_report), command), trouble
     last = min(max(given, found.in_report) + 1, len(found.rungs))  # the report has shown the first
+
+    def note_hint(old: ProgressRecord) -> ProgressRecord:
+        return structs.replace(old, hints={**old.hints, found.key: max(last, old.hints.get(found.key, 0))})
+
     if last > given:
-        trouble = progress.update_progress(exercise.id, lambda old: _with_hints(old, found.key, last)) or trouble
+        trouble = progress.update_progress(exercise.id, note_hint) or trouble
     return _text(exercise, found, max(last - 1, 0), last, command), trouble
-
-
-def _with_hints(known: ProgressRecord, key: str, count: int) -> ProgressRecord:
-    return structs.replace(known, hints={**known.hints, key: max(count, known.hints.get(key, 0))})
 
 
 def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:

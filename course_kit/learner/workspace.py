@@ -191,23 +191,17 @@ def _files(root: Path) -> Iterator[Path]:
 
 def exercise_folder(exercise: Exercise) -> Path | None:
     """The folder with this user's files of an exercise: found from where they are, else in their learner's folder."""
-    course = exercise.folder
-    here = Path.cwd()
-    own = exercise_folders.course_folder()
-    around = course if own is None or exercise_folders.is_added(course) else own.parent
-    mine = _my_folder()
-    if here.is_relative_to(around) and not here.is_relative_to(mine):
-        found = None  # within the course: another folder there may hold a file of this name that is no starter
-    else:
-        found = next((folder for folder in _places(here, exercise) if _has_one(folder, exercise)), None)
-    if found is not None:
-        return found
-    copied = mine / "exercises" / exercise_folders.path_below(course)
-    if not exercise_folders.is_added(course) and _has_one(copied, exercise):
-        return copied
-    its_own = environment.checkout_folder() is not None or exercise_folders.is_added(
-        course
-    )  # nobody works in a package
+    course, here, mine = exercise.folder, Path.cwd(), _my_folder()
+    own = None if exercise_folders.is_added(course) else exercise_folders.course_folder()
+    below = Path("exercises", exercise_folders.path_below(course))
+    # Within the course another folder may hold a file of this name that is no starter.
+    is_outside = here.is_relative_to(mine) or not here.is_relative_to(own.parent if own else course)
+    places = [here, here / exercise.id, *(folder / below for folder in (here, *here.parents))] if is_outside else []
+    for folder in (*places, *([mine / below] if own else [])):
+        with suppress(OSError):  # a folder of somebody else's
+            if any((folder / name).is_file() for name in exercise.starters):
+                return folder
+    its_own = own is None or environment.checkout_folder() is not None  # nobody works in a package
     return course if its_own and environment.paths.is_writable(course, make=False) else None
 
 
@@ -279,14 +273,3 @@ def shorten_path(path: Path) -> Path:
     """A path as short as it can be said from here."""
     here = Path.cwd()
     return path.relative_to(here) if path.is_relative_to(here) else path
-
-
-def _places(here: Path, exercise: Exercise) -> Iterator[Path]:
-    yield from (here, here / exercise.id)
-    yield from (folder / "exercises" / exercise_folders.path_below(exercise.folder) for folder in (here, *here.parents))
-
-
-def _has_one(folder: Path, exercise: Exercise) -> bool:
-    with suppress(OSError):  # a folder of somebody else's
-        return any((folder / name).is_file() for name in exercise.starters)
-    return False
