@@ -172,7 +172,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.arguments = list(arguments)
     speak_to_any_terminal()
     try:
-        _add_exercises(folders)
+        if folders:
+            from course_kit.grading.model import exercise_folders
+
+            exercise_folders.add_exercise_folder(folders)
         code = int(options.run(options))
         sys.stdout.flush()
         return code  # noqa: TRY300 - no more can go wrong
@@ -211,14 +214,6 @@ def _without_folders(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
         else:  # nothing follows: argparse says so
             others.append(word)
     return named, others
-
-
-def _add_exercises(folders: Sequence[str]) -> None:
-    """Add the folders that `--exercises` names."""
-    if folders:
-        from course_kit.grading.model import exercise_folders
-
-        exercise_folders.add_exercise_folder(folders)
 
 
 def _lab(options: argparse.Namespace) -> int:

@@ -28,7 +28,8 @@ class StillAndFolded(Preprocessor):
     ) -> tuple[NotebookNode, dict[str, Any]]:
         """Called by nbconvert for each cell."""
         if cell.cell_type == "markdown":
-            cell.source = fold_answers(cell.source)
+            # Each `<details>` becomes a single piece of HTML, which nothing can close too early.
+            cell.source = _FOLDED.sub(_in_one_piece, cell.source)
         show_pictures(cell)
         return cell, resources
 
@@ -39,11 +40,6 @@ def show_pictures(cell: NotebookNode) -> None:
         data = output.get("data", {})
         if "text/html" in data:
             data.pop(_WIDGET, None)
-
-
-def fold_answers(source: str) -> str:
-    """Markdown in which each `<details>` is a single piece of HTML, which nothing can close too early."""
-    return _FOLDED.sub(_in_one_piece, source)
 
 
 def _in_one_piece(found: re.Match[str]) -> str:

@@ -14,7 +14,7 @@ import re
 import shlex
 import sys
 import tempfile
-from contextlib import ExitStack, contextmanager, redirect_stderr, suppress
+from contextlib import ExitStack, redirect_stderr, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
@@ -30,7 +30,7 @@ from course_kit.reader.files import is_name
 from course_kit.reader.text import PROGRAM, UnreadableTextError, join_cells
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
@@ -48,53 +48,10 @@ _EXPLORE = (
 USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE; behind it, --only PART and --seed N."
 
 
-class Card:
-    """A report as a notebook shows it: a card where there is HTML, plain text elsewhere."""
-
-    def __init__(self, report: Report, folder: Path | None = None, link: str = "") -> None:
-        """Show `report` in a notebook that lies in `folder`, the present one when None, and `link` below it."""
-        self._report, self._folder, self._link = report, folder, link
-
-    def _repr_html_(self) -> str:
-        from course_kit import grading
-
-        return f"{grading.render_html(self._report, self._folder)}{self._link}"
-
-    def __repr__(self) -> str:
-        from course_kit import grading
-
-        return grading.render_text(self._report)
-
-
-class SideBySide:
-    """Two programs, beside each other where there is HTML, else one below the other."""
-
-    def __init__(self, yours: str, ours: str) -> None:
-        self._programs = {"Yours": yours, "Ours": ours}
-
-    def _repr_html_(self) -> str:
-        columns = [
-            f'<td style="vertical-align: top; text-align: left"><b>{title}</b><pre>{html.escape(text)}</pre></td>'
-            for title, text in self._programs.items()
-        ]
-        return f"<table><tr>{''.join(columns)}</tr></table>"
-
-    def __repr__(self) -> str:
-        return "\n\n".join(f"{title}:\n\n{text}" for title, text in self._programs.items())
-
-
 def _link_in(following: str) -> str:
     """The lesson that comes next, as a link from an exercise's notebook."""
     lesson = _LESSON.search(following)
     return f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
-
-
-def _explores_first(exercise: str) -> bool:
-    """Whether this is the first try at a drill, whose learner looks for the fault before anybody names it."""
-    from course_kit.grading.model.exercise import load_exercise
-    from course_kit.learner import progress
-
-    return load_exercise(exercise).practice and exercise not in progress.read_progress()[0]
 
 
 def _notebook_folder() -> Path | None:
@@ -185,12 +142,16 @@ class GradeMagics(Magics):
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
         if not file:
-            self._say_what_was_graded(exercise)
+            print(f"Graded: {'; '.join(map(str, self._submissions.cells_of(exercise)))}.")
+            for warning in self._submissions.warnings(exercise):
+                print_complaint(warning)
         following = next_step(exercise) if report.passed and not report.part else ""
-        if report.passed or not _explores_first(exercise):
-            display(Card(report, _notebook_folder(), _link_in(following)))
-        else:
+        # Whoever tries a drill for the first time looks for the fault before anybody names it.
+        if report.practice and not report.passed and exercise not in progress.read_progress()[0]:
             print(_EXPLORE)
+        else:
+            page = f"{grading.render_html(report, _notebook_folder())}{_link_in(following)}"
+            display({"text/plain": grading.render_text(report), "text/html": page}, raw=True)
         if trouble := progress.record_report(report):
             print_complaint(trouble)
         if following:
@@ -206,7 +167,13 @@ class GradeMagics(Magics):
         if sentence:
             raise GradingError(sentence)
         yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
-        display(SideBySide(yours or "(No cell of yours was run since the kernel started.)", ours))
+        programs = {"Yours": yours or "(No cell of yours was run since the kernel started.)", "Ours": ours}
+        columns = [
+            f'<td style="vertical-align: top; text-align: left"><b>{title}</b><pre>{html.escape(text)}</pre></td>'
+            for title, text in programs.items()
+        ]
+        plain = "\n\n".join(f"{title}:\n\n{text}" for title, text in programs.items())
+        display({"text/plain": plain, "text/html": f"<table><tr>{''.join(columns)}</tr></table>"}, raw=True)
 
     def grade_cells(self, exercise: str, seed: int | None = None, only: str = "") -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""
@@ -229,12 +196,6 @@ class GradeMagics(Magics):
             self._reports[key] = self.grade_cells(exercise, seed)
         return self._reports[key]
 
-    def _say_what_was_graded(self, exercise: str) -> None:
-        cells = self._submissions.cells_of(exercise)
-        print(f"Graded: {'; '.join(map(str, cells))}.")
-        for warning in self._submissions.warnings(exercise):
-            print_complaint(warning)
-
     def _run_in_its_cell(self, first: str, cell: str) -> None:
         """Run the rest of a cell so that errors name the cell, and its lines as the notebook counts them."""
         after_it, self.shell.execution_count = self.shell.execution_count, self._number()
@@ -250,12 +211,9 @@ class GradeMagics(Magics):
         return len(self.shell.history_manager.input_hist_parsed) - 1
 
     def _before_cell(self, info: ExecutionInfo) -> None:
-        if self._within_cell:
-            return
-        metadata = self._metadata()
-        cell_id = metadata.get("cellId")
-        deleted = [cell for cell in metadata.get("deletedCells") or () if isinstance(cell, str)]
-        self._submissions.forget_cells(cell_id if isinstance(cell_id, str) else None, info.raw_cell, deleted)
+        if not self._within_cell:
+            metadata = self._metadata()
+            self._submissions.forget_cells(metadata.get("cellId"), info.raw_cell, metadata.get("deletedCells") or ())
 
     def _after_cell(self, result: ExecutionResult) -> None:
         if not self._within_cell:
@@ -268,11 +226,9 @@ class GradeMagics(Magics):
         return metadata
 
     def _cell_id(self) -> str | None:
-        cell_id = self._metadata().get("cellId")
-        if isinstance(cell_id, str):
-            return cell_id
         # Graders name no cells; but they run each once, from top to bottom.
-        return f"cell {self.shell.execution_count}" if _in_an_autograder() else None
+        in_an_autograder = f"cell {self.shell.execution_count}" if _in_an_autograder() else None
+        return self._metadata().get("cellId", in_an_autograder)
 
 
 def _require_mark(exercise: str, file: str) -> None:
@@ -310,23 +266,19 @@ def _in_an_autograder() -> bool:
     return NBGRADER in os.environ or bool(getattr(otter, "_grading_mode", False))
 
 
-class _Line(argparse.ArgumentParser):
-    """The words of a `%grade` line."""
-
-    def __init__(self) -> None:
-        super().__init__(add_help=False, allow_abbrev=False)
-        self.add_argument("exercise")
-        self.add_argument("file", nargs="?")
-        self.add_argument("--only", default="")
-        self.add_argument("--seed", type=int)
-
+class _LineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise ValueError(message)
 
 
 def parse_line(line: str) -> tuple[str, str | None, dict[str, Any]]:
     """Exercise, file and options of a `%grade` line."""
-    options = vars(_Line().parse_args(shlex.split(line)))
+    parser = _LineParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("exercise")
+    parser.add_argument("file", nargs="?")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--seed", type=int)
+    options = vars(parser.parse_args(shlex.split(line)))
     return options.pop("exercise"), options.pop("file"), options
 
 
@@ -343,12 +295,9 @@ def the_exercises() -> str:
 def points(exercise: str, *, points: float | None = None, seed: int | None = None) -> float:
     """Grade what this notebook's `%%submission` cells hold, print the feedback, and return the points."""
     from course_kit.grading import render_text
-    from course_kit.grading.model.exercise import load_exercise
 
     if points is not None and points < 0:
         raise ValueError(f"A cell cannot have fewer than 0 points: points={points} is negative.")
-    points_of_exercise = load_exercise(exercise).points
-    most = points_of_exercise if points is None else points
     magics = magics_of_notebook("nbgrader.points")
     _put_all_on_stdout(magics.shell)
     report = magics.grade_cells(exercise, seed)
@@ -358,7 +307,7 @@ def points(exercise: str, *, points: float | None = None, seed: int | None = Non
     sys.stdout.write(f"{render_text(report)}\n")
     if report.status == "error":
         raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
-    return scale_score(report.score, points_of_exercise, most)
+    return scale_score(report.score, report.max_score, report.max_score if points is None else points)
 
 
 def scale_score(score: float, of: float, most: float) -> float:
@@ -368,25 +317,15 @@ def scale_score(score: float, of: float, most: float) -> float:
 
 
 def _put_all_on_stdout(shell: InteractiveShell) -> None:
-    """Send what goes to stderr to stdout until the cell has ended."""
-    restored = ExitStack()
+    """Send what goes to stderr, where ROS 2 logs in C, to stdout until the cell has ended."""
+    restored, stderr = ExitStack(), os.dup(_STDERR)
+    restored.callback(os.close, stderr)
+    restored.callback(os.dup2, stderr, _STDERR)
+    os.dup2(_STDOUT, _STDERR)
     restored.enter_context(redirect_stderr(sys.stdout))
-    restored.enter_context(_errors_of_c_code_on_stdout())
 
     def end(_result: object) -> None:
         shell.events.unregister("post_run_cell", end)
         restored.close()
 
     shell.events.register("post_run_cell", end)  # the last one: after the lab has shown what its nodes have said
-
-
-@contextmanager
-def _errors_of_c_code_on_stdout() -> Iterator[None]:
-    """ROS 2 logs there."""
-    stderr = os.dup(_STDERR)
-    os.dup2(_STDOUT, _STDERR)
-    try:
-        yield
-    finally:
-        os.dup2(stderr, _STDERR)
-        os.close(stderr)

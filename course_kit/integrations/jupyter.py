@@ -32,6 +32,7 @@ FIRST_LESSON = "notebooks/00_welcome.ipynb"
 PROGRESS_PAGE = "progress.md"  # the first thing on a learner's second day
 _CONFIG_PATH, _WORKSPACES = "JUPYTER_CONFIG_PATH", "JUPYTERLAB_WORKSPACES_DIR"
 _CONFIG = environment.PACKAGE / "jupyter_config"  # with labconfig: what JupyterLab asks at its first start is answered
+_SHOW_PANELS = "--LabApp.expose_app_in_browser=True"  # they ask it for their own view beside the notebook
 _ALLOW_ROOT, _NO_BROWSER = "--allow-root", "--no-browser"
 HUB_VERB = "hub-singleuser"
 _LAYOUT = "layout-restorer:data"  # of a workspace: what stands where in the window
@@ -57,7 +58,11 @@ def run_lab(arguments: Sequence[str]) -> int:
         if folder.is_file() or (root in folder.parents and folder != usual):
             return refuse(f"{folder} cannot be your folder. Leave it out, or name a folder outside of {root}.")
     if set(arguments) <= {_NO_BROWSER, _ALLOW_ROOT} and (address := running_server(folder)):
-        return _open_running(folder, address, arguments)
+        # A second one would bring its own kernels and save over the files of the first.
+        print(f"JupyterLab is already running for {folder}: {address}")
+        if _NO_BROWSER not in arguments:
+            webbrowser.open(address)
+        return 0
     last = last_notebook(folder)
     opens = PROGRESS_PAGE if (page := course_list.format_progress_page(last)) and folder.resolve() != root else last
     command, environ = lab_command(folder, f"/lab/tree/{quote(opens)}", arguments)
@@ -78,14 +83,6 @@ def running_server(folder: Path) -> str:
             if Path(server["root_dir"]) == folder:
                 return f"{server['url']}lab" + (f"?token={server['token']}" if server["token"] else "")
     return ""
-
-
-def _open_running(folder: Path, address: str, arguments: Sequence[str]) -> int:
-    """Show a JupyterLab that runs already, as a second one would bring its own kernels and save over its files."""
-    print(f"JupyterLab is already running for {folder}: {address}")
-    if _NO_BROWSER not in arguments:
-        webbrowser.open(address)
-    return 0
 
 
 def run_on_hub(arguments: Sequence[str]) -> int:
@@ -128,7 +125,7 @@ def hub_command(folder: Path, lesson: str, arguments: Sequence[str]) -> tuple[li
     environ.setdefault(_DEFAULT_URL, opens)  # what the administrator has set counts
     note(environment.middleware.explain_middleware())
     command = environment.trusted_python("jupyterhub.singleuser", "main")
-    return [*command, *server_options(root), *arguments], environ
+    return [*command, f"--ServerApp.root_dir={root}", _SHOW_PANELS, *arguments], environ
 
 
 def shown_on_hub(folder: Path, lesson: str, environ: Mapping[str, str]) -> tuple[Path, str]:
@@ -152,20 +149,13 @@ def lab_command(
     note(environment.middleware.explain_middleware())
     command = [
         *environment.trusted_python("jupyterlab.labapp", "main"),
-        *server_options(root),
+        f"--ServerApp.root_dir={root}",
+        _SHOW_PANELS,
         f"--LabApp.default_url={opens}",
         *as_root,
         *arguments,
     ]
     return command, environ
-
-
-def server_options(root: Path) -> list[str]:
-    """What every Jupyter server of the course is started with, a hub's included."""
-    return [
-        f"--ServerApp.root_dir={root}",
-        "--LabApp.expose_app_in_browser=True",  # panels ask it for their own view beside the notebook
-    ]
 
 
 def server_variables(folder: Path) -> dict[str, str]:

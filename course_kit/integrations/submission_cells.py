@@ -7,9 +7,9 @@ deleted since the last one; and the notebook's file shows what was deleted or ed
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import dataclass, field
-from datetime import datetime
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from course_kit.environment.notebook import saved_cells
 
@@ -26,7 +26,7 @@ class SubmissionCell:
 
     source: str
     number: int = 0
-    when: datetime = field(default_factory=lambda: datetime.now().astimezone())
+    run_s: float = field(default_factory=time.time)
 
     @property
     def file(self) -> str:
@@ -35,7 +35,7 @@ class SubmissionCell:
         return (marked and marked[2]) or ""
 
     def __str__(self) -> str:
-        place = f"In[{self.number}], run at {self.when:%H:%M:%S}" if self.number else "a cell that was not run"
+        place = f"In[{self.number}], run at {_describe_time(self.run_s)}" if self.number else "a cell that was not run"
         return f"{self.file} in {place}" if self.file else place
 
 
@@ -44,7 +44,7 @@ class SubmissionCells:
 
     def __init__(self) -> None:
         self._cells: dict[str, dict[str, SubmissionCell]] = {}
-        self._gone: dict[str, datetime] = {}  # when a cell was deleted, or lost its mark
+        self._gone: dict[str, float] = {}  # when a cell was deleted, or lost its mark
         self._unmarked: dict[str, int] = {}  # in which cell without the magic a class was last defined
 
     def keep(self, exercise: str, cell_id: str | None, source: str, number: int = 0) -> None:
@@ -62,7 +62,7 @@ class SubmissionCells:
             if cell_id is not None and not (marked and marked[1] == exercise):
                 deleted_cells.add(cell_id)  # its mark was removed, or names another exercise
             self._cells[exercise] = {key: cell for key, cell in cells.items() if key not in deleted_cells}
-            self._gone.update(dict.fromkeys(deleted_cells, datetime.now().astimezone()))
+            self._gone.update(dict.fromkeys(deleted_cells, time.time()))
 
     def note_unmarked(self, source: str, number: int) -> None:
         """Any cell was run."""
@@ -71,29 +71,27 @@ class SubmissionCells:
 
     def cells_of(self, exercise: str) -> list[SubmissionCell]:
         """The cells that make up the submission: those that were run and, as for a class, those that were saved."""
-        saved = _SavedNotebook.read_saved()
-        order = {cell_id: place for place, cell_id in enumerate(saved.sources)}
+        saved, saved_s = saved_cells()
+        order = {cell_id: place for place, cell_id in enumerate(saved)}
         cells = {
             cell_id: cell
             for cell_id, cell in self._cells.get(exercise, {}).items()
-            if cell_id in saved.sources or not saved.is_newer_than(cell)
+            if cell_id in saved or not saved or saved_s <= cell.run_s
         }
         if cells:
-            cells = {**self._not_run(exercise, saved), **cells}
+            not_run = {
+                cell_id: SubmissionCell(source)
+                for cell_id, source in saved.items()
+                if (marked := _MARK.match(source)) and marked[1] == exercise
+                if saved_s > self._gone.get(cell_id, 0.0)
+            }
+            cells = {**not_run, **cells}
         return [cells[cell_id] for cell_id in sorted(cells, key=lambda cell_id: order.get(cell_id, len(order)))]
-
-    def _not_run(self, exercise: str, saved: _SavedNotebook) -> dict[str, SubmissionCell]:
-        return {
-            cell_id: SubmissionCell(source)
-            for cell_id, source in saved.sources.items()
-            if (marked := _MARK.match(source)) and marked[1] == exercise
-            if cell_id not in self._gone or saved.when > self._gone[cell_id]
-        }
 
     def warnings(self, exercise: str) -> list[str]:
         """What the notebook shows and is not graded, a sentence each."""
         graded = self.cells_of(exercise)
-        saved = _SavedNotebook.read_saved()
+        saved, saved_s = saved_cells()
         notes = []
         if any(not cell.number for cell in graded):
             notes.append(
@@ -101,10 +99,10 @@ class SubmissionCells:
                 "too, as it would be in a class. Delete it if it does not belong to your answer."
             )
         for cell_id, cell in self._cells.get(exercise, {}).items():
-            now = saved.sources.get(cell_id)
-            if cell in graded and now is not None and saved.is_newer_than(cell) and now.strip() != cell.source.strip():
+            now = saved.get(cell_id)
+            if cell in graded and now is not None and saved_s > cell.run_s and now.strip() != cell.source.strip():
                 notes.append(
-                    f"In[{cell.number}] was edited after you ran it (saved at {saved.when:%H:%M:%S}). "
+                    f"In[{cell.number}] was edited after you ran it (saved at {_describe_time(saved_s)}). "
                     "Run it again to have the change graded."
                 )
         last = max((cell.number for cell in graded), default=0)
@@ -117,17 +115,5 @@ class SubmissionCells:
         return notes
 
 
-class _SavedNotebook(NamedTuple):
-    """The notebook this kernel belongs to, as last saved; without cells the order of running will do."""
-
-    sources: dict[str, str]
-    when: datetime
-
-    @classmethod
-    def read_saved(cls) -> _SavedNotebook:
-        sources, saved_s = saved_cells()
-        return cls(sources, datetime.fromtimestamp(saved_s).astimezone())
-
-    def is_newer_than(self, cell: SubmissionCell) -> bool:
-        """Whether it was saved after a cell was run."""
-        return bool(self.sources) and self.when > cell.when
+def _describe_time(seconds: float) -> str:
+    return time.strftime("%H:%M:%S", time.localtime(seconds))

@@ -72,7 +72,7 @@ def _describe_notebook(path: str, notebook: Any) -> dict[str, Any]:
 
     cells = []
     for cell in projected.speaker_script(notebook):
-        html = Markup(markdown2html(cell.notes)) if cell.notes else ""  # noqa: S704 - the speaker's own
+        html = Markup(markdown2html("\n\n".join(cell.notes))) if cell.notes else ""  # noqa: S704 - the speaker's own
         cells.append({**asdict(cell), "notes": html})
     title, minutes = projected.notebook_title(notebook), projected.talk_minutes(notebook)
     return {"path": path, "title": title, "minutes": minutes, "cells": cells}

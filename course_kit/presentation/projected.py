@@ -7,12 +7,9 @@ metadata of an answer says `course_kit.repairs` with the id of a failing cell, a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_kit.authoring.edition_notebooks import ANSWER, INSTRUCTOR
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 OFFSTAGE = "offstage"  # a cell with this tag speaks to a reader, not to a class
 OURS = "course_kit"  # the kit's own key in the metadata of a cell
@@ -27,7 +24,7 @@ class SpokenCell:
     cell_id: str
     kind: str
     label: str
-    notes: str
+    notes: list[str]  # those below it; the first has those at the very top, too
 
 
 def project_notebook(notebook: Any) -> Any:
@@ -44,7 +41,15 @@ def project_notebook(notebook: Any) -> Any:
 
 def speaker_script(notebook: Any) -> list[SpokenCell]:
     """What the speaker's window shows of a notebook, cell by cell; the repair is last before what follows it."""
-    return [SpokenCell(cell_id, kind, label, "\n\n".join(notes)) for cell_id, kind, label, notes in _gather(notebook)]
+    spoken: list[SpokenCell] = []
+    at_the_top: list[str] = []
+    for cell in notebook.cells:
+        kind = "repair" if repairs_of(cell) else cell.cell_type
+        if _is_notes(cell):
+            (spoken[-1].notes if spoken else at_the_top).append(cell.source)
+        elif kind == "repair" or _is_projected(cell):
+            spoken.append(SpokenCell(cell.id, kind, _label(kind, cell.source), [] if spoken else at_the_top))
+    return spoken
 
 
 def talk_minutes(notebook: Any) -> int:
@@ -62,24 +67,6 @@ def notebook_title(notebook: Any) -> str:
     """The first heading."""
     first = notebook.cells[0].source if notebook.cells else ""
     return _label("markdown", first)
-
-
-def _gather(notebook: Any) -> Iterator[tuple[str, str, str, list[str]]]:
-    """The cells in order, each with the notes below it; notes at the very top belong to the first."""
-    waiting: list[str] = []
-    current: tuple[str, str, str, list[str]] | None = None
-    for cell in notebook.cells:
-        if _is_notes(cell):
-            (current[3] if current else waiting).append(cell.source)
-            continue
-        kind = "repair" if repairs_of(cell) else cell.cell_type
-        if kind == "repair" or _is_projected(cell):
-            if current:
-                yield current
-            current = (cell.id, kind, _label(kind, cell.source), waiting)
-            waiting = []
-    if current:
-        yield current
 
 
 def _is_notes(cell: Any) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.quiz.bank import DEFAULT_SEED, draw_scenarios, reasons_as_shown
+from course_kit.text.console import wrap_text
 from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 
 _TEMPLATE = Path(__file__).with_name("templates") / "scenarios.html"
-WIDTH = 80  # columns of text
 _ASKED = "Which pattern fits best (topic, service or action), and which one of the four reasons decides?"
 # The list is that of the exercise's exercise.toml, sentence by sentence; a test compares.
 _HEAD = '''"""Exercise 4: which communication pattern fits?
@@ -54,18 +53,18 @@ class Questions:
         lines = [_HEAD, "answers = {"]
         for number, scenario in enumerate(self.scenarios, start=1):
             pattern, reason = (answers or {}).get(scenario.id, ("", ""))
-            lines += [f"    # ---- {number}. {scenario.title} ----", *_wrap(scenario.text, "    # ", "    # ")]
+            lines += [f"    # ---- {number}. {scenario.title} ----", *wrap_text(scenario.text, "    # ", "    # ")]
             for name, text in reasons_as_shown(scenario, self.seed):
-                lines += _wrap(f"{name}: {text}", "    #   - ", "    #     ")
+                lines += wrap_text(f"{name}: {text}", "    #   - ", "    #     ")
             lines.append(f'    "{scenario.id}": ("{pattern}", "{reason}"),')
         return "\n".join([*lines, "}", ""])
 
     def __repr__(self) -> str:
-        parts = [textwrap.fill(_ASKED, WIDTH)]
+        parts = ["\n".join(wrap_text(_ASKED))]
         for number, scenario in enumerate(self.scenarios, start=1):
-            lines = [f"{number}. {scenario.title}  [{scenario.id}]", *_wrap(scenario.text, "   ", "   ")]
+            lines = [f"{number}. {scenario.title}  [{scenario.id}]", *wrap_text(scenario.text, "   ", "   ")]
             for name, text in reasons_as_shown(scenario, self.seed):
-                lines += _wrap(f"{name}: {text}", "   - ", "     ")
+                lines += wrap_text(f"{name}: {text}", "   - ", "     ")
             parts.append("\n".join(lines))
         return "\n\n".join(parts)
 
@@ -78,7 +77,3 @@ def show(seed: int = DEFAULT_SEED) -> Questions:
     if not isinstance(seed, int) or isinstance(seed, bool):
         raise TypeError(f"The seed must be a whole number, such as seed=17, not {seed!r}.")
     return Questions(seed)
-
-
-def _wrap(text: str, first: str, following: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=following, break_on_hyphens=False)
