@@ -6,7 +6,6 @@ files, a right program is a folder with those that differ from the solution.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,11 +15,6 @@ from course_kit.grading import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise
 from course_kit.grading.model.plain_data import convert_record
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -131,7 +125,7 @@ def _slips(exercise: Exercise, correct: Path, file: Path) -> tuple[list[ProofSub
         return [], {}
     where = ""
     try:
-        table = tomllib.loads(file.read_text(encoding="utf-8"))
+        table = msgspec.toml.decode(file.read_text(encoding="utf-8"))
         breaks = convert_record(table.pop("broken", {}), dict[str, tuple[str, ...]])
         slips = []
         for name, entry in table.items():

@@ -9,16 +9,12 @@ from __future__ import annotations
 import argparse
 import itertools
 import subprocess
-import sys
 import tempfile
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+import msgspec
 
 from course_kit import environment
 from course_kit.authoring import wheel_bundle
@@ -82,7 +78,8 @@ def main(arguments: Sequence[str]) -> int:
 
 def resolve_lock(root: Path, uv: str, before: Sequence[LockedPackage]) -> dict[str, list[LockedPackage]]:
     """The packages of each file of the lock; the versions of those `before` stay where they fit."""
-    build = [*tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["build-system"]["requires"], *_BUILD_TOOLS]
+    project = msgspec.toml.decode((root / "pyproject.toml").read_bytes())
+    build = [*project["build-system"]["requires"], *_BUILD_TOOLS]
     compiled = partial(_compile, root, uv)
     everything = compiled(EXTRAS, [*build, _UV, _PIP], prefer=before)
     course = compiled((), [], within=everything)

@@ -10,18 +10,12 @@ the same. Nothing is drawn by what is right: a student edition, which does not k
 from __future__ import annotations
 
 import hashlib
-import sys
 from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -72,8 +66,8 @@ def bank() -> Mapping[str, Scenario]:
 
 def parse_scenarios(questions: str, answers: str | None = None) -> Mapping[str, Scenario]:
     """The scenarios in a TOML text; those to practise with have their answers beside the questions."""
-    right = tomllib.loads(answers)["answer"] if answers else {}
-    tables = [{**table, **right.get(table["id"], {})} for table in tomllib.loads(questions)["scenario"]]
+    right = msgspec.toml.decode(answers)["answer"] if answers else {}
+    tables = [{**table, **right.get(table["id"], {})} for table in msgspec.toml.decode(questions)["scenario"]]
     return {scenario.id: scenario for scenario in msgspec.convert(_on_one_line(tables), list[Scenario])}
 
 

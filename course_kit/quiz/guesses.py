@@ -7,7 +7,6 @@ shown.
 from __future__ import annotations
 
 import hashlib
-import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -17,11 +16,6 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from course_kit import environment
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -69,7 +63,7 @@ def of_lesson(lesson: str) -> Mapping[str, LessonQuestion]:
     """The questions of a lesson by their whole names, in the file's order."""
     if lesson not in (names := lesson_names()):
         raise NoSuchQuestionError(f"There are no questions for '{lesson}'. There are some for {', '.join(names)}.")
-    content = tomllib.loads((FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
+    content = msgspec.toml.decode((FOLDER / f"{lesson}.toml").read_text(encoding="utf-8"))
     found = [_question(lesson, kind, entry) for kind in (GUESS, CHECK) for entry in content.get(kind, ())]
     return {question.name: question for question in found}
 

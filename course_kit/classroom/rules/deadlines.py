@@ -24,11 +24,6 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids
 from course_kit.grading.model.plain_data import convert_record
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from datetime import tzinfo
@@ -106,11 +101,11 @@ def read_deadlines(folder: Path, exercises: Sequence[Exercise]) -> Deadlines:
 
 def _rules(path: Path, exercises: Sequence[Exercise]) -> Deadlines:
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = msgspec.toml.decode(path.read_text(encoding="utf-8"))
         return _parse(table, _of_course(exercises))
     except OSError as problem:
         raise GradingError(f"{path} could not be read: {problem.strerror}.") from problem
-    except ValueError as problem:  # what tomllib says names the line
+    except ValueError as problem:  # what the parser says names the line
         raise GradingError(f"{path} cannot be used: {problem}.") from problem
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -11,11 +10,6 @@ import msgspec
 
 from course_kit import environment
 from course_kit.interfaces.hints import nearest_name
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 _FILE = Path(__file__).parents[1] / "diagnosis" / "diagnoses.toml"
 
@@ -40,7 +34,7 @@ class Diagnosis:
 @lru_cache(maxsize=1)
 def catalogue() -> dict[str, Diagnosis]:
     """All diagnoses by code."""
-    entries = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+    entries = msgspec.toml.decode(_FILE.read_text(encoding="utf-8"))
     return {code: Diagnosis(code, **fields) for code, fields in entries.items()}
 
 

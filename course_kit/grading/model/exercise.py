@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path  # noqa: TC003 - msgspec looks it up
@@ -18,11 +17,6 @@ from course_kit.grading.model.exercise_folders import FoundExercises
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
 from course_kit.ros.names import did_you_mean, from_root
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
@@ -206,7 +200,7 @@ def read_exercise(folder: Path) -> Exercise:
 def read_exercise_table(folder: Path) -> Record:
     """All that stands in the exercise.toml of a folder."""
     try:
-        return tomllib.loads((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
+        return msgspec.toml.decode((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
     except (OSError, ValueError) as problem:
         raise _explain_unusable(folder, problem) from problem
 
