@@ -59,12 +59,12 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/reader": 777,  # the files of the capstone, out of a zip or a notebook
+    "course_kit/reader": 748,  # the files of the capstone, out of a zip or a notebook
     "course_kit/grading": 10147,  # with the capstone
     "course_kit/graders": 2927,  # with the capstone
-    "course_kit/learner": 1412,  # with the steps of the lessons and the page of progress
+    "course_kit/learner": 1343,  # with the steps of the lessons and the page of progress
     "course_kit/ros": 2056,  # with the drawing of the graph, which panels had: reports draw it, too
-    "course_kit/integrations": 1365,  # the capstone, %check, %solution, the second day; 150 for the tutor
+    "course_kit/integrations": 1268,  # the capstone, %check, %solution, the second day; 150 for the tutor
 }
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.
 GRADING = ("errors", "model", "reading", "diagnosis", "sandbox", "checks", "workers", "render", "engine", "pool", "")
