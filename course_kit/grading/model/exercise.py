@@ -200,7 +200,7 @@ def read_exercise(folder: Path) -> Exercise:
 def read_exercise_table(folder: Path) -> Record:
     """All that stands in the exercise.toml of a folder."""
     try:
-        return msgspec.toml.decode((folder / exercise_folders.TOML).read_text(encoding="utf-8"))
+        return msgspec.toml.decode((folder / exercise_folders.TOML).read_text(encoding="utf-8"), type=dict)
     except (OSError, ValueError) as problem:
         raise _explain_unusable(folder, problem) from problem
 
