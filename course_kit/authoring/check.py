@@ -112,15 +112,13 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="course-kit dev check",
-        description="Grade every submission that is there to prove an exercise, and check that each gets the verdict "
-        "it is there for: of an exercise of your own its starter, its solution and what lies in its folder proof/.",
+        description="Grade every program that proves an exercise, and check that each gets its verdict. For your own "
+        "exercise these are its starter, its solution and what is in its folder proof/.",
     )
-    parser.add_argument(
-        "exercises", nargs="*", metavar="EXERCISE", help="only these; the course's own when none is named"
-    )
+    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="only these; if left out, those of the course")
     parser.add_argument("--workers", type=int, metavar="N", help="number of gradings at the same time")
     parser.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
     parser.add_argument(  # `course-kit` has taken it out before, wherever it stands
-        "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the one that DIR is"
+        "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the exercise DIR"
     )
     return parser

@@ -83,7 +83,7 @@ def add_to(verbs: Any) -> None:
         "--seeds",
         type=Path,
         metavar="CSV",
-        help="a table of student and seed: each student gets different questions, where an exercise draws them",
+        help="a table of student and seed, for an exercise that draws questions: each student gets different ones",
     )
     parser.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     where = parser.add_mutually_exclusive_group()

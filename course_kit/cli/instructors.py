@@ -42,7 +42,7 @@ def add_to(verbs: Verbs) -> None:
         "present",
         help="show a demo to a class, with your notes in a second window",
         usage="course-kit present [DEMO] [OPTIONS]",
-        description="Show DEMO to a class: its number or name, or a lesson's; if left out, the first demo.",
+        description="Show DEMO to a class. DEMO is the number or name of a demo or lesson; if left out, demo 1.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
     present.set_defaults(run=lambda options: _present(options.others), others=[])
@@ -127,7 +127,7 @@ def _add_bundle(verbs: Verbs) -> None:
     bundle = verbs.add_parser(
         "bundle",
         help="download every package a set-up needs, for classrooms without a network",
-        description="Download the packages of the lock into DIR. `./course lab --find-links DIR` then sets the course "
+        description="Download all packages of a set-up into DIR. `./course lab --find-links DIR` then sets the course "
         "up without a network, on any x86-64 Linux.",
     )
     bundle.add_argument("folder", type=Path, metavar="DIR", help="the folder, made if missing; its files stay")
@@ -137,7 +137,7 @@ def _add_bundle(verbs: Verbs) -> None:
         metavar="VERSION",
         help="the Python of the classroom, such as 3.12, or `all`; repeatable. If left out, this Python",
     )
-    bundle.add_argument("--test", action="store_true", help="what ./course test needs, too")
+    bundle.add_argument("--test", action="store_true", help="also download what ./course test needs")
     bundle.set_defaults(run=_bundle)
 
 

@@ -24,7 +24,7 @@ _ON_LIMITS = (
     "does not: course_kit/grading/LIMITS.md"
 )
 _EXERCISES = "--exercises"
-_FOUND = "if left out, the kit looks here, then in your learner's folder"
+_FOUND = "if left out, the kit looks in this folder, then in my-course"
 _UNUSUAL = re.compile(r"[^ -~\n]")
 FORMATS = ("gradescope", "classroom50")
 _WISHES = ("seed", "only", "attach", "exec_command", "require_isolation")  # of `grade`, by the names of its arguments
@@ -51,7 +51,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
     grade.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
-    grade.add_argument("--only", default="", metavar="PART", help="run the checks of one part, such as door")
+    grade.add_argument("--only", default="", metavar="PART", help="run only the checks of PART, such as door")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()
     running.add_argument("--attach", action="store_true", help="grade the node that is running on the ROS graph")
@@ -98,8 +98,8 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
         "lab",
         help="open the course in JupyterLab",
         usage="course-kit lab [DIR] [OPTIONS]",
-        description="Open the course in JupyterLab. DIR is your folder, made or brought up to date. Without DIR it "
-        "is the one you are in, else my-course in a clone of the course, else ros2-course in your home directory.",
+        description="Open the course in JupyterLab. DIR is your folder, made or brought up to date. Without DIR: "
+        "the folder you are in, else my-course in a clone of the course, else ros2-course in your home directory.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
     lab.set_defaults(run=_lab, others=[])
@@ -138,7 +138,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     hint.add_argument("--again", action="store_true", help="repeat the hints you have already seen")
     hint.set_defaults(run=_hint)
 
-    tutor = verbs.add_parser("tutor", help="serve the course to an assistant, by the Model Context Protocol")
+    tutor = verbs.add_parser("tutor", help="serve the course to an AI assistant, by the Model Context Protocol")
     tutor.set_defaults(run=_tutor)
 
     reset = verbs.add_parser("reset", help="put an exercise's starter back, and keep your file beside it")

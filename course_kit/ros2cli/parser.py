@@ -181,9 +181,9 @@ def add_node_options(verb: argparse.ArgumentParser) -> None:
 
 def add_graph_options(verb: argparse.ArgumentParser) -> None:
     """The options of every verb that reads the graph."""
-    add_timeout(verb, "seconds to wait for the graph to settle at most")
+    add_timeout(verb, "seconds to wait at most until the graph is complete")
     verb.add_argument("--no-daemon", action="store_true", help="look at the graph without asking the daemon")
-    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help="accepted; every command waits anyway")
+    verb.add_argument("--spin-time", type=_seconds, metavar="SECONDS", help="no effect: every command waits anyway")
     verb.add_argument("-s", "--use-sim-time", action="store_true", help=argparse.SUPPRESS)
 
 

@@ -43,7 +43,7 @@ def add_to(place: ArgumentParser) -> None:
     add_named(goal, "action_type", "action_types", help="such as example_interfaces/action/Fibonacci")
     add_values(goal, "goal", "the goal's fields as YAML, such as '{order: 5}'")
     goal.add_argument("-f", "--feedback", action="store_true", help="show the feedback as it comes")
-    add_timeout(goal, "seconds to wait at most for the server, its decision, and between two signs of life")
+    add_timeout(goal, "seconds to wait at most for the server, for its decision, and for each message after that")
 
 
 def _list(options: Namespace, session: Session) -> None:

@@ -43,7 +43,7 @@ def _doctor(options: Namespace, session: Session) -> None:
 def add_daemon_to(place: ArgumentParser) -> None:
     """The verbs of `ros2 daemon`."""
     verbs = add_verbs(place)
-    add_verb(verbs, "start", _start, "Start the daemon; commands do so when they need it, it ends with the last node")
+    add_verb(verbs, "start", _start, "Start the daemon; commands start it, too, and it ends with the last node")
     add_verb(verbs, "stop", _stop, "Stop the daemon")
     add_verb(verbs, "status", _status, "Say whether the daemon is running")
 

@@ -30,7 +30,7 @@ def add_to(place: ArgumentParser) -> None:
     """Add the verbs."""
     verbs = add_verbs(place)
     listed = _add(verbs, "list", _list, "List the parameters of one node or of all", node=False)
-    add_named(listed, "node_name", "nodes", nargs="?", help="such as /robot; all nodes without it")
+    add_named(listed, "node_name", "nodes", nargs="?", help="such as /robot; if left out, all nodes")
     listed.add_argument("--include-hidden-nodes", action="store_true", help="hidden nodes too")
     listed.add_argument("--param-prefixes", nargs="+", default=[], metavar="PREFIX", help="only those below a prefix")
     listed.add_argument("--param-type", action="store_true", help="with their types")
@@ -55,7 +55,7 @@ def _add(verbs: Verbs, name: str, run: Run, purpose: str, *, node: bool = True) 
     verb = add_verb(verbs, name, run, purpose)
     if node:
         add_of_kind(verb, "node")
-        verb.add_argument("--include-hidden-nodes", action="store_true", help="accepted; a named node is always found")
+        verb.add_argument("--include-hidden-nodes", action="store_true", help="no effect: a named node is always found")
     add_graph_options(verb)
     return verb
 

@@ -65,14 +65,14 @@ def add_to(place: ArgumentParser) -> None:
     _add_pub(add_about(verbs, "topic", "pub", _pub, "Publish messages"))
     hz = _add_measure(verbs, "hz", _hz, "Show how often messages come")
     _add_filter(hz, "count")
-    hz.add_argument("--wall-time", action="store_true", help="accepted; the time is the computer's anyway")
+    hz.add_argument("--wall-time", action="store_true", help="no effect: the time is the computer's anyway")
     _add_measure(verbs, "bw", _bw, "Show how many bytes come", window=100)
     _add_measure(verbs, "delay", _delay, "Show how old messages are when they come, by their header")
 
 
 def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 10000) -> ArgumentParser:
     verb = add_about(verbs, "topic", name, run, purpose)
-    verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="messages looked at")
+    verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="count over the last N messages")
     _add_qos(verb)
     add_patience(verb)
     return verb
@@ -101,9 +101,9 @@ def _add_echo(verb: ArgumentParser) -> None:
     verb.add_argument("--once", action="store_true", help="only the first message")
     verb.add_argument("--field", metavar="NAME", help="only this field, such as pose.position")
     add_layout(verb)
-    verb.add_argument("-i", "--include-message-info", action="store_true", help="with what came beside each message")
-    verb.add_argument("--raw", action="store_true", help="the bytes as they came")
-    verb.add_argument("--no-lost-messages", action="store_true", help="accepted; lost messages are not reported")
+    verb.add_argument("-i", "--include-message-info", action="store_true", help="also each message's times")
+    verb.add_argument("--raw", action="store_true", help="the bytes, undecoded")
+    verb.add_argument("--no-lost-messages", action="store_true", help="no effect: lost messages are not reported")
     _add_filter(verb, "show")
     _add_qos(verb)
     add_patience(verb)
@@ -122,7 +122,7 @@ def _add_pub(verb: ArgumentParser) -> None:
         "--max-wait-time-secs", dest="max_wait", type=float, metavar="N", help="wait for them N seconds at most"
     )
     verb.add_argument("-n", "--node-name", metavar="NAME", help="the name of the publishing node")
-    verb.add_argument("--keep-alive", type=float, metavar="N", help="accepted; it always waits for the delivery")
+    verb.add_argument("--keep-alive", type=float, metavar="N", help="no effect: it always waits for the delivery")
     _add_qos(verb)
     add_timeout(verb, "seconds to wait for subscriptions, and for the delivery, at most")
     add_node_options(verb)
