@@ -148,7 +148,7 @@ def _not_set(set_names: list[str], variable: str) -> Failed:
     return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
 
 
-_FOUND = ("too_large", "value", "entries")  # what is told of a variable that is set
+_FOUND = ("too_large", "value", "entries")  # what is said of a variable that is set
 _NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
 _LONGEST = 500  # characters of an answer or its id, as text
 

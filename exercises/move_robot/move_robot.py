@@ -14,12 +14,12 @@ goals to accept, and how to stop when a client wants that.
   beside the way. The position that you report, in feedback and result, is `robot.position`. You may write your own
   motion loop in place of `SimulatedRobot`.
 - Tell how it goes. A move of 1 m or more brings at least five feedback messages per metre: nine for 1.8 m, the first
-  and the last included. They are spread over the move: one comes in each third of the way. At least 40 % of its time
-  passes between the first and the last. `progress` goes from 0 to 1 and is 1 - `distance_remaining` / the length of
-  this goal's way, within 0.05. On such a move the first message comes before a tenth of the way is done. The last one
-  comes when at most 5 cm remain, before the goal ends. A message before the first step is allowed. `progress` never
-  falls, and `distance_remaining` never grows. `distance_remaining` is the straight way from the `position` in the
-  same message to the target, within 0.1 m.
+  and the last included. They are spread over the move: one comes in each third of the way. At least 40 % of the
+  move's time passes between the first message and the last. `progress` goes from 0 to 1 and is 1 -
+  `distance_remaining` / the length of this goal's way, within 0.05. On such a move the first message comes before a
+  tenth of the way is done. The last one comes when at most 5 cm remain, before the goal ends. A message before the
+  first step is allowed. `progress` never falls, and `distance_remaining` never grows. `distance_remaining` is the
+  straight way from the `position` in the same message to the target, within 0.1 m.
 - Say no. A target outside the arena is rejected, even by only 1 mm. So is a target whose x or y is NaN or infinite.
   So is a goal that arrives while another one runs, from its acceptance until its result. A rejected goal changes
   nothing: the first goal goes on undisturbed, and the next valid one is accepted. Of two goals sent at the same
@@ -34,8 +34,8 @@ goals to accept, and how to stop when a client wants that.
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
 - If your answer makes a node itself, in a `main()` that it calls or at its top level, the grader runs it as a
-  program. It has to spin its node and keep running. On one thread no request to cancel is heard while a loop in
-  `execute` drives. How it is built inside is otherwise up to you.
+  program. It has to spin its node and keep running. On one thread, your node hears no request to cancel while a loop
+  in `execute` drives. How it is built inside is otherwise up to you.
 - The action has to be there within 5 s of the start, after at most 2 s of computing.
 - More nodes, topics, services, actions and parameters are allowed.
 """

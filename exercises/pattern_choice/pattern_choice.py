@@ -3,8 +3,8 @@
 - For each of your ten scenarios you get half a point for the pattern that fits:
   `topic`, `service` or `action`. You get another half point for the reason that
   decides: one of the four below the scenario.
-- Several reasons may be true, but only one decides. If it were not so, you
-  would choose another pattern.
+- Several reasons may be true, but only one decides: if that one were not true,
+  you would choose another pattern.
 - In a few scenarios two patterns can be defended. Then each of the two counts,
   with the reason that belongs to it.
 - The answers are a dictionary called `answers`. Each scenario has an entry: the

@@ -28,8 +28,8 @@ The names and types of node and topics are right already; keep them. The rest is
   comes every 0.42 to 0.6 s.
 - Topics connect to reliable, volatile endpoints, the default. A queue may have any depth: a command is sent only
   after the one before was answered.
-- A change acts on every command that is sent 0.2 s or more after it was confirmed, and within 1 s on the status line.
-  Whoever changes a parameter has an answer within 1 s; nothing else waits meanwhile.
+- A change acts on every command that is sent 0.2 s or more after your node confirmed the change, and within 1 s on
+  the status line. Whoever changes a parameter has an answer within 1 s. Everything else goes on meanwhile.
 - An invalid value is refused, and the old value stays. The reason names the parameter and states, as a number, the
   end of its range that the value breaks: `max_velocity must be above 0.0 and at most 5.0`. rclpy's own message about
   a range is enough; for `robot_name`, naming the parameter is enough.

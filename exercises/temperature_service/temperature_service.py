@@ -10,16 +10,16 @@ Fill in `convert`. The names and the type are right already; keep them.
   last digit.
 - Every digit counts. Do not round: the result is within 1e-12 of the exact value, relative or absolute, for values up
   to 1e9. Every usual formula is that exact.
-- Say no when the question makes no sense. An unknown unit is refused, so are NaN and infinity, and so is anything
-  colder than absolute zero: `success` is `False`. Then `message` says why: `no such unit: kelvin`. Any human language
-  will do. Check first: a question that makes no sense is refused even when both units are the same, such as NaN from
-  celsius to celsius. The node lives on for the next request.
+- Say no when the question makes no sense. `success` is `False` for an unknown unit, for NaN and infinity, and for
+  anything colder than absolute zero. Then `message` says why: `no such unit: kelvin`. Any human language will do.
+  Check first: a question that makes no sense is refused even when both units are the same, such as NaN from celsius
+  to celsius. The node lives on for the next request.
 - Units are the exact words `celsius` and `fahrenheit`. `Celsius`, `C`, a word with a space before or after it and the
   empty string are unknown units.
 - Absolute zero itself is valid: -273.15 degrees Celsius. In Fahrenheit it is -459.67; no test comes closer to it than
   0.01 degrees, because of rounding.
-- Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them waiting for an answer at a time,
-  are answered within 5 s, each with its own value.
+- Be quick. One call is answered within 1.5 s. Fifty calls, at most ten of them waiting for an answer at a time, are
+  answered within 5 s, each with its own value.
 - If your answer only defines the class, the grader calls `TemperatureService()`, without arguments, and spins it on a
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
