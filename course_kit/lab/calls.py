@@ -55,7 +55,7 @@ class PendingCall(ABC):
         raise not_found(self._lab.node, self._wanted, waited, self._lab.own_names)
 
     @abstractmethod
-    def send(self, completed: Callable[[], None]) -> None:
+    def send(self, completed: Callable[..., None]) -> None:
         """Send; `completed` is called on the lab's thread when the answer is there."""
 
     def next_check(self) -> float:
@@ -122,11 +122,11 @@ class ServiceCall(PendingCall):
             return False
         return super().may_send()
 
-    def send(self, completed: Callable[[], None]) -> None:
+    def send(self, completed: Callable[..., None]) -> None:
         """Send the request; `completed` is called on the lab's thread when the answer is there."""
         self._client.busy.add(self)
         self._response = self._client.rclpy_client.call_async(self._request)
-        self._response.add_done_callback(lambda _: completed())
+        self._response.add_done_callback(completed)
 
     def result(self) -> Message:
         try:
@@ -162,21 +162,26 @@ class ServiceCall(PendingCall):
         return any(service.service_name == self._wanted.name for node in nodes for service in node.services)
 
 
+def make_waker() -> tuple[asyncio.Event, Callable[..., None]]:
+    """An event of the running loop, and what sets it from any thread."""
+    loop, news = asyncio.get_running_loop(), asyncio.Event()
+
+    def wake(*_: object) -> None:
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            loop.call_soon_threadsafe(news.set)
+
+    return news, wake
+
+
 async def call_async(call: PendingCall) -> Any:
     """Drive a call from asyncio; uses no time while it waits."""
-    loop = asyncio.get_running_loop()
+    news, wake = make_waker()
     try:
         while not call.may_send():  # noqa: ASYNC110 - rclpy has no event for changes of the graph
             await asyncio.sleep(_POLL)
-        news = asyncio.Event()
-
-        def wake() -> None:
-            with suppress(RuntimeError):  # the loop is closed: nobody waits
-                loop.call_soon_threadsafe(news.set)
-
         call.send(wake)
         while not call.has_come():
-            timer = loop.call_later(call.next_check(), news.set)
+            timer = asyncio.get_running_loop().call_later(call.next_check(), news.set)
             try:
                 await news.wait()
             finally:
@@ -194,7 +199,7 @@ def call_blocking(call: PendingCall) -> Any:
     try:
         while not call.may_send():
             pause.wait(_POLL)
-        call.send(pause.set)
+        call.send(lambda *_: pause.set())
         while not pause.wait(call.next_check()):
             call.check()
         return call.result()

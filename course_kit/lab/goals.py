@@ -50,7 +50,7 @@ class Wait(PendingCall):
         """Whether it can begin: always, as the goal has its server already."""
         return True
 
-    def send(self, completed: Callable[[], None]) -> None:
+    def send(self, completed: Callable[..., None]) -> None:
         """Begin; `completed` is called on the lab's thread when the answer is there."""
 
         def look() -> None:

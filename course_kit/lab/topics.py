@@ -5,10 +5,9 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_kit.lab.calls import message_of, require_message_type
+from course_kit.lab.calls import make_waker, message_of, require_message_type
 from course_kit.lab.errors import NoAnswerError
 from course_kit.ros import compat
 from course_kit.ros.messages import type_name
@@ -134,26 +133,20 @@ async def next_messages(
 ) -> list[Message]:
     """Subscribe, and return the next messages once there are `count`."""
     require_message_type(message_type)
-    loop = asyncio.get_running_loop()
-    complete = loop.create_future()
+    news, wake = make_waker()
     received: list[Message] = []
-
-    def finish() -> None:
-        if not complete.done():
-            complete.set_result(None)
 
     def keep(message: Message) -> None:
         if len(received) < count:
             received.append(message)
             if len(received) == count:
-                with suppress(RuntimeError):  # the loop is closed: nobody waits
-                    loop.call_soon_threadsafe(finish)
+                wake()
 
     subscription = lab.node.create_subscription(message_type, topic, keep, as_offered(max(_DEPTH, count)))
-    deadline = loop.call_later(timeout, finish)
+    deadline = asyncio.get_running_loop().call_later(timeout, news.set)
     try:
         # Not with asyncio.wait_for, which until Python 3.11 loses an interrupt that comes with a message.
-        await complete
+        await news.wait()
         if len(received) < count:
             came = f"{len(received)} of {count} messages" if received else "No message"
             text = f"{came} came on {subscription.topic_name} within {timeout:g} s."

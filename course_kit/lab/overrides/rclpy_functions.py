@@ -11,7 +11,6 @@ import inspect
 import re
 import threading
 import time
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -23,6 +22,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit import environment
+from course_kit.lab.calls import make_waker
 from course_kit.lab.errors import CallbackError, DeadlockError, LabError
 from course_kit.lab.runtime.failures import is_own, own_line
 from course_kit.ros import compat
@@ -292,32 +292,18 @@ def _spin_until(lab: Engine, executor: Executor, future: Future, timeout: float 
         executor.spin_once(timeout_sec=left)
 
 
-def _as_asyncio(future: Future) -> asyncio.Future[Any]:
-    """The running loop's future that follows an rclpy future; cancelling it cancels that one."""
-    loop = asyncio.get_running_loop()
-    follower = loop.create_future()
-
-    def follow() -> None:
-        if follower.done():
-            return
-        if future.cancelled():
-            follower.cancel()
-        elif future.exception() is not None:
-            follower.set_exception(future.exception())
-        else:
-            follower.set_result(future.result())
-
-    def completed(_: object) -> None:
-        with suppress(RuntimeError):  # the loop is closed: nobody waits
-            loop.call_soon_threadsafe(follow)
-
-    def forward_cancel(waited: asyncio.Future[Any]) -> None:
-        if waited.cancelled():
-            future.cancel()
-
-    future.add_done_callback(completed)
-    follower.add_done_callback(forward_cancel)
-    return follower
+async def _await_in_cell(future: Future) -> Any:
+    """Wait for an rclpy future in the running loop; who stops waiting cancels it."""
+    news, wake = make_waker()
+    future.add_done_callback(wake)
+    try:
+        await news.wait()
+    except asyncio.CancelledError:
+        future.cancel()
+        raise
+    if future.cancelled():
+        raise asyncio.CancelledError
+    return future.result()
 
 
 def _guard_awaits(patches: Patches, lab: Engine) -> None:
@@ -331,7 +317,7 @@ def _guard_awaits(patches: Patches, lab: Engine) -> None:
                 _check_await(lab, future)
             return (yield from original(future))
         try:
-            return (yield from _as_asyncio(future).__await__())
+            return (yield from _await_in_cell(future).__await__())
         finally:
             lab.output.drain()
 

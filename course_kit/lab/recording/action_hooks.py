@@ -42,12 +42,6 @@ def number_of(goal_id: Message) -> int:
     return int.from_bytes(bytes(goal_id.uuid), "big")
 
 
-def where_of(server: ActionServer) -> Where | None:
-    """Node, full name and type of an action server; None for one that was made before there was a recorder."""
-    where: Where | None = vars(server).get(_WHERE)
-    return where
-
-
 class ActionHooks:
     """Wraps the methods of rclpy's action clients and servers."""
 
@@ -229,8 +223,8 @@ def hook_execution(patches: Patches, hooks: MessageHooks) -> None:
     async def execute_goal_seen(
         server: ActionServer, execute_callback: Callable[..., Any], goal_handle: ServerGoalHandle
     ) -> None:
-        where = where_of(server)
-        if hooks.events.observers and where is not None:
+        where = vars(server).get(_WHERE)
+        if hooks.events.observers and where is not None:  # made since there is a recorder
             execute_callback = _report_execution(execute_callback, where, hooks.spans)
         await execute_goal(server, execute_callback, goal_handle)
 
@@ -248,13 +242,7 @@ def _report_execution(callback: Callable[..., Any], where: Where, spans: Callbac
 
     @functools.wraps(callback)
     def execute(goal_handle: ServerGoalHandle) -> Any:
-        number = spans.begin(where, "goal")
-        failed = True
-        try:
-            result = callback(goal_handle)
-            failed = False
-        finally:
-            spans.end(number, where, failed=failed)
-        return result
+        with spans.span(where, "goal"):
+            return callback(goal_handle)
 
     return execute

@@ -7,11 +7,14 @@ both the message and the number of its request. When a thread is inside a callba
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
+import itertools
 import os
 import threading
 import time
+import types
 from typing import TYPE_CHECKING, Any
 from weakref import WeakSet
 
@@ -23,7 +26,7 @@ from course_kit.ros.messages import type_name
 from course_kit.ros.names import is_hidden, is_of_every_node
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Coroutine, Generator
+    from collections.abc import Awaitable, Callable, Coroutine, Generator, Iterator
 
     from rclpy.client import Client
     from rclpy.executors import Executor
@@ -73,8 +76,38 @@ class CallbackSpans:
 
     def __init__(self, events: EventStream) -> None:
         self._events = events
-        self._count = 0
-        self._counting = threading.Lock()
+        self._numbers = itertools.count(1)
+
+    @contextlib.contextmanager
+    def span(self, where: Where, what: str) -> Iterator[None]:
+        """Report that the thread is inside a callback meanwhile."""
+        number, process = next(self._numbers), os.getpid()
+        thread = threading.current_thread()
+        value = {"what": what, "thread": thread.name, "ident": threading.get_ident(), "process": process}
+        self._events.emit("callback_begun", where, value, number)
+        failed = True
+        try:
+            yield
+            failed = False
+        finally:
+            self._events.emit("callback_ended", where, {"failed": failed, "process": process}, number)
+
+    @types.coroutine
+    def steps(self, awaitable: Awaitable[Any], where: Where, what: str) -> Generator[Any, Any, Any]:
+        """Drive something awaitable, and report each of its steps."""
+        steps: Any = awaitable.__await__()
+        sent = None
+        try:
+            while True:
+                with self.span(where, what):
+                    try:
+                        awaited = steps.send(sent) if hasattr(steps, "send") else next(steps)
+                    except StopIteration as end:
+                        return end.value
+                sent = yield awaited
+        finally:
+            if hasattr(steps, "close"):
+                steps.close()
 
     def report_work(self, work: Work, where: Where, what: str) -> Work:
         """The same work, reported while it runs."""
@@ -83,50 +116,6 @@ class CallbackSpans:
             await self.steps(work(), where, what)
 
         return reported
-
-    def steps(self, awaitable: Awaitable[Any], where: Where, what: str) -> _Steps:
-        """An awaitable in place of something, which reports its pieces."""
-        return _Steps(self, awaitable, where, what)
-
-    def begin(self, where: Where, what: str) -> int:
-        """Report that the thread is inside a callback from now on; returns the number of this piece."""
-        with self._counting:
-            self._count += 1
-            number = self._count
-        thread = threading.current_thread()
-        value = {"what": what, "thread": thread.name, "ident": threading.get_ident(), "process": os.getpid()}
-        self._events.emit("callback_begun", where, value, number)
-        return number
-
-    def end(self, number: int, where: Where, *, failed: bool) -> None:
-        self._events.emit("callback_ended", where, {"failed": failed, "process": os.getpid()}, number)
-
-
-class _Steps:
-    """Drives something awaitable and reports each of its steps."""
-
-    def __init__(self, spans: CallbackSpans, awaitable: Awaitable[Any], where: Where, what: str) -> None:
-        self._spans, self._awaitable, self._where, self._what = spans, awaitable, where, what
-
-    def __await__(self) -> Generator[Any, Any, Any]:
-        steps: Any = self._awaitable.__await__()
-        sent = None
-        try:
-            while True:
-                failed = True
-                number = self._spans.begin(self._where, self._what)
-                try:
-                    awaited = steps.send(sent) if hasattr(steps, "send") else next(steps)
-                    failed = False
-                except StopIteration as end:
-                    failed = False
-                    return end.value
-                finally:
-                    self._spans.end(number, self._where, failed=failed)
-                sent = yield awaited
-        finally:
-            if hasattr(steps, "close"):
-                steps.close()
 
 
 class MessageHooks:

@@ -147,16 +147,13 @@ class Executions:
     """The goals that are being executed in one lab."""
 
     def __init__(self, executor: LabExecutor, output: Output) -> None:
-        self._executor = executor
+        self.executor = executor
         self._output = output
         self._running: dict[Execution, None] = {}  # a set in the order of beginning
 
-    def runs(self, node: Node) -> bool:
-        return node.executor is self._executor
-
     async def run(self, server: ActionServer, callback: Execute, goal_handle: ServerGoalHandle) -> Message:
         node = server._node  # noqa: SLF001 - rclpy has no other way to it
-        execution = Execution(node, callback, goal_handle, self._executor.wake)
+        execution = Execution(node, callback, goal_handle, self.executor.wake)
         self._running[execution] = None
         try:
             if not inspect.iscoroutinefunction(callback):
@@ -165,7 +162,7 @@ class Executions:
         finally:
             del self._running[execution]
             for function in execution.afterwards:
-                self._executor.create_task(function)
+                self.executor.create_task(function)
 
     def find_by_thread(self) -> Execution | None:
         thread = threading.current_thread()
@@ -178,7 +175,7 @@ class Executions:
         ending = [run for run in list(self._running) if any(run.node is node for node in nodes)]
         for run in ending:
             run.stop()
-        self._executor.wake()
+        self.executor.wake()
         threads = [run.thread for run in ending if run.thread is not None]
         return [thread for thread in threads if thread is not threading.current_thread()]
 
@@ -237,7 +234,7 @@ def execute_apart(
 async def _result(
     executions: Executions, server: ActionServer, execute_callback: Execute, handle: ServerGoalHandle
 ) -> Message:
-    if executions.runs(server._node):  # noqa: SLF001 - as above
+    if server._node.executor is executions.executor:  # noqa: SLF001 - as above
         result = await executions.run(server, execute_callback, handle)
     elif inspect.iscoroutinefunction(execute_callback):
         result = await execute_callback(handle)
