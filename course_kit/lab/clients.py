@@ -98,9 +98,7 @@ class Clients:
         try:
             found: ServiceClient = self._find_or_make("service", service, service_type, make)
         except OtherTypeError:
-            wanted = WantedServer(graph.SERVES, self.node.resolve_service_name(service), type_name(service_type))
-            own = frozenset({self.node.get_fully_qualified_name()})
-            raise not_found(self.node, wanted, 0.0, own) from None
+            raise self._not_found(graph.SERVES, self.node.resolve_service_name(service), service_type) from None
         return found
 
     def publisher(self, message_type: type[Message], topic: str) -> Publisher:
@@ -125,8 +123,7 @@ class Clients:
         try:
             found: GoalClient = self._find_or_make("action", action, action_type, make)
         except OtherTypeError:
-            wanted = WantedServer(graph.RUNS, full_action_name(self.node, action), type_name(action_type))
-            raise not_found(self.node, wanted, 0.0) from None
+            raise self._not_found(graph.RUNS, full_action_name(self.node, action), action_type) from None
         return found
 
     def subscription(
@@ -159,6 +156,10 @@ class Clients:
             self._executor_thread.executor.remove_node(self._node)
             self._node.destroy_node()
             self._node = None
+
+    def _not_found(self, role: graph.Role, name: str, interface: Any) -> LabError:
+        wanted = WantedServer(role, name, type_name(interface))
+        return not_found(self.node, wanted, 0.0, frozenset({self.node.get_fully_qualified_name()}))
 
     def _find_or_make(self, kind: str, name: str, interface: Any, make: Callable[[], Any]) -> Any:
         key = (kind, name, interface)

@@ -19,6 +19,7 @@ import traceback
 import warnings
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.awaiting import UNAWAITED
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from course_kit.ros.compat import Compatibility
 
 _BEAT = 0.1  # seconds
+LINES = 2_000  # of a cell, to each stream
 _STREAMS: tuple[Stream, ...] = ("stdout", "stderr")
 
 
@@ -51,7 +53,7 @@ class Notebook:
         self.nodes_run: Callable[[], bool] = lambda: False
         self.on_end: CellEnd = lambda *_, **__: None
         self._stopped = False  # in this cell
-        self._limits = {name: CellLimit() for name in _STREAMS}
+        self._left = dict.fromkeys(_STREAMS, LINES)  # lines that the running cell may still print
         self._patches = Patches()
         self._attached = False
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -146,12 +148,21 @@ class Notebook:
                 return len(text)
             if threading.current_thread() is threading.main_thread():
                 self._output.drain()
-            if words := self._limits[name].take(text):
+            if words := self._limit(text, name):
                 write(words)
             return len(text)
 
         routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
         return routed
+
+    def _limit(self, text: str, name: Stream) -> str:
+        """What is shown of a text; a node in the background prints for hours."""
+        left = self._left[name]
+        words = "".join(text.splitlines(keepends=True)[:left])
+        self._left[name] -= words.count("\n")
+        if left > 0 and self._left[name] <= 0:
+            return f"{words}... This cell has printed {LINES:,} lines: the rest is left out.\n"
+        return words
 
     def _guard_input(self, ask: Callable[..., str]) -> Callable[..., str]:
         """`input`, which no callback can wait for: the notebook shows no box to type in, and every node stands."""
@@ -169,8 +180,19 @@ class Notebook:
 
     def _capture_logs(self) -> None:
         from rclpy.impl import rcutils_logger
+        from rclpy.logging import LoggingSeverity
 
-        self._patches.set(rcutils_logger, "_rclpy", _LogCapture(rcutils_logger._rclpy, self._output))  # noqa: SLF001
+        original = rcutils_logger._rclpy  # noqa: SLF001 - the C module, by which log lines are handed over
+
+        def log(severity: Any, name: str, message: str, *caller: Any) -> None:
+            """Queue the line, and pass it on for /rosout and the log file."""
+            self._output.put(f"[{LoggingSeverity(severity).name}] [{name}]: {message}\n")
+            if threading.current_thread() is threading.main_thread():
+                self._output.drain()
+            original.rclpy_logging_rcutils_log(severity, name, message, *caller)
+
+        stand_in = SimpleNamespace(**{**vars(original), "rclpy_logging_rcutils_log": log})
+        self._patches.set(rcutils_logger, "_rclpy", stand_in)
 
     def _route_warnings(self, show: Callable[..., None]) -> Callable[..., None]:
         """Warnings of rclpy without the place in rclpy, which is not where the learner went wrong."""
@@ -213,8 +235,7 @@ class Notebook:
     def _before_cell(self, info: object) -> None:
         del info
         self._output.cell = contextvars.copy_context()
-        for limit in self._limits.values():
-            limit.begin()
+        self._left = dict.fromkeys(_STREAMS, LINES)
         self._route()
         self._keep_beating()
         self._notice_stop()
@@ -266,26 +287,6 @@ class Notebook:
             self._beat = self._loop.call_later(_BEAT, self._keep_beating)
 
 
-class _LogCapture:
-    """Stands in for rclpy's C module where log lines are handed over; everything else passes through."""
-
-    def __init__(self, module: Any, output: Output) -> None:
-        self._module = module
-        self._output = output
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._module, name)
-
-    def rclpy_logging_rcutils_log(self, severity: Any, name: str, message: str, *caller: Any) -> None:
-        """Queue the line, and pass it on for /rosout and the log file."""
-        from rclpy.logging import LoggingSeverity
-
-        self._output.put(f"[{LoggingSeverity(severity).name}] [{name}]: {message}\n")
-        if threading.current_thread() is threading.main_thread():
-            self._output.drain()
-        self._module.rclpy_logging_rcutils_log(severity, name, message, *caller)
-
-
 def tell_meaning(result: Any, locate: Locate) -> None:
     """Say what a cell's error means, where Python's or rclpy's words do not."""
     error = getattr(result, "error_in_exec", None)
@@ -312,29 +313,6 @@ def show_all_output(patches: Patches) -> None:
             return super(spawn, program).read_nonblocking(size)
 
     patches.set(spawn, "read_nonblocking", read_to_the_end)
-
-
-LINES = 2_000
-
-
-class CellLimit:
-    """How many lines the running cell may still print to one stream; a node in the background prints for hours."""
-
-    def __init__(self) -> None:
-        self._left = LINES
-
-    def begin(self) -> None:
-        self._left = LINES
-
-    def take(self, text: str) -> str:
-        """What is shown of a text."""
-        if self._left <= 0:
-            return ""
-        words = "".join(text.splitlines(keepends=True)[: self._left])
-        self._left -= words.count("\n")
-        if self._left > 0:
-            return words
-        return f"{words}... This cell has printed {LINES:,} lines: the rest is left out.\n"
 
 
 _INTERRUPTS = (KeyboardInterrupt, asyncio.CancelledError)

@@ -136,14 +136,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
             f"rclpy.spin(): this cell runs {node.get_name()} until you press Stop, and no other cell can run. "
             f"lab.start({type(node).__name__}) runs it in the background instead."
         )
-        executor = executor or rclpy.get_global_executor()
-        executor.add_node(node)
-        try:
-            while executor.context.ok():
-                executor.spin_once(timeout_sec=_SLICE)
-                lab.output.drain()
-        finally:
-            executor.remove_node(node)
+        _spin_for(node, executor, lambda executor: executor.spin())
 
     patches.set(rclpy, "spin", spin)
 

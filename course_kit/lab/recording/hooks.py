@@ -186,14 +186,15 @@ class MessageHooks:
 
     def take_service(self, service: Service) -> Work | None:
         """Take a request and return the work of answering it, as `Executor._take_service` does."""
+        kind: Any = service.srv_type
         try:
             with service.handle:
-                request, header = service.handle.service_take_request(_service_type(service).Request)
+                request, header = service.handle.service_take_request(kind.Request)
         except InvalidHandle:  # destroyed meanwhile
             return None
         if header is None:
             return None
-        sequence, kind = _sequence(header), _service_type(service)
+        sequence = _sequence(header)
 
         async def answer() -> None:
             self._emit("request_received", service, request, sequence)
@@ -217,9 +218,10 @@ class MessageHooks:
 
     def take_client(self, executor: Executor, client: Client) -> Work | None:
         """Take an answer and return the work of handing it to whoever waits, as `Executor._take_client` does."""
+        kind: Any = client.srv_type
         try:
             with client.handle:
-                header, response = client.handle.take_response(_service_type(client).Response)
+                header, response = client.handle.take_response(kind.Response)
         except InvalidHandle:
             return None
         if header is None:
@@ -299,13 +301,6 @@ class MessageHooks:
 def _is_of_ros(channel: str) -> bool:
     """Whether ROS or the lab speaks there, and no learner's callback."""
     return channel in _SILENT_TOPICS or is_of_every_node(channel)
-
-
-def _service_type(entity: Service | Client) -> ServiceType:
-    """The class of a service; rclpy's own type for it names none of its parts."""
-    found: Any = entity.srv_type
-    kind: ServiceType = found
-    return kind
 
 
 def _sequence_of(client: Client, future: Future) -> int:

@@ -26,7 +26,6 @@ from course_kit.lab.runtime.failures import CallbackRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable
-    from contextlib import AbstractContextManager
 
     from rclpy.action.server import ServerGoalHandle
     from rclpy.node import Node
@@ -188,19 +187,17 @@ def callback_of(execution: Execution) -> CallbackRun:
 def keep_replies(patches: Patches) -> None:
     """Have a client note what it waits for before it takes any reply; `patches` takes it back."""
     sending = threading.RLock()
+
+    def hold(original: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(original)
+        def call_locked(*arguments: Any, **options: Any) -> Any:
+            with sending:
+                return original(*arguments, **options)
+
+        return call_locked
+
     for method in ("send_goal_async", "_cancel_goal_async", "_get_result_async", "take_data"):
-        _hold(patches, ActionClient, method, sending)
-
-
-def _hold(patches: Patches, owner: Any, method: str, lock: AbstractContextManager[bool]) -> None:
-    original = getattr(owner, method)
-
-    @functools.wraps(original)
-    def call_locked(*arguments: Any, **options: Any) -> Any:
-        with lock:
-            return original(*arguments, **options)
-
-    patches.set(owner, method, call_locked)
+        patches.set(ActionClient, method, hold(getattr(ActionClient, method)))
 
 
 def execute_apart(
