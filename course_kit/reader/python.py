@@ -146,9 +146,7 @@ def _value(node: ast.expr, bound: frozenset[str] | None) -> tuple[str, str]:
         unknown = [name for name in names if bound is not None and name not in bound]
         if not unknown:
             raise
-        problem = (
-            f"Without quotes, Python takes {unknown[0]} for the name of a variable, and there is no such variable."
-        )
+        problem = f"Without quotes, Python reads {unknown[0]} as the name of a variable, and there is no such variable."
         return ast.unparse(node), problem
 
 

@@ -200,7 +200,7 @@ def test_a_name_that_the_program_defines_is_no_text_without_quotes(made: str) ->
             (
                 "'weld_seam'",
                 "Answer",
-                "Without quotes, Python takes Answer for the name of a variable, and there is no such variable.",
+                "Without quotes, Python reads Answer as the name of a variable, and there is no such variable.",
             )
         ]
     }

@@ -66,19 +66,19 @@ def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckResult]:
     """Run the checks in order of dependence, yielding each result as soon as it is known."""
-    passed: set[str] = set()
-    titles = {check.id: check.title for check in checks}
+    lost: dict[str, list[str]] = {}  # for each check that failed or waits for such a one: what failed, as quoted titles
     broken = ""
     for check in in_order(checks):
-        missing = ", ".join(f'"{titles[name]}"' for name in check.depends_on if name not in passed)
+        missing = list(dict.fromkeys(title for name in check.depends_on for title in lost.get(name, ())))
         if broken or missing:  # where the grader has failed there is no grade
-            why = f'the grader failed in "{broken}".' if broken else f"{missing} must pass first."
+            lost[check.id] = missing
+            why = f'the grader failed in "{broken}".' if broken else f"{' and '.join(missing)} must pass first."
             yield CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run: {why}")
             continue
         result = replace(_run(check, context), proves=check.proves)
-        if result.status == "passed":
-            passed.add(check.id)
-        elif result.status == "error":
+        if result.status != "passed":
+            lost[check.id] = [f'"{check.title}"']
+        if result.status == "error":
             broken = check.title
         yield result
 

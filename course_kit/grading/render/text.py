@@ -29,7 +29,9 @@ def render_text(report: Report, width: int = 80) -> str:
         lines += check_lines(check, width, practice=report.practice)
     for why, checks in report.not_run.items():
         begin = _beginning("skipped", 0.0, sum(check.max_points for check in checks), practice=report.practice)
-        lines += _wrap(f"{begin}Not run: {why}. {'; '.join(one.title for one in checks)}.", width, hanging=len(begin))
+        lines += _wrap(
+            f"{begin}Not run because {why}: {'; '.join(one.title for one in checks)}.", width, hanging=len(begin)
+        )
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
