@@ -48,16 +48,15 @@ _EXPLORE = (
 USAGE = "Use it as %grade EXERCISE, or %grade EXERCISE FILE; behind it, --only PART and --seed N."
 
 
-def _link_in(following: str) -> str:
-    """The lesson that comes next, as a link from an exercise's notebook."""
+def _show_report(report: Report, following: str) -> None:
+    """Show a card where there is HTML, with a link to the lesson that comes next, and plain text elsewhere."""
+    from course_kit import grading
+
+    session = Path(os.environ.get("JPY_SESSION_NAME", ""))  # a learner may have changed the kernel's own folder
+    card = grading.render_html(report, session.parent if session.is_absolute() else None)
     lesson = _LESSON.search(following)
-    return f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
-
-
-def _notebook_folder() -> Path | None:
-    """Where the notebook lies; a learner may have changed the kernel's own folder. None where nobody tells."""
-    session = Path(os.environ.get("JPY_SESSION_NAME", ""))
-    return session.parent if session.is_absolute() else None
+    link = f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
+    display({"text/plain": grading.render_text(report), "text/html": f"{card}{link}"}, raw=True)
 
 
 def print_complaint(sentence: object) -> None:
@@ -150,8 +149,7 @@ class GradeMagics(Magics):
         if report.practice and not report.passed and exercise not in progress.read_progress()[0]:
             print(_EXPLORE)
         else:
-            page = f"{grading.render_html(report, _notebook_folder())}{_link_in(following)}"
-            display({"text/plain": grading.render_text(report), "text/html": page}, raw=True)
+            _show_report(report, following)
         if trouble := progress.record_report(report):
             print_complaint(trouble)
         if following:

@@ -60,13 +60,13 @@ def record_report(report: Report) -> str:
     """Add a grading to the file."""
     if report.status not in _COUNTED:
         return ""
-    return update_progress(report.exercise, lambda old: _record_after(old, report))
+    failed = [Failure(check.id, check.title, check.diagnosis) for check in report.checks if check.status == "failed"]
 
+    def record(old: ProgressRecord) -> ProgressRecord:
+        tried = count_try(old, passed=report.passed and not report.part)
+        return replace(tried, best=max(old.best, report.score), failed=next(iter(failed), None))
 
-def _record_after(old: ProgressRecord, report: Report) -> ProgressRecord:
-    failed = (Failure(check.id, check.title, check.diagnosis) for check in report.checks if check.status == "failed")
-    tried = count_try(old, passed=report.passed and not report.part)
-    return replace(tried, best=max(old.best, report.score), failed=next(failed, None))
+    return update_progress(report.exercise, record)
 
 
 def count_try(old: ProgressRecord, *, passed: bool) -> ProgressRecord:

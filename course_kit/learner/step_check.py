@@ -68,7 +68,10 @@ def check_step(step: LessonStep) -> StepResult:
                 _require(need, context)
             step.ask(GradedNode(context))
         except Failed as failed:
-            result = StepResult(passed=False, text=_describe_failure(failed, context))
+            seen = failed.evidence
+            parts = (("expected", seen.expected), ("found", seen.got))
+            lines = _exchange(context, seen) or [f"  {what}: {words}" for what, words in parts if words]
+            result = StepResult(passed=False, text="\n".join([f"Not yet: {failed.message}", *lines]))
         except lab.LabError as failed:  # the lab has seen why a callback of its nodes answers nothing
             result = StepResult(passed=False, text=f"Not yet: {failed}")
         except Exception as problem:  # noqa: BLE001 - whatever it is, it is no fault of the learner's node
@@ -125,14 +128,6 @@ def _await(
     of_type = f" of type {interface[0]}" if interface else ""
     why = f"No {kind} {name}{of_type} is there.{discovery.name_nearest(name, there)}"
     raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
-
-
-def _describe_failure(failed: Failed, context: CheckContext) -> str:
-    seen = failed.evidence
-    lines = _exchange(context, seen)
-    if not lines:
-        lines = [f"  {what}: {words}" for what, words in (("expected", seen.expected), ("found", seen.got)) if words]
-    return "\n".join([f"Not yet: {failed.message}", *lines])
 
 
 def _exchange(context: CheckContext, seen: Evidence) -> list[str]:

@@ -83,7 +83,13 @@ def _signature(path: Path) -> list[tuple[int, int, int]] | None:
 def verdict_card(report: Report, before: Report | None) -> str:
     """The verdict in a few lines of at most 80 columns: what changed, what to fix first, and what else is wrong."""
     verdict = "Not graded." if report.status in _NOT_GRADED else f"{report.verdict} ({report.duration_s:.1f} s)"
-    lines = ["", f"{time.strftime('%H:%M:%S')}  {verdict}{_difference(report, before)}"]
+    if (
+        before
+        and report.score != before.score
+        and not (report.practice or {report.status, before.status} & _NOT_GRADED)
+    ):
+        verdict += f", {report.score - before.score:+g} since the last save"
+    lines = ["", f"{time.strftime('%H:%M:%S')}  {verdict}"]
     failed = [check for check in report.checks if check.status in ("failed", "error")]
     for number, check in enumerate(failed):
         lines += wrap_text(f"FAIL  {check.title}", "  ", " " * 8)
@@ -97,13 +103,6 @@ def verdict_card(report: Report, before: Report | None) -> str:
     if passed:
         lines.append(f"  PASS  {passed} of {len(report.checks)} checks")
     return "\n".join(lines)
-
-
-def _difference(report: Report, before: Report | None) -> str:
-    if report.practice or before is None or {report.status, before.status} & _NOT_GRADED:
-        return ""
-    difference = report.score - before.score
-    return f", {difference:+g} since the last save" if difference else ""
 
 
 def _describe_first_failure(check: CheckReport) -> list[str]:

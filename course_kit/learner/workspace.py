@@ -226,24 +226,22 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     if not (program.is_file() and notebook.is_file()):
         only = folder if exercise.files else program
         return (notebook if notebook.is_file() else only), ""
-    program = folder if exercise.files else program
+    answers = (folder if exercise.files else program, notebook)
     with Reader() as readings:
-        seen = {path: _glance(readings, path, exercise) for path in (program, notebook)}
+        seen = {path: _glance(readings, path, exercise) for path in answers}
     given = starter_identities(exercise) | {""}  # nobody has begun with these, nor with an empty program
     changed = [path for path, glance in seen.items() if glance.identity not in given]
     fitting = [path for path in changed if seen[path].found]
     if len(changed) == 1 or len(fitting) == 1:
         best = (fitting or changed)[0]
-        other = program if best == notebook else notebook
-        unfinished = f"does not contain {exercise.asks_for}"
-        lacks = "is still the starter" if len(changed) == 1 else unfinished
+        other = next(path for path in answers if path != best)
+        lacks = "is still the starter" if len(changed) == 1 else f"does not contain {exercise.asks_for}"
         return best, f", because {other.name} {lacks}"
     if not changed:
-        return program, ""
-    best, other = program, notebook
+        return answers[0], ""
     files = [folder / name for name in exercise.files] or [program]  # a folder is as new as what was last put in
-    if notebook.stat().st_mtime > max(one.stat().st_mtime for one in files if one.exists()) + _AT_ONCE_S:
-        best, other = notebook, program
+    is_newer = notebook.stat().st_mtime > max(one.stat().st_mtime for one in files if one.exists()) + _AT_ONCE_S
+    other, best = answers if is_newer else answers[::-1]
     named = f"{environment.course_command()} {verb} {exercise.id} {shorten_path(other)}"
     return best, f", the newer of your two answers. For the other one: {named}"
 

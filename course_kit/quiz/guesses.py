@@ -119,8 +119,10 @@ class GuessRecord:
 
     def find_guess(self, question: LessonQuestion) -> Guess | None:
         """What was chosen for a question; None before that."""
-        if question.name not in self._known and (found := _read(self._folder, question.name)) is not None:
-            self._known[question.name] = found
+        if question.name not in self._known and self._folder is not None:
+            with suppress(OSError, ValueError, RecursionError):  # it is missing, or has something else in it
+                kept = (self._folder / f"{question.name}.json").read_bytes()
+                self._known[question.name] = msgspec.json.decode(kept, type=Guess)
         return self._known.get(question.name)
 
     def choose(self, question: LessonQuestion, place: int) -> Guess:
@@ -154,10 +156,3 @@ def chosen_answers() -> dict[str, str]:
     asked = [question for lesson in lesson_names() for question in of_lesson(lesson).values()]
     found = {question.text: record.find_guess(question) for question in asked}
     return {text.replace("`", ""): guess.last.replace("`", "") for text, guess in found.items() if guess is not None}
-
-
-def _read(folder: Path | None, name: str) -> Guess | None:
-    """The content of a file; None if it is missing or has something else in it."""
-    with suppress(OSError, ValueError, RecursionError):
-        return msgspec.json.decode((folder / f"{name}.json").read_bytes(), type=Guess) if folder is not None else None
-    return None

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import textwrap
 from typing import TYPE_CHECKING
 
 from course_kit.ros.graph_drawing import in_sentences
+from course_kit.text.console import wrap_text
 from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
@@ -101,10 +101,4 @@ def _cut(line: str, width: int) -> list[str]:
 
 def _wrap(text: str, width: int, indent: int = 0, hanging: int = 0) -> list[str]:
     """Lines of text; what would steer the terminal, out of a submission's source or messages, is made harmless."""
-    return textwrap.wrap(
-        make_printable(text),
-        width,
-        initial_indent=" " * indent,
-        subsequent_indent=" " * (indent + hanging),
-        break_on_hyphens=False,
-    ) or [""]
+    return wrap_text(text, " " * indent, " " * (indent + hanging), width=width) or [""]
