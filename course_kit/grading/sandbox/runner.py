@@ -1,7 +1,8 @@
 """Runs the learner's program, inside the sandbox, the way Python or `ros2 run` would.
 
 A program with `main()`, or one that spins at its top level, is run as the script it is. A module that only defines its
-Node class has that class started on a MultiThreadedExecutor. Whatever this process tells the grader never earns points.
+Node class has that class started on a MultiThreadedExecutor. What this process notes for the grader, beside what stands
+on the ROS graph, are hints for the diagnosis and never points.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import signal
 import sys
 import tempfile
 import threading
+import traceback
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -26,7 +28,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, notes, seccomp
+from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, seccomp
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules
@@ -53,6 +55,9 @@ _TURN_S = 0.1
 _FIRST_HIGH_DESCRIPTOR = 200
 _LONGEST_VALUE = 48 * 1024  # characters of all together; the grader keeps 64 kB of a program's notes
 _LONGEST_NAME, _MOST_NAMES = 40, 50
+_OURS = Path(__file__).parent
+# Where rclpy holds what a callback has returned: by function, the name of our note and that of its variable.
+_RETURNED = {"send_response": ("returned", "response"), "_execute_goal": ("result", "execute_result")}
 
 
 def main(order: StartOrder, inside: Streams) -> None:
@@ -80,10 +85,10 @@ def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence:
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
-        notes.send_note(evidence, exit_in_callback=notes.comes_from_callback(wish))
+        _send_note(evidence, exit_in_callback=_comes_from_callback(wish))
     except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
-        notes.print_exception(problem)
-        notes.note_refused_return(problem, evidence)
+        _print_exception(problem)
+        _note_refused_return(problem, evidence)
     _finish(status)
 
 
@@ -109,12 +114,7 @@ def _give_up_rights(order: StartOrder) -> None:
     namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
     if order.isolation.syscalls:
         seccomp.install(processes=order.isolation.processes, files=order.isolation.files)
-    _forget_the_grader()
-
-
-def _forget_the_grader() -> None:
-    """Make the modules of the kit that are not for programs as unknown as their files are."""
-    for name in list(sys.modules):
+    for name in list(sys.modules):  # modules that are not for programs are as unknown as their files are
         if name.startswith("course_kit.") and name.split(".")[1] not in file_view.MODULES_OF_KIT:
             del sys.modules[name]
 
@@ -176,12 +176,12 @@ def _run(program: Program, evidence: int) -> None:
     module = ModuleType("__main__")
     module.__file__ = str(path)
     sys.modules["__main__"] = module
-    threading.excepthook = lambda problem: notes.note_thread_failure(problem, evidence)
+    threading.excepthook = lambda problem: _note_thread_failure(problem, evidence)
     code = compile(program.source, program.name, "exec", dont_inherit=True)
     if program.variable:
         _run_for_value(code, module, program.variable, evidence)
         return
-    notes.watch_lost_nodes(evidence, program.name)
+    _watch_lost_nodes(evidence, program.name)
     from rclpy.utilities import get_default_context
 
     default = get_default_context()  # rclpy forgets one that was shut down, and with it that there was a node
@@ -207,7 +207,7 @@ def _launch(program: Program, evidence: int) -> None:
 
 
 class _Launch(LaunchService):
-    def __init__(self, evidence: int) -> None:
+    def _init__(self, evidence: int) -> None:
         super().__init__(open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115 - as long as this process
         self._evidence = evidence
 
@@ -227,7 +227,7 @@ class _Launch(LaunchService):
 class _Fork(Child):
     """A program of a launch; it writes to the same streams as all others."""
 
-    def __init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
+    def _init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
         self.stdout = self.stderr = None
         self._code: int | None = None
         self.pid = fork_child(partial(_run_launched, program, environ, evidence))
@@ -264,9 +264,9 @@ def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: 
     try:
         exec(code, module.__dict__)  # noqa: S102 - the learner's program, which is what this process is for
     except SystemExit:  # a program that ends itself has set what it wanted to set
-        notes.send_note(evidence, **_describe_value(vars(module), variable), ended_itself=True)
+        _send_note(evidence, **_describe_value(vars(module), variable), ended_itself=True)
         raise
-    notes.send_note(evidence, **_describe_value(vars(module), variable))
+    _send_note(evidence, **_describe_value(vars(module), variable))
 
 
 def _describe_value(names: Mapping[str, object], variable: str) -> Record:
@@ -325,9 +325,7 @@ def _find_class(module: ModuleType, program: Program, evidence: int) -> type | N
     classes = [
         name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
     ]
-    notes.send_note(
-        evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions
-    )
+    _send_note(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
     return None
 
 
@@ -390,5 +388,58 @@ def _finish(status: int) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
     except BaseException as problem:  # noqa: BLE001 - as above: shown, and the end comes anyway
-        notes.print_exception(problem)
+        _print_exception(problem)
     os._exit(status)
+
+
+def _print_exception(problem: BaseException) -> None:
+    """Print the traceback as Python does, beginning with the learner's own file."""
+    part = problem.__traceback__
+    while part is not None and Path(part.tb_frame.f_code.co_filename).parent == _OURS:
+        part = part.tb_next
+    problem.__traceback__ = part
+    traceback.print_exception(type(problem), problem, problem.__traceback__)
+
+
+def _note_thread_failure(hook: threading.ExceptHookArgs, evidence: int) -> None:
+    """Show and note an exception that has ended a thread."""
+    if hook.exc_value is not None and hook.exc_type is not SystemExit:
+        traceback.print_exception(hook.exc_type, hook.exc_value, hook.exc_traceback)
+        _note_refused_return(hook.exc_value, evidence)
+
+
+def _note_refused_return(problem: BaseException, evidence: int) -> None:
+    """Note what a callback returned when rclpy refused to send it; its own exception does not say."""
+    for frame, _ in traceback.walk_tb(problem.__traceback__):
+        note, variable = _RETURNED.get(frame.f_code.co_name, ("", ""))
+        if variable in frame.f_locals:
+            value = frame.f_locals[variable]
+            _send_note(evidence, **{note: "None" if value is None else type(value).__name__})
+
+
+def _watch_lost_nodes(evidence: int, program: str) -> None:
+    """Note the line of a callback that spins its node by another executor than the one that runs it: for good."""
+    from rclpy.executors import Executor
+
+    add_node = Executor.add_node
+
+    def add_node_watched(executor: Executor, node: Any) -> bool:
+        before = node.executor
+        if before is not None and before is not executor and node in before.get_nodes():
+            frames = list(traceback.walk_stack(sys._getframe(1)))  # noqa: SLF001 - with None it skips some
+            own = [line for frame, line in frames if frame.f_code.co_filename == program]
+            if own and any(frame.f_code.co_name == "await_or_execute" for frame, _ in frames):
+                _send_note(evidence, lost_in=f"{program}:{own[0]}")
+        return bool(add_node(executor, node))
+
+    setattr(Executor, "add_node", add_node_watched)  # noqa: B010 - mypy forbids to assign to a method
+
+
+def _comes_from_callback(problem: BaseException) -> bool:
+    """Whether it was raised in a callback that rclpy ran."""
+    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
+
+
+def _send_note(evidence: int, **what: object) -> None:
+    """Send a note to the grader."""
+    os.write(evidence, b"\n" + json.dumps({"note": what}).encode() + b"\n")
