@@ -207,7 +207,7 @@ def _launch(program: Program, evidence: int) -> None:
 
 
 class _Launch(LaunchService):
-    def _init__(self, evidence: int) -> None:
+    def __init__(self, evidence: int) -> None:
         super().__init__(open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115 - as long as this process
         self._evidence = evidence
 
@@ -227,7 +227,7 @@ class _Launch(LaunchService):
 class _Fork(Child):
     """A program of a launch; it writes to the same streams as all others."""
 
-    def _init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
+    def __init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
         self.stdout = self.stderr = None
         self._code: int | None = None
         self.pid = fork_child(partial(_run_launched, program, environ, evidence))
