@@ -24,7 +24,7 @@ from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
-    from course_kit.grading.model.job import GradingOutcome, Isolation, Job
+    from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.model.submission import Submission
 
@@ -146,7 +146,11 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
     found = worker.ready()
     if require_isolation:
         found.require()
-    isolation = _describe_isolation(found, job.mode)
+    isolation = found.describe()
+    if job.mode == "attach":
+        isolation = "none: the node was running already, and the grader only talked to it"
+    elif job.mode == "exec":
+        isolation += ". The command saw your environment variables and worked in your folder"
     outcome = worker.grade(job)
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
@@ -159,14 +163,6 @@ def _domain() -> int:
         return environment.apply_settings().domain_id
     except environment.DomainError as problem:
         raise GradingError(str(problem)) from None
-
-
-def _describe_isolation(found: Isolation, mode: str) -> str:
-    """What isolated the submission, in one line."""
-    if mode == "attach":
-        return "none: the node was running already, and the grader only talked to it"
-    text = found.describe()
-    return text if mode == "run" else f"{text}. The command saw your environment variables and worked in your folder"
 
 
 def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:

@@ -149,10 +149,15 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
     mount_memory(root, _ROOT_MB)
     for path, is_mask in _in_order(view):
         _mask(root, path) if is_mask else _show(root, path)
-    _write_accounts(root, scratch, user)
-    for folder in ("/proc", "/dev", "/tmp", scratch):  # noqa: S108 - of the new root, where it is empty
+    for folder in ("/etc", "/proc", "/dev", "/dev/shm", "/tmp", scratch):  # noqa: S108 - of the new root
         os.makedirs(f"{root}{folder}", exist_ok=True)  # noqa: PTH103 - a name within another root
-    _make_devices(f"{root}/dev")
+    for name, text in _ACCOUNTS.items():
+        filled = text.format(user=user or os.getuid(), group=user or os.getgid(), home=scratch)
+        Path(f"{root}/etc/{name}").write_text(filled, encoding="utf-8")
+    for name in _DEVICES:
+        Path(f"{root}/dev/{name}").touch()
+    for name, target in _DEVICE_LINKS.items():
+        os.symlink(target, f"{root}/dev/{name}")  # noqa: PTH211
     _make_read_only(root)
     _open_devices(f"{root}/dev")
     mount_memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
@@ -200,21 +205,6 @@ def _mask(root: str, path: str) -> None:
         empty.touch()
         bind(str(empty), f"{root}{path}")
         empty.unlink()  # what is mounted stays
-
-
-def _write_accounts(root: str, scratch: str, user: int) -> None:
-    os.makedirs(f"{root}/etc", exist_ok=True)  # noqa: PTH103
-    for name, text in _ACCOUNTS.items():
-        filled = text.format(user=user or os.getuid(), group=user or os.getgid(), home=scratch)
-        Path(f"{root}/etc/{name}").write_text(filled, encoding="utf-8")
-
-
-def _make_devices(folder: str) -> None:
-    for name in _DEVICES:
-        Path(f"{folder}/{name}").touch()
-    for name, target in _DEVICE_LINKS.items():
-        os.symlink(target, f"{folder}/{name}")  # noqa: PTH211
-    os.mkdir(f"{folder}/shm")  # noqa: PTH102
 
 
 def _open_devices(folder: str) -> None:

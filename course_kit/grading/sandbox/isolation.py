@@ -106,14 +106,13 @@ def become(user: int) -> None:
 
 def _try_each(writer: int, folder: str, user: int) -> None:
     if landlock.version():
-        _say(writer, "landlock")
+        os.write(writer, b"landlock\n")
     entered = _works(writer, "network", lambda: enter_network(user)) and _works(
-        writer, "", lambda: enter_processes(user)
+        writer, "processes", lambda: enter_processes(user)
     )
 
     def try_inside() -> None:
         if entered:
-            _say(writer, "processes")
             _works(writer, "files", lambda: arrange_files(file_view.view_of_program(), folder, 1, user))
         if user:
             _works(writer, "user", lambda: _try_user(user))
@@ -131,19 +130,13 @@ def _try_user(user: int) -> None:
 
 
 def _works(writer: int, name: str, build: Callable[[], None]) -> bool:
+    answer = name
     try:
         build()
-    except Exception as problem:  # noqa: BLE001 - a trial that breaks says so, and what was tried counts as missing
-        if not isinstance(problem, OSError):
-            _say(writer, f"! {type(problem).__name__}: {problem}")
-            return False
+    except OSError as problem:
         where = f" ({problem.filename})" if problem.filename else ""
-        _say(writer, f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}{where}")
-        return False
-    if name:
-        _say(writer, name)
-    return True
-
-
-def _say(writer: int, line: str) -> None:
-    os.write(writer, line.replace("\n", " ").encode() + b"\n")
+        answer = f"! {_REASONS.get(problem.errno or 0, '')}{problem.strerror or problem}{where}"
+    except Exception as problem:  # noqa: BLE001 - a trial that breaks says so, and what was tried counts as missing
+        answer = f"! {type(problem).__name__}: {problem}"
+    os.write(writer, answer.replace("\n", " ").encode() + b"\n")
+    return answer == name

@@ -10,14 +10,10 @@ import fcntl
 import os
 import socket
 import struct
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from course_kit.process import libc
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CLONE_NEWNS = 0x00020000
 CLONE_NEWUTS = 0x04000000
@@ -41,7 +37,9 @@ _MAP_WHEN_TOLD = 'read -r _ && printf %s "$2" >"/proc/$1/uid_map" && printf %s "
 
 def enter(kinds: int, guest: int = 0) -> None:
     """Move into a new user namespace and, in it, the new namespaces `kinds` (CLONE_NEW... or-ed)."""
-    with _readable_proc():
+    before = libc.call_prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
+    allow_tracing()  # else /proc/self does not belong to this process's user
+    try:
         if guest:
             _unshare_with_guest(kinds, guest)
             return
@@ -50,6 +48,8 @@ def enter(kinds: int, guest: int = 0) -> None:
         Path("/proc/self/setgroups").write_bytes(b"deny")
         Path("/proc/self/uid_map").write_bytes(b"%d %d 1" % (user, user))
         Path("/proc/self/gid_map").write_bytes(b"%d %d 1" % (group, group))
+    finally:
+        libc.call_prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
 
 
 def _unshare_with_guest(kinds: int, guest: int) -> None:
@@ -73,17 +73,6 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
         _, status = os.waitpid(helper, 0)
     if status:
         raise OSError(errno.EPERM, "a second user cannot be mapped into the user namespace")
-
-
-@contextmanager
-def _readable_proc() -> Iterator[None]:
-    """Have /proc/self belong to this process's user, which it does not while tracing is forbidden."""
-    before = libc.call_prctl(_PR_GET_DUMPABLE, what="DUMPABLE")
-    allow_tracing()
-    try:
-        yield
-    finally:
-        libc.call_prctl(_PR_SET_DUMPABLE, int(before == 1), what="DUMPABLE")  # 2 is what only the kernel may set
 
 
 def join(user: int, network: int) -> None:

@@ -85,7 +85,8 @@ def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence:
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
-        _send_note(evidence, exit_in_callback=_comes_from_callback(wish))
+        called = (frame.f_code.co_name for frame, _ in traceback.walk_tb(wish.__traceback__))
+        _send_note(evidence, exit_in_callback="await_or_execute" in called)
     except BaseException as problem:  # noqa: BLE001 - whatever it is ends the program and is shown, as Python does
         _print_exception(problem)
         _note_refused_return(problem, evidence)
@@ -433,11 +434,6 @@ def _watch_lost_nodes(evidence: int, program: str) -> None:
         return bool(add_node(executor, node))
 
     setattr(Executor, "add_node", add_node_watched)  # noqa: B010 - mypy forbids to assign to a method
-
-
-def _comes_from_callback(problem: BaseException) -> bool:
-    """Whether it was raised in a callback that rclpy ran."""
-    return any(frame.f_code.co_name == "await_or_execute" for frame, _ in traceback.walk_tb(problem.__traceback__))
 
 
 def _send_note(evidence: int, **what: object) -> None:

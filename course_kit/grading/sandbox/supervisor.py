@@ -83,7 +83,10 @@ class Supervisor:
         self._totals = (BoundedOutput(), BoundedOutput())
         self._folder = ""  # the scratch directory of what runs; empty while nothing does
         self._collector = OutputCollector(Streams(*[-1] * 5), 0, self._totals)  # of what was started last
-        self._lives = _share_byte()  # 1 while it does; shared with the grader, as a question costs both processes
+        descriptor = make_memory_file("lives")  # a filter may refuse memory without a file
+        os.ftruncate(descriptor, 1)
+        self._lives = mmap.mmap(descriptor, 1)  # 1 while it does; shared with the grader: a question costs both
+        os.close(descriptor)
         self._domains = ExitStack()
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
@@ -299,13 +302,3 @@ def _pipes() -> tuple[Streams, Streams]:
     for descriptor in ours.descriptors():
         os.set_blocking(descriptor, False)
     return ours, inside
-
-
-def _share_byte() -> mmap.mmap:
-    """A byte that processes forked from this one see as well; of a file, as a filter may refuse memory without one."""
-    descriptor = make_memory_file("lives")
-    try:
-        os.ftruncate(descriptor, 1)
-        return mmap.mmap(descriptor, 1)
-    finally:
-        os.close(descriptor)

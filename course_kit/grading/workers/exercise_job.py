@@ -12,7 +12,7 @@ import shutil
 import sys
 from contextlib import suppress
 from dataclasses import replace
-from importlib.util import cache_from_source, find_spec
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Submission
 
 _KIT = __name__.partition(".")[0]
-_OPTIMIZATIONS = ("", 1, 2)  # of Python's -O
 
 
 def make_job(exercise: Exercise, text: Submission, seed: int) -> Job:
@@ -116,9 +115,7 @@ def files_beside(solution: Path, grader: str) -> list[Path]:
 def _with_bytecode(module: Path) -> Iterator[Path]:
     """A file, and what Python has written of it beside it."""
     yield module
-    for optimization in _OPTIMIZATIONS:
-        if (written := Path(cache_from_source(str(module), optimization=optimization))).exists():
-            yield written
+    yield from module.parent.glob(f"__pycache__/{module.stem}.*.pyc")
 
 
 def _is_of_libraries(folder: Path) -> bool:
