@@ -112,46 +112,24 @@ def install(*, processes: bool = True, files: bool = True) -> None:
     machine = os.uname().machine
     if machine not in _AUDIT:
         raise OSError(errno.ENOSYS, f"there is no list of system calls for {machine}")
-    code = b"".join((*_begin_filter(machine), *_refuse_more(machine, processes, files), *_filter(machine)))
+    code = b"".join(_filter(machine, processes=processes, files=files))
     program = _Program(len(code) // 8, code)
     namespaces.forbid_new_privileges()
     libc.call_prctl(_PR_SET_SECCOMP, _MODE_FILTER, ctypes.byref(program), what="SECCOMP")
 
 
-def _begin_filter(machine: str) -> Iterator[bytes]:
-    """Begin with this architecture only, and load the number of the call."""
-    yield _load(_ARCHITECTURE)
-    yield _instruction(_EQUAL, _AUDIT[machine], 1, 0)
-    yield _return(_ERRNO | errno.ENOSYS)  # the 32-bit interface has other numbers
-    yield _load(_NUMBER)
-
-
-def _refuse_more(machine: str, processes: bool, files: bool) -> Iterator[bytes]:
-    """What is missing without namespaces."""
-    for number in () if files else _OF_FILES[machine]:
-        yield from _test_value(_EQUAL, number, _ERRNO)  # error 0: done
-    calls = {_FIRST_ARGUMENT: (), _SECOND_ARGUMENT: ()} if processes else _OF_PROCESSES[machine]
-    for argument, numbers in calls.items():
-        for number in numbers if argument == _SECOND_ARGUMENT else (_LIMITS[machine], *numbers):
-            user = argument == _SECOND_ARGUMENT  # then the first says what kind of number it is, PRIO_USER for one
-            yield _instruction(_EQUAL, number, 0, 6 if user else 4)
-            if user:
-                yield _load(_FIRST_ARGUMENT)
-                yield _instruction(_AT_LEAST, _PRIO_USER, 2, 0)
-            yield _load(argument)
-            yield _instruction(_EQUAL, 0, 1, 0)
-            yield _return(_ERRNO | errno.EPERM if number == _LIMITS[machine] else _DONE)
-            yield _load(_NUMBER)
-
-
-def _filter(machine: str) -> Iterator[bytes]:
+def _filter(machine: str, *, processes: bool, files: bool) -> Iterator[bytes]:
     """The instructions, eight bytes each. Every test that hits returns at once; what passes all is allowed."""
     refuse, unknown = _ERRNO | errno.EPERM, _ERRNO | errno.ENOSYS
+    yield _load(_ARCHITECTURE)
+    yield _instruction(_EQUAL, _AUDIT[machine], 1, 0)
+    yield _return(unknown)  # the 32-bit interface has other numbers
+    yield _load(_NUMBER)
     yield from _test_value(_AT_LEAST, _X32, unknown)
     yield from _test_value(_EQUAL, _CLONE3, unknown)
-    for number in sorted(_refused_calls(machine).values()):
-        yield from _test_value(_EQUAL, number, refuse)
-    for number, tests in _by_arguments(machine):
+    yield from _test_any(() if files else _OF_FILES[machine], _DONE)
+    yield from _test_any(sorted(_refused_calls(machine).values()), refuse)
+    for number, tests in _by_arguments(machine, processes):
         yield _instruction(_EQUAL, number, 0, len(tests) + 1)
         yield from tests
         yield _load(_NUMBER)
@@ -163,9 +141,18 @@ def _refused_calls(machine: str) -> dict[str, int]:
     return {**_EVERYWHERE, **{name: numbers[tuple(_AUDIT).index(machine)] for name, numbers in _REFUSED.items()}}
 
 
-def _by_arguments(machine: str) -> Iterator[tuple[int, list[bytes]]]:
+def _by_arguments(machine: str, processes: bool) -> Iterator[tuple[int, list[bytes]]]:
     """System calls that are refused for some arguments: the number, and the instructions that find these."""
     refuse = _ERRNO | errno.EPERM
+    of_another = [_load(_FIRST_ARGUMENT), _instruction(_EQUAL, 0, 1, 0)]
+    yield _LIMITS[machine], [*of_another, _return(refuse)]
+    calls = {_FIRST_ARGUMENT: (), _SECOND_ARGUMENT: ()} if processes else _OF_PROCESSES[machine]
+    for number in calls[_FIRST_ARGUMENT]:
+        yield number, [*of_another, _return(_DONE)]
+    # The first argument says what kind of number the second one is, PRIO_USER for a user's.
+    of_user = [_load(_FIRST_ARGUMENT), _instruction(_AT_LEAST, _PRIO_USER, 2, 0)]
+    for number in calls[_SECOND_ARGUMENT]:
+        yield number, [*of_user, _load(_SECOND_ARGUMENT), _instruction(_EQUAL, 0, 1, 0), _return(_DONE)]
     yield _CLONE[machine], [_load(_FIRST_ARGUMENT), *_test_value(_BITS, _NAMESPACE_FLAGS, refuse)]
     yield _IOCTL[machine], [_load(_SECOND_ARGUMENT), *_test_any((_TIOCSTI, _TIOCLINUX, *_FILE_FLAGS), refuse)]
     yield _FCNTL[machine], [_load(_SECOND_ARGUMENT), *_test_any((_LEASE, _NOTICES), refuse)]
