@@ -109,7 +109,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def grader(self) -> str:
-        """The module or file with checks in Python, see `workers.grader_module`."""
+        """The module or file with checks in Python, see `workers.exercise_job`."""
         own = self.written_grader.endswith(_OWN_MODULE)
         return str(self.folder.absolute() / self.written_grader) if own else self.written_grader
 

@@ -68,7 +68,7 @@ class Isolation:
 class Job:
     """One grading."""
 
-    grader: str  # what checks it, see `workers.grader_module`
+    grader: str  # what checks it, see `workers.exercise_job`
     mode: str  # "run" for source text, "exec" for a command, "attach" for what is already on the graph
     name: str  # the submission's file name as it appears in tracebacks
     seed: int  # what the random values of the checks are drawn from

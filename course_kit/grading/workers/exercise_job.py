@@ -1,4 +1,7 @@
-"""What a worker is asked to do for an exercise: the job of grading a submission, a command, or a running node.
+"""What a worker is asked to do for an exercise, a submission, a command or a running node; and what checks it.
+
+A grader is the module or the file that an exercise.toml names; only trusted processes load it. A file is loaded by its
+path, as a module of a new package: what lies beside it is imported as `from .helpers import ...`.
 
 What no submission may see lies anywhere, among Python's libraries, too: the folder of each exercise that was added; and
 where they lie elsewhere, its solution and its grader.
@@ -6,15 +9,19 @@ where they lie elsewhere, its solution and its grader.
 
 from __future__ import annotations
 
+import hashlib
+import importlib
 import os
 import shlex
 import shutil
 import sys
+import traceback
 from contextlib import suppress
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -22,7 +29,9 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.model.job import Job
-from course_kit.grading.workers import grader_module
+from course_kit.interfaces import get_type
+from course_kit.interfaces.sources import PATH_VARIABLE, path_with
+from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,6 +40,8 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.submission import Submission
 
+_DIGITS = 16  # hexadecimal
+_TINY = 1e-6  # points
 _KIT = __name__.partition(".")[0]
 
 
@@ -81,7 +92,60 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
 def checks_of(exercise: Exercise, seed: int) -> list[Check]:
     """The checks of an exercise, loaded into this process."""
     job = make_job_of_node(exercise, seed)
-    return grader_module.checks_of(grader_module.load_for(job), job)
+    return checks_of_grader(load_grader(job), job)
+
+
+def load_grader(job: Job) -> Any:
+    """The grader of a job, which has `CHECKS` or makes them; with its interfaces and those of the job's endpoints."""
+    from rclpy.type_support import check_for_type_support
+
+    if job.interfaces:
+        os.environ[PATH_VARIABLE] = path_with(job.interfaces)  # of this process and those it starts
+    path = Path(job.grader)
+    found = python_module(path) if path.is_absolute() else importlib.import_module(job.grader)
+    if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
+        raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
+    for interface in interfaces_of(found, job):
+        check_for_type_support(interface)
+    return found
+
+
+def interfaces_of(grader: Any, job: Job) -> list[Any]:
+    """The classes of all interfaces that the checks of a job use."""
+    return [*getattr(grader, "INTERFACES", ()), *(get_type(end["type"]) for end in job.endpoints)]
+
+
+def checks_of_grader(grader: Any, job: Job) -> list[Check]:
+    """The checks of an exercise."""
+    made = list(grader.checks_for(job) if hasattr(grader, "checks_for") else grader.CHECKS)
+    worth = sum(check.points for check in made)
+    if job.points and abs(worth - job.points) > _TINY:
+        raise GradingError(f"the checks are worth {in_points(worth)} together, but the exercise {job.points:g}")
+    return made
+
+
+def python_module(path: Path) -> ModuleType:
+    """The module in a file of an exercise's folder."""
+    package = f"exercise_{hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:_DIGITS]}"
+    if package not in sys.modules:
+        made = ModuleType(package)
+        made.__path__ = [str(path.parent)]
+        sys.modules[package] = made
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # no __pycache__ in the exercise's folder
+    try:
+        return importlib.import_module(f"{package}.{path.stem}")
+    except Exception as problem:
+        raise GradingError(f"{_place(path, problem)} cannot be run: {type(problem).__name__}: {problem}") from problem
+    finally:
+        sys.dont_write_bytecode = writes
+
+
+def _place(path: Path, problem: Exception) -> str:
+    """The file, and the last line of it that was run."""
+    if isinstance(problem, SyntaxError) and problem.filename:
+        return f"{problem.filename}, line {problem.lineno},"
+    lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
+    return f"{path}, line {lines[-1]}," if lines else str(path)
 
 
 def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from course_kit.grading.sandbox import file_view, isolation, launcher, machine, 
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
-from course_kit.grading.workers import grader_module
+from course_kit.grading.workers import exercise_job
 from course_kit.process.fork import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
@@ -116,7 +116,7 @@ def _prepare(job: Job) -> set[tuple[str, str]]:
     if job.interfaces:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        interfaces = grader_module.interfaces_of(grader_module.load_for(job), job)
+        interfaces = exercise_job.interfaces_of(exercise_job.load_grader(job), job)
         return {(interface.__module__, interface.__name__) for interface in interfaces}
     return set()
 
@@ -177,9 +177,9 @@ def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
 
 
 def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
-    grader = grader_module.load_for(job)
+    grader = exercise_job.load_grader(job)
     context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", {}), lives)
-    checks = grader_module.checks_of(grader, job)
+    checks = exercise_job.checks_of_grader(grader, job)
     if job.only:
         checks = choose_part(checks, job.only)
     if not (job.fault or job.variable or job.files):
