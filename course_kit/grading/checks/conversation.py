@@ -273,7 +273,7 @@ class Conversation:
                 place += 1
         shortest = found[0]
         if not shrinks and len(done) > 1:  # by itself the last step is right
-            shortest.message = f"{shortest.message} It happened after {len(done) - 1} other steps."
+            shortest.message = f"{shortest.message} This failed after {len(done) - 1} other steps."
         if self.model.history and len(best) > 1:
             if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):
                 shortest.diagnosis = None

@@ -154,7 +154,7 @@ def test_a_program_that_does_not_come_up_again_has_proven_nothing_more(monkeypat
     monkeypatch.setattr(Letters, "begin", gone)
     found = judge(checks_of(Letters), context)
     assert (found["a"], found["b"]) == ("start is wrong.", "start is wrong.")
-    assert found["c"].startswith("c is wrong. It happened after ")  # it cannot be shrunk
+    assert found["c"].startswith("c is wrong. This failed after ")  # it cannot be shrunk
 
 
 def test_a_program_that_had_no_time_to_come_up_again_is_not_blamed_for_that(monkeypatch: pytest.MonkeyPatch) -> None:
