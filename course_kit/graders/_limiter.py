@@ -116,11 +116,8 @@ def cause_of(
     names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _is_close(mine, two)]
     if not settings.enabled:
         if names:
-            return (
-                False,
-                None,
-                "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still.",
-            )
+            why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
+            return False, None, why
         return True, "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     others = [name for name in names if name != _NAMES[0]]
     if others:
@@ -285,7 +282,7 @@ class LimiterSteps(Model):
         for values in reversed(self.refused):
             if changed.items() <= values.items() or any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
-                raise Failed(evidence, why, "parameter.not_atomic", breaks=_refused_by(values))
+                raise Failed(evidence, why, "parameter.not_atomic", breaks="atomic" if len(values) > 1 else "refuses")
         why = "Your node accepted the value, but afterwards the parameter has a different one."
         raise Failed(evidence, why, breaks=CHANGES[next(iter(changed))])
 
@@ -297,14 +294,16 @@ class LimiterSteps(Model):
         self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic(), enabled=self.settings.enabled)
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
-        silent = ("within_3_s" if any(fields) else "one_each") if self.settings.enabled else "one_each_disabled"
+        heard = Reaction in node.context.conversations  # in this grading, whatever the start
+        silent = ("one_each" if heard else "within_3_s") if self.settings.enabled else "one_each_disabled"
         try:
             got = Reaction.from_messages(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         except Failed as silence:
+            silence.diagnosis = None if heard else silence.diagnosis  # which is about names
             if "reacts" in self.lost:
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
-        self.answered_at = time.monotonic()
+        self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
         right = right_reaction(self.settings, fields)
         if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_is_close, right.fields, got.fields))):
             self.seen = self.settings
@@ -320,9 +319,8 @@ class LimiterSteps(Model):
     def explain_reaction(self, node: GradedNode, evidence: Evidence, fields: list[float], got: Reaction) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
         now = self.settings
-        for values in itertools.product(
-            *zip(*(vars(state).values() for state in (now, self.seen, self.start)), strict=True)
-        ):
+        states = (vars(state).values() for state in (now, self.seen, self.start))
+        for values in itertools.product(*zip(*states, strict=True)):
             old = LimiterSettings(*values)
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
             if names and same_reaction(got, right_reaction(old, fields)):
@@ -359,11 +357,13 @@ class LimiterSteps(Model):
         with node.context.record.looking_away():
             node.context.spoil()
             node.ensure_running()
-            model = type(self)()
-            model.lost = self.lost
+            model, status = type(self)(), node.inbox(STATUS)
+            model.lost, named = self.lost, [done for done in past if "robot_name" in done]
             try:
                 model.begin(node)
                 for done in past:
+                    if done in named[-1:]:  # a line tells what was before: then it is a change of the name alone
+                        node.context.wait_until(lambda before=status.count: status.count > before, _LINE_S)  # type: ignore[misc]
                     if isinstance(done, list):
                         node.send(COMMAND, twist_of(done))
                         node.expect(LIMITED)
@@ -419,8 +419,3 @@ class LimiterSteps(Model):
             code = "parameter.read_once" if changed and read[1] == self.start.max_velocity else None
         failed = Failed(evidence, why, code, breaks=breaks)
         raise self.blame(node, failed, lambda model: model.require_status(node))
-
-
-def _refused_by(values: Mapping[str, Any]) -> str:
-    """The check about a refused change."""
-    return "atomic" if len(values) > 1 else "refuses"

@@ -248,10 +248,14 @@ def require_distance(move: Move) -> None:
         return
     expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
     evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
-    if abs(travelled - math.dist(ORIGIN, end)) <= tolerance:
-        why = f"distance_travelled is measured from {ORIGIN}, but the robot was at {move.begin} when this goal arrived."
-    else:
-        why = "distance_travelled is not the length of this move alone."
+    began = place_of(move.goal.feedback[0].feedback.position) if move.goal.feedback else move.begin
+    why = "distance_travelled is not the length of this move alone."
+    if math.dist(began, move.begin) > TOLERANCE and abs(travelled - math.dist(began, end)) <= tolerance:
+        why = f"This move began at {began}, although the result before it said that the robot was at {move.begin}."
+    elif abs(travelled - math.dist(ORIGIN, end)) <= tolerance:
+        why = f"distance_travelled is as long as the way from {ORIGIN}, but this goal's way began at {move.begin}."
+    elif not arrived and abs(travelled - move.length) <= tolerance:
+        why = "distance_travelled is the whole way to the target, but the robot has stopped before."
     raise Failed(evidence, why)
 
 

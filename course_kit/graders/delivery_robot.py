@@ -80,9 +80,8 @@ def battery_falls(node: GradedNode) -> None:
     why = "The charge falls by the metres driven since the message before, divided by capacity_m."
     robot.drive_so_far(node, 7.0 + metres + more, more / 100.0, why)
     node.set({"capacity_m": 50.0}, of="/battery").accepted()
-    robot.drive_so_far(
-        node, 12.0 + metres + more, 0.1, "capacity_m was 50.0 before these 5 m were driven, not earlier."
-    )
+    why = "capacity_m was 50.0 before these 5 m were driven, not earlier."
+    robot.drive_so_far(node, 12.0 + metres + more, 0.1, why)
     why = "A smaller number comes from a carrier that was started again: nothing was driven, and counting begins there."
     robot.drive_so_far(node, 0.5, 0.0, why)
     robot.drive_so_far(node, 5.5, 0.1, why)

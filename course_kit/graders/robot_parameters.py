@@ -106,6 +106,8 @@ class Limiter(LimiterSteps):
             for values in ({"max_velocity": 8.0}, {"robot_name": ""}) if "refuses" not in self.lost else ():
                 self.refuse(node, values)
             self.watch_status(node)
+            self.accept(node, {"robot_name": "the name alone"}, "change_status")
+            self.watch_status(node)
         self.require_quiet(node, self.sent_at + LATE_S - time.monotonic(), enabled=True)
         self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
