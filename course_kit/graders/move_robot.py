@@ -42,13 +42,13 @@ VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
+LENGTHS = ((1.0, 1.3), (1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9), (5.5, 6.5))
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 STOPS = _moves.draw_way(draw_between(1.7, 2.1))
 CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
-_ASK_AGAIN_S = 0.2
 _LOOK_S = 0.005  # how often it is looked how far the robot is
 
 
@@ -72,7 +72,7 @@ class RobotModel(Model):
 
     # --- the rules
 
-    @step_rule("succeeds", way=draw_one_of(*[MOVES] * 4, _moves.draw_way(draw_between(5.5, 6.5))))
+    @step_rule("succeeds", way=draw_one_of(*[_moves.draw_way(draw_between(*ends)) for ends in LENGTHS]))
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
@@ -96,14 +96,14 @@ class RobotModel(Model):
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
         if found := _moves.find_jump(goal.wait_for_last_feedback(lambda _: True)):
-            why = "A goal at the present position needs no feedback, but progress goes from 0 to 1."
-            raise Failed(Evidence(goal.shown, "progress from 0 to 1, if any", found), why, breaks="already_there")
+            evidence = Evidence(goal.shown, "progress from 0 to 1, if any", found)
+            raise Failed(evidence, "There is no way to go, but progress goes from 0 to 1.", breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
-    @step_rule("outside")
-    def reach_edges(self, node: GradedNode) -> None:
+    @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))
+    def reach_edges(self, node: GradedNode, at: float) -> None:
         """The edges belong to the arena."""
-        for target in (ORIGIN, ArenaPoint(ARENA, ARENA)):
+        for target in [ArenaPoint(*place) for edge in (0.0, ARENA) for place in ((at, edge), (edge, at))]:
             self.make_plain_move(node)
             if self.at == target:
                 self.drive(node, place_inside(target, 1.0, 0.5))
@@ -144,7 +144,7 @@ class RobotModel(Model):
             if first.over_at is not None or _moves.metres_left(first, target) < _moves.CANCEL_UNTIL_M:
                 break
             self.reject_second(node, first, place_inside(begin, 0.6, angle + 1.0))
-            node.context.wait_until(lambda: first.over_at is not None, _ASK_AGAIN_S)
+            node.context.wait_until(lambda: first.over_at is not None, 0.2)
         self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair_s(), 1.0)))
 
     @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
