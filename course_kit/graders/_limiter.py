@@ -128,7 +128,7 @@ def cause_of(
         if _is_close(got.fields[0], fields[0]):
             hint = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
         elif _is_close(got.fields[0], -right.fields[0]):
-            hint = "The size is right but the sign is wrong: a command to drive backwards has to stay one."
+            hint = "The size is right but the sign is wrong: a command to drive backwards must still drive backwards."
         return False, "math.formula", hint
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     slips = (

@@ -169,7 +169,7 @@ class GradedNode:
             self.context.wait_until(lambda: inbox.count > place, within_s)
         if inbox.count == place:
             seconds = hangs.describe_seconds(clock.fair_s(), within_s)
-            got = f"within {seconds} s nothing on {topic}"
+            got = f"nothing on {topic} within {seconds} s"
             self._exchange().add_received(got, "failure")
             cause = discovery.explain_silent_topic(self.context, self._last_sent.partition(":")[0], topic, seconds)
             raise Failed(replace(evidence, got=got), *cause[::-1], breaks=breaks)
