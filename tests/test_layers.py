@@ -59,7 +59,7 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/reader": 748,  # the files of the capstone, out of a zip or a notebook
+    "course_kit/reader": 737,  # the files of the capstone, out of a zip or a notebook
     "course_kit/grading": 10028,  # with the capstone
     "course_kit/graders": 2927,  # with the capstone
     "course_kit/learner": 1335,  # with the steps of the lessons and the page of progress

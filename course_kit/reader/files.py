@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from posixpath import basename
+from collections import Counter
+from posixpath import basename, dirname
 
 from course_kit.reader import text
 
@@ -50,17 +51,13 @@ def _of_notebook(name: str, data: bytes, exercise: str) -> dict[str, Read]:
     named = [match[2] for _, cell in cells if (match := _CELL.search(cell)) and match[1] == exercise]
     if not named:
         text.join_cells(name, cells, exercise, "FILE")  # says what is missing
-    return {
-        file: _read_cells(name, cells, exercise, file)
-        for file in list(dict.fromkeys(filter(is_name, named)))[:MOST_FILES]
-    }
-
-
-def _read_cells(name: str, cells: list[tuple[int, str]], exercise: str, file: str) -> Read:
-    try:
-        return text.join_cells(name, cells, exercise, file)
-    except text.UnreadableTextError as problem:
-        return str(problem)
+    found: dict[str, Read] = {}
+    for file in list(dict.fromkeys(filter(is_name, named)))[:MOST_FILES]:
+        try:
+            found[file] = text.join_cells(name, cells, exercise, file)
+        except text.UnreadableTextError as problem:  # noqa: PERF203 - the others are read all the same
+            found[file] = str(problem)
+    return found
 
 
 def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str]) -> dict[str, Read]:
@@ -75,7 +72,7 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
         notebooks = [path for path in entries if text.kind_of_file(path) == text.NOTEBOOK and not _is_left_out(path)]
         if folder is None and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
-        members = [] if folder is None else [path for path in entries if path.rpartition("/")[0] == folder]
+        members = [] if folder is None else [path for path in entries if dirname(path) == folder]
         members = [path for path in members if is_name(basename(path))]
         members.sort(key=lambda path: (basename(path) not in wanted, path))
         if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
@@ -93,11 +90,7 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
 
 def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
     """The folder with most of the wanted files, the topmost of several; None if no folder has any."""
-    counts: dict[str, int] = {}
-    for path in paths:
-        folder, _, last = path.rpartition("/")
-        if last in wanted and not _is_left_out(path):
-            counts[folder] = counts.get(folder, 0) + 1
+    counts = Counter(dirname(path) for path in paths if basename(path) in wanted and not _is_left_out(path))
     return min(counts, key=lambda folder: (-counts[folder], folder.count("/"), folder), default=None)
 
 

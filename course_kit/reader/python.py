@@ -43,7 +43,7 @@ def parse_program(source: str) -> tuple[tuple[int, str, str] | None, ast.Module 
 def read_facts(tree: ast.Module) -> dict[str, object]:
     """What a program's text gives away, as `Facts` has it."""
     nodes = list(ast.walk(tree))
-    called = [(_called_name(node), node.lineno) for node in nodes if isinstance(node, ast.Call)]
+    called = [(called_name(node), node.lineno) for node in nodes if isinstance(node, ast.Call)]
     read = sorted((node.lineno, node.attr) for node in nodes if isinstance(node, ast.Attribute))
     calls, looks = ([line for line, name in read if name in names] for names in (_CALLS, _LOOKS))
     functions = [node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
@@ -86,8 +86,8 @@ def defined_twice(tree: ast.Module, sizes: Sequence[int]) -> str:
     return min(found, key=lambda name: name == "main", default="")
 
 
-def _called_name(call: ast.Call) -> str:
-    """The last name of what is called; empty where it has none."""
+def called_name(call: ast.Call) -> str:
+    """The last name of what is called: `spin` of `rclpy.spin()`; empty where it has none."""
     return str(getattr(call.func, "attr", getattr(call.func, "id", "")))
 
 

@@ -97,7 +97,10 @@ def join_cells(
     others: set[str] = set()
     for number, cell in cells:
         rest = _plain_lines(cell).split("\n")
-        first = _first_statement(rest)
+        # The place of the first line that is neither blank nor a comment, else of the first line.
+        first = next(
+            (place for place, line in enumerate(rest) if line.strip() and not line.lstrip().startswith("#")), 0
+        )
         indentation = rest[first][: len(rest[first]) - len(rest[first].lstrip(" \t"))]  # IPython takes it away, too
         rest = [line.removeprefix(indentation) for line in rest]
         if not (match := _MAGIC.match(rest.pop(first))):
@@ -129,11 +132,6 @@ def join_cells(
     if size > LARGEST:
         raise UnreadableTextError(f"{name} holds more than {LARGEST // 1024} kB of code. Hand in only the program.")
     return source, places
-
-
-def _first_statement(lines: list[str]) -> int:
-    """The place of the first line that is neither blank nor a comment, else of the first line."""
-    return next((place for place, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), 0)
 
 
 def _started_once(parts: list[list[str]]) -> list[list[str]]:

@@ -6,7 +6,8 @@ import ast
 import re
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Mutation, name_of, parse_expression
+from course_kit.authoring.prove.program import Mutation, parse_expression
+from course_kit.reader.python import called_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -151,7 +152,7 @@ def change_names(program: ParsedProgram) -> Iterator[Mutation]:
                 yield Mutation("another field", node, ast.Attribute(node.value, other, node.ctx))
         elif isinstance(node, ast.Name) and node.id in _MIXED_UP:
             yield Mutation("another function", node, ast.Name(_MIXED_UP[node.id]))
-        elif isinstance(node, ast.Call) and len(node.args) > 1 and name_of(node) not in _SYMMETRIC:
+        elif isinstance(node, ast.Call) and len(node.args) > 1 and called_name(node) not in _SYMMETRIC:
             swapped = [node.args[1], node.args[0], *node.args[2:]]
             yield Mutation("arguments swapped", node, ast.Call(node.func, swapped, node.keywords))
 
@@ -240,7 +241,7 @@ def _default_return_type(program: ParsedProgram, node: ast.Return) -> Iterator[s
 def change_arguments(program: ParsedProgram) -> Iterator[Mutation]:
     """A call with an argument or a keyword less, or only its argument."""
     for call in (node for node in program.nodes() if isinstance(node, ast.Call)):
-        of_a_message = name_of(call)[:1].isupper()
+        of_a_message = called_name(call)[:1].isupper()
         for keyword in call.keywords:
             if not (of_a_message and _is_default(keyword.value)):
                 yield Mutation("keyword left out", keyword, None)

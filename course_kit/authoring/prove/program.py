@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from course_kit.reader.python import called_name
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -71,7 +73,7 @@ class ParsedProgram:
         found = {}
         for call in self.calls():
             values = [*call.args, *(keyword.value for keyword in call.keywords)]
-            for value in values if name_of(call).startswith(_TAKE_CALLBACKS) else ():
+            for value in values if called_name(call).startswith(_TAKE_CALLBACKS) else ():
                 of_self = isinstance(value, ast.Attribute) and ast.unparse(value.value) == "self"
                 known = self.methods if of_self else functions
                 name = value.attr if isinstance(value, ast.Attribute) else getattr(value, "id", "")
@@ -85,7 +87,7 @@ class ParsedProgram:
 
     def is_unseen_call(self, value: ast.expr) -> bool:
         """Whether nobody sees that a call is missing: at a program's end, or in a `main` that no grader needs."""
-        name = name_of(value) if isinstance(value, ast.Call) else ""
+        name = called_name(value) if isinstance(value, ast.Call) else ""
         return name in _AT_THE_END or (name in _IN_MAIN and not self.starts_itself)
 
     @cached_property
@@ -141,11 +143,6 @@ def _replace_node(values: Sequence[ast.AST], node: ast.AST, new: New) -> list[as
     place = next(number for number, other in enumerate(values) if other is node)
     middle = new if isinstance(new, list) else [] if new is None else [new]
     return [*values[:place], *middle, *values[place + 1 :]]
-
-
-def name_of(call: ast.Call) -> str:
-    """What a call calls, without what stands before it: `spin` of `rclpy.spin()`."""
-    return str(getattr(call.func, "id", getattr(call.func, "attr", "")))
 
 
 def is_told(value: ast.expr) -> bool:

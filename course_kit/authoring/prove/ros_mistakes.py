@@ -6,7 +6,8 @@ import ast
 import textwrap
 from typing import TYPE_CHECKING
 
-from course_kit.authoring.prove.program import Mutation, name_of, parse_expression, parse_statements
+from course_kit.authoring.prove.program import Mutation, parse_expression, parse_statements
+from course_kit.reader.python import called_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,9 +44,9 @@ _OTHER_CALLS = {
 def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
     """Another name, and a private one; another type; best effort, transient local, and a queue of one."""
     for call in program.calls():
-        if name_of(call) not in _ENDPOINTS:
+        if called_name(call) not in _ENDPOINTS:
             continue
-        at_name, at_qos, other = _ENDPOINTS[name_of(call)]
+        at_name, at_qos, other = _ENDPOINTS[called_name(call)]
         for name in _find_argument(call, at_name, *_NAMES):
             if isinstance(name, ast.Constant) and isinstance(name.value, str):
                 for text in (f"{name.value}s", f"~/{name.value.lstrip('/')}"):
@@ -58,7 +59,7 @@ def change_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
         for qos in map(parse_expression, _OTHER_QOS):
             if given:
                 yield Mutation("quality of service", given[0], qos)
-            elif name_of(call) == "create_service" and "depth=1)" not in ast.unparse(qos):
+            elif called_name(call) == "create_service" and "depth=1)" not in ast.unparse(qos):
                 more = [*call.keywords, ast.keyword(_QOS_NAME, qos)]
                 yield Mutation("quality of service", call, ast.Call(call.func, call.args, more))
 
@@ -72,7 +73,7 @@ def _find_argument(call: ast.Call, place: int | None, *names: str) -> list[ast.e
 def destroy_endpoints(program: ParsedProgram) -> Iterator[Mutation]:
     """An endpoint that is destroyed as soon as it is made."""
     for call in program.calls():
-        kind = name_of(call).removeprefix("create_")
+        kind = called_name(call).removeprefix("create_")
         if kind in ("service", "publisher", "subscription", "timer") and isinstance(call.func, ast.Attribute):
             new = ast.Call(ast.Attribute(call.func.value, f"destroy_{kind}"), [call], [])
             yield Mutation("endpoint destroyed", call, new)
@@ -117,9 +118,9 @@ def _first_statement(function: Function) -> ast.stmt:
 def change_goals(program: ParsedProgram) -> Iterator[Mutation]:
     """Another end of a goal; a goal that is accepted for rejected."""
     for call in program.calls():
-        if name_of(call) in _STATUS and isinstance(call.func, ast.Attribute) and not call.args:
+        if called_name(call) in _STATUS and isinstance(call.func, ast.Attribute) and not call.args:
             for other in _STATUS:
-                if other != name_of(call):
+                if other != called_name(call):
                     yield Mutation("status of a goal", call, ast.Call(ast.Attribute(call.func.value, other), [], []))
     for node in program.nodes():
         if isinstance(node, ast.Attribute) and node.attr in _DECISIONS:
@@ -128,14 +129,14 @@ def change_goals(program: ParsedProgram) -> Iterator[Mutation]:
 
 def change_messages(program: ParsedProgram) -> Iterator[Mutation]:
     """What is published twice, once in all, or seldom."""
-    published = [call for call in program.calls() if name_of(call) in _MESSAGES]
+    published = [call for call in program.calls() if called_name(call) in _MESSAGES]
     for number, call in enumerate(published, start=1):
         statement = program.parent(call)
         if not isinstance(statement, ast.Expr) or not isinstance(call.func, ast.Attribute):
             continue
         yield Mutation("published twice", statement, [statement, statement])
         # The count is kept on the goal for its feedback, else on the node.
-        owner = ast.unparse(call.func.value) if name_of(call) == "publish_feedback" else "self"
+        owner = ast.unparse(call.func.value) if called_name(call) == "publish_feedback" else "self"
         name = f"published_{number}"
         count = f"{owner}.{name} = getattr({owner}, {name!r}, -1) + 1"
         text = textwrap.indent(ast.unparse(statement), "    ")
@@ -146,10 +147,10 @@ def change_messages(program: ParsedProgram) -> Iterator[Mutation]:
 def change_spinning(program: ParsedProgram) -> Iterator[Mutation]:
     """One thread for several, the other kind of callback group; one message in all."""
     for call in program.calls():
-        if name_of(call) in _OTHER_CALLS:
-            operator, text = _OTHER_CALLS[name_of(call)]
+        if called_name(call) in _OTHER_CALLS:
+            operator, text = _OTHER_CALLS[called_name(call)]
             yield Mutation(operator, call, parse_expression(text))
-        elif name_of(call) == "spin" and isinstance(call.func, ast.Attribute) and not program.is_unseen_call(call):
+        elif called_name(call) == "spin" and isinstance(call.func, ast.Attribute) and not program.is_unseen_call(call):
             once = ast.Attribute(call.func.value, "spin_once")
             yield Mutation("one spin", call, ast.Call(once, call.args, call.keywords))
 
@@ -158,12 +159,12 @@ def change_parameters(program: ParsedProgram) -> Iterator[Mutation]:
     """A parameter that is declared with a value of another type, and one that is read once, when the node is made."""
     made = program.methods.get("__init__")
     for call in program.calls():
-        if name_of(call) == "declare_parameter" and len(call.args) > 1 and isinstance(call.args[1], ast.Constant):
+        if called_name(call) == "declare_parameter" and len(call.args) > 1 and isinstance(call.args[1], ast.Constant):
             value = call.args[1].value
             if isinstance(value, (bool, int, float)):
                 for other in (str(value), float(value) if type(value) is int else int(value)):
                     yield Mutation("parameter's type", call.args[1], ast.Constant(other))
-        elif name_of(call) == "get_parameter" and made and program.function(call) not in (None, made) and call.args:
+        elif called_name(call) == "get_parameter" and made and program.function(call) not in (None, made) and call.args:
             name = call.args[0].value if isinstance(call.args[0], ast.Constant) else None
             if isinstance(name, str):
                 whole, last = _value_of(program, call), made.body[-1]
