@@ -321,7 +321,8 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
 def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
     rng = node.context.random
-    given = {"max_velocity": round(rng.uniform(2.1, 4.9), 1), "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
+    highest = 4.9 if "change_velocity" in node.context.conversations[Limiter].failed_checks else 5.0
+    given = {"max_velocity": highest, "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
     sent = " ".join(start_arguments(given))
     _start(node, given, sent, parameters=given)
     return Evidence(sent, describe_values(given), describe_values(given))
