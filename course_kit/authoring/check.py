@@ -117,7 +117,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="only these; if left out, those of the course")
     parser.add_argument("--workers", type=int, metavar="N", help="number of gradings at the same time")
-    parser.add_argument("--seed", type=int, help="repeat an earlier grading with the same random values")
+    parser.add_argument("--seed", type=int, help="a number: the same number draws the same random values")
     parser.add_argument(  # `course-kit` has taken it out before, wherever it stands
         "--exercises", dest="folders", metavar="DIR", help="also the exercises in DIR, or the exercise DIR"
     )
