@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from course_kit import quiz
 from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.errors import GradingError
 from course_kit.quiz import Unusable
 
@@ -135,7 +135,7 @@ def _run(context: CheckContext) -> Record:
     told = process.notes
     if "set_names" in told and not (told.get("ended_itself") and told.keys().isdisjoint(_FOUND)):
         return told
-    code, message = exits.explain_start(process, context.job)
+    code, message = causes.explain_start(process, context.job)
     raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 

@@ -23,7 +23,7 @@ from course_kit.graders._moves import (
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
 from course_kit.grading.checks.grader_node import ReceivedFeedback
-from course_kit.grading.diagnosis import exceptions
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.job import Job, ProcessStatus
 
 ORIGIN = ArenaPoint(0.0, 0.0)
@@ -163,7 +163,7 @@ def cause_of(
 ) -> Any:
     text = TRACE.format(error=error, function=function) if error else stderr
     job = Job("course_kit.graders.move_robot", mode, "answer.py", 1, source=SOURCE)
-    return exceptions.explain_status(status, ProcessStatus(running=True, stderr=text), job)
+    return causes.explain_status(status, ProcessStatus(running=True, stderr=text), job)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ import pytest
 import course_kit
 from course_kit.graders import _limiter
 from course_kit.grading.checks import exchange_log
-from course_kit.grading.diagnosis import exits, tracebacks
+from course_kit.grading.diagnosis import causes, tracebacks
 from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
 from course_kit.reader import fingerprints, process
@@ -146,10 +146,10 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
         "Traceback (most recent call last):\n" + given, ("answer.py",)
     ),
     "activity": lambda given: tracebacks.read_activity(DUMP + given, ("answer.py",)),
-    "logged": lambda given: exits.explain_logged_exception(
+    "logged": lambda given: causes.explain_logged_exception(
         "Traceback (most recent call last):\nImportError: " + given, JOB
     ),
-    "source line": lambda given: exits.source_line(Job("", "run", "a.py", 1, source=given), 1),
+    "source line": lambda given: causes.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": make_printable,
     "cut": bounds.cut_text,
     "step": exchange_log._cut,

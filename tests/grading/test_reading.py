@@ -1,4 +1,4 @@
-"""What is read out of a program's own words: tracebacks, stacks, exits."""
+"""What is read out of a program's own words: tracebacks, stacks, causes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import last_exception, read_activity
 from course_kit.grading.model.job import Job, ProcessStatus
 from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
@@ -109,7 +109,7 @@ def test_a_callback_that_waits_for_ros() -> None:
     ],
 )
 def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
-    assert exits.explain_start(process, JOB)[0] == code
+    assert causes.explain_start(process, JOB)[0] == code
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_why_a_start_failed(process: ProcessStatus, code: str) -> None:
 )
 def test_nearest_import(problem: str, nearest: str) -> None:
     process = ProcessStatus(running=False, stderr=f"Traceback (most recent call last):\n{problem}\n")
-    assert f"nearest name is {nearest}." in exits.explain_start(process, JOB)[1]
+    assert f"nearest name is {nearest}." in causes.explain_start(process, JOB)[1]
 
 
 def test_source_line_in_a_notebook() -> None:
@@ -138,8 +138,8 @@ def test_source_line_in_a_notebook() -> None:
         source="a = 1\nb = 2\n",
         places=((2, 1), (5, 1)),
     )
-    assert exits.source_line(job, 2) == "cell 5, line 2: b = 2"
-    assert exits.source_line(JOB, 99) == "line 99"
+    assert causes.source_line(job, 2) == "cell 5, line 2: b = 2"
+    assert causes.source_line(JOB, 99) == "line 99"
 
 
 def test_output_keeps_beginning_and_end() -> None:
@@ -177,5 +177,5 @@ def test_a_module_that_a_traceback_names_is_not_run(
     stderr = f"Traceback (most recent call last):\nImportError: cannot import name 'x' from '{module}' (y)\n"
     if top == "course_kit":
         monkeypatch.delitem(sys.modules, module, raising=False)
-    assert exits.explain_start(ProcessStatus(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
+    assert causes.explain_start(ProcessStatus(running=False, exit_code=1, stderr=stderr), JOB)[0] == "start.import"
     assert not (tmp_path / "trace").exists()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import GRADER
-from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import CheckResult
 from course_kit.ros.sequence import Arrow
@@ -108,7 +108,7 @@ def name_lost_node(context: CheckContext, failed: Failed) -> None:
     """Where a silent program's node has lost its executor, that is the reason."""
     if failed.evidence.got.startswith("no ") and (place := context.program.lost_in()):
         failed.diagnosis = "action.node_lost"
-        failed.message = f"A callback spins its own node in {exits.source_line(context.job, place)}."
+        failed.message = f"A callback spins its own node in {causes.source_line(context.job, place)}."
 
 
 def _describe_moment(context: CheckContext, failed: Failed) -> tuple[tuple[Arrow, ...], Overview | None]:

@@ -16,7 +16,7 @@ from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.checks.exchange_log import NODE, ExchangeLog
 from course_kit.grading.checks.fair_clock import MOST, CachedState, FairClock, MachineState, ProcessorUse
 from course_kit.grading.checks.grader_node import GraderNode
-from course_kit.grading.diagnosis import exits
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Frame
 from course_kit.grading.model.job import ProcessStatus
 from course_kit.grading.model.plain_data import convert_record
@@ -44,7 +44,7 @@ class SubmissionEndedError(Failed):
     """The submission's process has ended while something was expected of it; by itself explained as during a call."""
 
     def __init__(self, process: ProcessStatus, job: Job) -> None:
-        diagnosis, message = exits.explain_call(process, job)
+        diagnosis, message = causes.explain_call(process, job)
         super().__init__(Evidence(got="the program has ended"), message, diagnosis)
         self.process = process
 

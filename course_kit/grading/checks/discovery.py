@@ -20,7 +20,7 @@ from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.grader_node import DEPTH, ActionChannels
 from course_kit.grading.checks.hangs import explain_end
-from course_kit.grading.diagnosis import exceptions, exits
+from course_kit.grading.diagnosis import causes
 from course_kit.interfaces import get_type
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import nearest_name
@@ -130,7 +130,7 @@ def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> E
         has_other_type = clock.wall_s() > _OTHER_TYPE_S and any(set(end.types(node)) - {end.type} for end in lacks)
         return not lacks or has_other_type or has_settled(context, clock)
 
-    with explain_end(context, Evidence("", expected), exceptions.explain_start, ENDED):
+    with explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
         context.wait_for_start(is_decided)
     if list_lacks() and not node.nodes():
         context.spoil()
@@ -161,7 +161,7 @@ def has_settled(context: CheckContext, clock: FairClock) -> bool:
 def expect_node(context: CheckContext, name: str, ensure: Callable[[], None]) -> Evidence:
     """A node of this full name is on the graph, after `ensure` has had the program running."""
     expected = f"a node called {name}"
-    with explain_end(context, Evidence("", expected), exits.explain_call, ENDED):
+    with explain_end(context, Evidence("", expected), causes.explain_call, ENDED):
         ensure()
         found = context.wait_until(lambda: name in context.grader_node.nodes(), _NODE_S, step_s=GRAPH_STEP_S)
     if found:
@@ -183,12 +183,12 @@ def explain_other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> 
     return Failed(evidence, message, "name.node")
 
 
-def why_empty(context: CheckContext, wanted: str) -> exits.Cause:
+def why_empty(context: CheckContext, wanted: str) -> causes.Cause:
     """Why no node has appeared, although the program runs."""
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.current_activity(context)
-    where = f" It is in {exits.source_line(context.job, doing.own)}." if doing.own else ""
+    where = f" It is in {causes.source_line(context.job, doing.own)}." if doing.own else ""
     if context.has_computed_enough():
         computed = f"Your program has computed for {context.job.start_cpu_s:g} s"
         return "limit.time", f"{computed} and no node has appeared.{where}"
@@ -208,7 +208,7 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
     """Why an end is not there of a program that runs: in words, and its diagnosis."""
     if not context.job.files:
         return "Your program worked when it was first started. Started again, it did not offer all of this.", None
-    if logged := exceptions.explain_logged(context.program.status(fresh=True).stderr, context.job):
+    if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]
     verb = _VERBS.get(end.kind, f"offers the {end.kind}")
     return f"No node {verb} {end.name}, which {end.program} has to bring.", None
@@ -222,16 +222,16 @@ def list_names(names: Sequence[str], what: str) -> str:
     return f"the {what}{'s' if len(names) > 1 else ''} {some}" if names else f"no {what}"
 
 
-def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> exits.Cause:
+def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> causes.Cause:
     """Why nothing came on the topic `missing` within some seconds after a message on the topic `sent`."""
     seen = hangs.current_activity(context)
     if seen.callback is not None:
         context.spoil()
-        where = exits.source_line(context.job, seen.callback)
+        where = causes.source_line(context.job, seen.callback)
         if hangs.is_computing(context):
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return None, f"Your callback is blocked in {where}; meanwhile nothing is published."
-    if logged := exceptions.explain_logged(context.program.status(fresh=True).stderr, context.job):
+    if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         context.spoil()
         return logged
     return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."

@@ -17,7 +17,7 @@ from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
-from course_kit.grading.diagnosis import exceptions
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
@@ -181,7 +181,7 @@ class GradedGoal:
             ended = self.wait_for_end(within_s, expected)
             evidence = Evidence(self.shown, expected, f"{ended.name}, {in_one_line(ended.result)}")
             went_on = status == "CANCELED" and ended.status == SUCCEEDED
-            if went_on and exceptions.explain_goal_exception(self.process(), self._context.job) is None:
+            if went_on and causes.explain_goal_exception(self.process(), self._context.job) is None:
                 why = "Your server agreed to cancel the goal, but went on to its end."
                 raise Failed(evidence, why, "action.cancel_ignored")  # noqa: TRY301 - the sentence is added below
             self.require_status(ended, _STATUS[status], evidence)
@@ -241,7 +241,7 @@ class GradedGoal:
         clock, running = self._context.clock(), self.over_at is None
         answer = self.cancel()
         evidence = Evidence(self.shown, expected)
-        hangs.await_answer(self._context, answer.is_answered, evidence, ended=exceptions.explain_program)
+        hangs.await_answer(self._context, answer.is_answered, evidence, ended=causes.explain_program)
         waited_s, late = clock.wall_s(), clock.has_passed(within_s)
         agreed = any(bytes(info.goal_id.uuid) == self._id for info in answer.response().goals_canceling)
         self._cancelling.add_received("cancelling accepted" if agreed else "cancelling refused")
@@ -275,7 +275,7 @@ class GradedGoal:
         else:
             result.send_again()
         clock, evidence = self._context.clock(), Evidence(self.shown, expected)
-        with hangs.explain_end(self._context, evidence, exceptions.explain_program, "no result: the program ended"):
+        with hangs.explain_end(self._context, evidence, causes.explain_program, "no result: the program ended"):
             self._context.wait_until(lambda: self._has_come(result), seconds)
         if result.is_answered():
             response = bound_message(result.response())
@@ -286,7 +286,7 @@ class GradedGoal:
         seconds = min(seconds, clock.fair_s())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
         look = partial(hangs.current_activity, self._context)
-        diagnosis, message = exceptions.explain_silence(
+        diagnosis, message = causes.explain_silence(
             look, over, seconds, self.process(), self._context.program.asked_job
         )
         raise Failed(replace(evidence, got=f"no result within {seconds:.1f} s"), message, diagnosis)
@@ -349,9 +349,9 @@ class GradedGoal:
     def require_status(self, ended: GoalOutcome, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""
         process, job = self.process(), self._context.job
-        cause = exceptions.explain_goal_exception(process, job)
+        cause = causes.explain_goal_exception(process, job)
         if ended.status != status:
-            cause = exceptions.explain_status(ended.name, process, job)
+            cause = causes.explain_status(ended.name, process, job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 

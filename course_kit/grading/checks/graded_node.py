@@ -21,7 +21,7 @@ from course_kit.grading.checks.parameters import (
     parameter_file,
     start_arguments,
 )
-from course_kit.grading.diagnosis import exceptions
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.bounds import bound_message
 
 if TYPE_CHECKING:
@@ -353,7 +353,7 @@ class GradedNode:
         self.prepare()
         clock = context.clock()
         evidence = Evidence("", f"a node with {', '.join(end.name for end in self.endpoints)}")
-        with hangs.explain_end(context, evidence, exceptions.explain_start, discovery.ENDED):
+        with hangs.explain_end(context, evidence, causes.explain_start, discovery.ENDED):
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
             if missing := [end for end in self.endpoints if not end.is_there(context)]:
                 context.spoil()

@@ -12,7 +12,7 @@ from rcl_interfaces.srv import ListParameters
 
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.diagnosis import exceptions, exits
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.parameters import LIST_SERVICE
@@ -40,7 +40,7 @@ _WORTHWHILE = 0.4  # of the requests answered when half the time is over
 def explain_end(
     context: CheckContext,
     evidence: Evidence,
-    why: Callable[[ProcessStatus, Job], exits.Cause] = exceptions.explain_end,
+    why: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_end,
     got: str = "the program ended",
     breaks: str = "",
 ) -> Iterator[None]:
@@ -58,8 +58,8 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     evidence: Evidence,
     seconds: float = ANSWER_S,
     *,
-    ended: Callable[[ProcessStatus, Job], exits.Cause] = exits.explain_call,
-    logged: Callable[[str, Job], exits.Cause | None] = exits.explain_logged_exception,
+    ended: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_call,
+    logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
     breaks: str = "",
 ) -> None:
     """Wait until something is answered."""
@@ -105,7 +105,7 @@ def explain_no_answer(
     context: CheckContext,
     evidence: Evidence,
     waited_s: float,
-    logged: Callable[[str, Job], exits.Cause | None] = exits.explain_logged_exception,
+    logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
 ) -> Failed:
     """Establish why a program that is still running does not answer."""
     context.spoil()
@@ -125,10 +125,10 @@ def describe_seconds(waited_s: float, most: float = ANSWER_S) -> str:
     return f"{min(round(waited_s, 1), most):g}"
 
 
-def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bool) -> exits.Cause:
+def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bool) -> causes.Cause:
     job = context.program.asked_job
     if seen.callback is not None:
-        where = exits.source_line(job, seen.callback)
+        where = causes.source_line(job, seen.callback)
         if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
             message = f"Your callback is stuck in {where}: a deadlock. It blocks the executor that it waits for."
             return "service.deadlock", message
@@ -137,9 +137,9 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
         return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
     if seen.spinning and job.facts.awaits:
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
-        return (None if busy else exits.explain_future(job)) or ("service.deadlock", text)
+        return (None if busy else causes.explain_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
-        where = f" It is in {exits.source_line(job, seen.own)}." if seen.own else ""
+        where = f" It is in {causes.source_line(job, seen.own)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
 
@@ -167,7 +167,7 @@ def call_many(
     seen: Evidence,
 ) -> list[Message]:
     """Send all requests, one of each client at a time, and return the responses in their order."""
-    with explain_end(context, seen, exits.explain_call):
+    with explain_end(context, seen, causes.explain_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), within_s, step_s=_STEP_S)
         turn = context.record.add_sent(seen.sent)
         batch = CallBatch(clients, requests)

@@ -13,7 +13,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, Set
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.discovery import ENDED, explain_other_nodes, has_settled, list_names, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.diagnosis import exceptions
+from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import parameters
 
@@ -78,14 +78,14 @@ class RemoteParameters:
         context, expected = self._context, f"a node called {self.node}"
         clock = context.clock()
 
-        with hangs.explain_end(context, Evidence("", expected), exceptions.explain_start, ENDED):
+        with hangs.explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
             context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
             if not self.is_ready():
                 raise self._explain_absence(expected)
             clock = context.clock()
             if not hangs.is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
                 evidence = Evidence(_VERBS[0], expected)
-                raise hangs.explain_no_answer(context, evidence, clock.fair_s(), exceptions.explain_logged)
+                raise hangs.explain_no_answer(context, evidence, clock.fair_s(), causes.explain_logged)
         return Evidence("", expected, expected)
 
     def _explain_absence(self, expected: str) -> Failed:
@@ -95,7 +95,7 @@ class RemoteParameters:
         if self.node in nodes:
             why = "is running but has no parameter services (was it made with start_parameter_services=False?)."
             return Failed(evidence, f"The node {self.node} {why}")
-        died = context.job.launches and exceptions.explain_logged(context.program.status().stderr, context.job)
+        died = context.job.launches and causes.explain_logged(context.program.status().stderr, context.job)
         if died:  # one of several programs, while the others run on
             return Failed(evidence, *died[::-1])
         if nodes:
@@ -111,7 +111,7 @@ class RemoteParameters:
         context.require_time(evidence)
         turn = context.record.add_sent(evidence.sent, minor=question.service in _VERBS[:2])
         sent = self._clients[question.service].send(request)
-        ended, logged = exceptions.explain_end, exceptions.explain_logged
+        ended, logged = causes.explain_end, causes.explain_logged
         hangs.await_answer(context, sent.is_answered, evidence, ended=ended, logged=logged)
         response = bound_message(sent.response())
         turn.add_received(_describe_response(request, response))
@@ -125,7 +125,7 @@ def describe_result(result: SetParametersResult) -> str:
 
 def require_proper_answer(result: SetParametersResult, evidence: Evidence, breaks: str = "") -> None:
     """A refusal is the learner's own, not rclpy's for a callback that returned something else."""
-    if exceptions.INVALID_RESULT in result.reason:
+    if causes.INVALID_RESULT in result.reason:
         message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
         raise Failed(evidence, message, "parameter.bad_callback", breaks=breaks)
 
