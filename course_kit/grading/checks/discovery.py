@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.checks.grader_node import GraderNode, Offer
+    from course_kit.grading.checks.grader_node import GraderNode
     from course_kit.grading.model.plain_data import Record
-    from course_kit.ros import topic
 
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
@@ -92,28 +91,20 @@ class WantedEndpoint:
             return ActionChannels(node, self.name, self.interface).is_ready()
         if self.kind == "publisher":
             node.inbox(self.interface, self.name)
-            return bool(node.publishers(self.name))
+            return bool(node.ends(self.kind, self.name))
         return bool(node.publisher(self.interface, self.name).get_subscription_count())
 
     def is_there(self, context: CheckContext) -> bool:
         """Whether the program has it; where several run, who listens to a topic hears nothing of ours unasked."""
         if self.kind == "subscription" and context.job.launches:
-            return bool(context.grader_node.subscriptions(self.name))
+            return bool(context.grader_node.ends(self.kind, self.name))
         return self.is_ready(context.grader_node)
-
-    def offers(self, node: GraderNode) -> list[Offer]:
-        """All servers of this kind on the graph."""
-        return node.services() if self.kind == "service" else node.actions()
-
-    def ends(self, node: GraderNode) -> list[topic.Endpoint]:
-        """All of this kind on the topic, of whatever type."""
-        return node.publishers(self.name) if self.kind == "publisher" else node.subscriptions(self.name)
 
     def types(self, node: GraderNode) -> list[str]:
         """The types with which the name is there."""
         if self.is_server:
-            return [offer.type for offer in self.offers(node) if offer.name == self.name]
-        return [end.type for end in self.ends(node)]
+            return [offer.type for offer in node.offers(self.kind) if offer.name == self.name]
+        return [end.type for end in node.ends(self.kind, self.name)]
 
 
 def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
@@ -238,7 +229,7 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
 
 
 def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
-    offers, types = wanted.offers(context.grader_node), wanted.types(context.grader_node)
+    offers, types = context.grader_node.offers(wanted.kind), wanted.types(context.grader_node)
     nodes = context.grader_node.nodes()
     context.spoil()
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or list_names(nodes, "node")
@@ -260,7 +251,7 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
 
 
 def _require_topic(context: CheckContext, end: WantedEndpoint) -> None:
-    verb, found, expected = _VERBS[end.kind], end.ends(context.grader_node), end.describe()
+    verb, found, expected = _VERBS[end.kind], context.grader_node.ends(end.kind, end.name), end.describe()
     fitting = [end_there for end_there in found if end_there.type == end.type]
     if not found:
         others = context.grader_node.topics()

@@ -18,7 +18,6 @@ from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, i
 from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import causes
-from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 
@@ -278,7 +277,7 @@ class GradedGoal:
         with hangs.explain_end(self._context, evidence, causes.explain_program, "no result: the program ended"):
             self._context.wait_until(lambda: self._has_come(result), seconds)
         if result.is_answered():
-            response = bound_message(result.response())
+            response = result.response()
             end = GoalOutcome(response.status, response.result)
             self._turn.add_received(f"result: {end.name}, {in_one_line(end.result)}")
             return end

@@ -22,7 +22,6 @@ from course_kit.grading.checks.parameters import (
     start_arguments,
 )
 from course_kit.grading.diagnosis import causes
-from course_kit.grading.model.bounds import bound_message
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -79,7 +78,7 @@ class GradedNode:
         clock = context.latency_clock()
         sent = context.grader_node.client(end.interface, service).send(message)
         hangs.await_answer(context, sent.is_answered, evidence, within_s, breaks=breaks)
-        response = bound_message(sent.response())
+        response = sent.response()
         turn.add_received(f"response: {in_one_line(response)}")
         return Answer(sent_text, in_one_line(response), clock.latency(), response)
 

@@ -187,13 +187,10 @@ class GraderNode:
         self._wait_set = None
         self.node.destroy_service(offered.rclpy_service)
 
-    def publishers(self, topic: str) -> list[Endpoint]:
-        """Who else publishes on a topic."""
-        return [end for end in publishers_of(self.node, topic) if end.node != NAME]
-
-    def subscriptions(self, topic: str) -> list[Endpoint]:
-        """Who else subscribes to a topic."""
-        return [end for end in subscriptions_of(self.node, topic) if end.node != NAME]
+    def ends(self, kind: str, topic: str) -> list[Endpoint]:
+        """Who else is a "publisher" on a topic, or a "subscription" to it."""
+        found = publishers_of(self.node, topic) if kind == "publisher" else subscriptions_of(self.node, topic)
+        return [end for end in found if end.node != NAME]
 
     def see_graph(self) -> graph.Overview:
         """Who talks to whom at this moment, the grader where it stands in for somebody; of a crowd only a part."""
@@ -206,29 +203,24 @@ class GraderNode:
     def topics(self) -> list[str]:
         """The names of all topics but those every node has and those only the grader uses."""
         names = (name for name, _ in self.node.get_topic_names_and_types() if name not in _OF_EVERY_NODE)
-        return [name for name in names if self.publishers(name) or self.subscriptions(name)]
+        return [name for name in names if self.ends("publisher", name) or self.ends("subscription", name)]
 
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
         return [name for name in graph.node_names(self.node) if not name.endswith(f"/{NAME}")]
 
-    def services(self) -> list[Offer]:
-        """The services that other nodes offer, but for those every node has for its parameters."""
-        return [offer for offer in self._offers(graph.SERVES) if not offer.type.startswith(_FOR_PARAMETERS)]
-
-    def actions(self) -> list[Offer]:
-        """The actions that other nodes offer."""
-        return self._offers(graph.RUNS)
+    def offers(self, kind: str) -> list[Offer]:
+        """What other nodes offer as a "service" or an "action", but for what every node has for its parameters."""
+        role: graph.Role = graph.SERVES if kind == "service" else graph.RUNS
+        uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
+        offers = [Offer(use.channel, interface) for use in uses for interface in use.types]
+        return [offer for offer in offers if not offer.type.startswith(_FOR_PARAMETERS)]
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""
         if self._context.ok():
             self.node.destroy_node()
             self._context.try_shutdown()
-
-    def _offers(self, role: graph.Role) -> list[Offer]:
-        uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
-        return [Offer(use.channel, kind) for use in uses for kind in use.types]
 
     def _await(self, handle: Any, take: Callable[[], object]) -> None:
         self._takers[handle.pointer] = take
@@ -278,7 +270,8 @@ def _take_response(client: ServiceClient) -> None:
     header, response = client.rclpy_client.handle.take_response(client.type.Response)
     if header is not None:
         with suppress(KeyError):  # a second answer to the same request
-            client.rclpy_client.get_pending_request(header.request_id.sequence_number).set_result(response)
+            asked = client.rclpy_client.get_pending_request(header.request_id.sequence_number)
+            asked.set_result(bound_message(response))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
-from course_kit.grading.model.bounds import bound_message
 from course_kit.ros.parameters import LIST_SERVICE
 
 if TYPE_CHECKING:
@@ -216,7 +215,7 @@ class CallBatch:
         """Take in what has come and send what may be sent; True when all is answered."""
         now = time.monotonic()
         for number in [number for number, sent in self._flying.items() if sent.is_answered()]:
-            self.responses[number] = bound_message(self._flying.pop(number).response())
+            self.responses[number] = self._flying.pop(number).response()
             self._late[number % len(self._late)] += now - self._looked
             self._moved = now
         self._looked = now

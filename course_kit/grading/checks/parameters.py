@@ -14,7 +14,6 @@ from course_kit.grading.checks import hangs
 from course_kit.grading.checks.discovery import ENDED, explain_other_nodes, has_settled, list_names, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
-from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:
@@ -113,7 +112,7 @@ class RemoteParameters:
         sent = self._clients[question.service].send(request)
         ended, logged = causes.explain_end, causes.explain_logged
         hangs.await_answer(context, sent.is_answered, evidence, ended=ended, logged=logged)
-        response = bound_message(sent.response())
+        response = sent.response()
         turn.add_received(_describe_response(request, response))
         return response
 

@@ -83,8 +83,8 @@ def check(
 
     def declare(talk: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
-        fields = {"points": points, "after": after, "proves": proves, "deadline_s": deadline_s, "afresh": afresh}
-        return make_check(talk, check_id=talk.__name__, title=title, **fields)  # type: ignore[arg-type] # of five types
+        what: CheckFields = {"check_id": talk.__name__, "title": title, "points": points, "proves": proves}
+        return make_check(talk, **what, after=after, deadline_s=deadline_s, afresh=afresh)
 
     return declare
 

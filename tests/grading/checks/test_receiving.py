@@ -44,7 +44,7 @@ def grader_node(domain: int) -> Iterator[graders.GraderNode]:
     made.close()
 
 
-def turn(peer: Any, grader_node: graders.GraderNode, done: Callable[[], bool]) -> None:
+def turn(peer: Any, grader_node: graders.GraderNode, done: Callable[[], object]) -> None:
     """Let both do their work until it is done."""
     deadline, number = time.monotonic() + PATIENCE_S, 0
     while not done():
@@ -75,7 +75,7 @@ def test_each_of_many_clients_gets_its_own_responses(peer: Any, grader_node: gra
 def test_a_message_comes_with_its_times(peer: Any, grader_node: graders.GraderNode) -> None:
     heard = grader_node.inbox(String, "/chatter")
     publisher = peer.create_publisher(String, "/chatter", 10)
-    turn(peer, grader_node, lambda: publisher.get_subscription_count() > 0 and bool(grader_node.publishers("/chatter")))
+    turn(peer, grader_node, lambda: publisher.get_subscription_count() and grader_node.ends("publisher", "/chatter"))
     before = time.time()
     publisher.publish(String(data="hello"))
     turn(peer, grader_node, lambda: bool(heard.messages))
