@@ -49,7 +49,8 @@ def goal_succeeds(
         several = draw_values(goals, node.context.random)
         for fields in several:
             wanted, goal = expect(node.message_for(action, fields)), node.goal(action, fields)
-            if not _is_accepted(goal) and not any(_is_accepted(node.goal(action, other)) for other in several):
+            none_yet = fields is several[0] and not _is_accepted(goal)
+            if none_yet and not any(_is_accepted(node.goal(action, other)) for other in several):
                 goal.accepted_by(diagnosis="action.rejects_all")
             goal.accepted_by().ends(within_s=within_s, not_before_s=not_before_s, **wanted)
 
