@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.exchange_log import in_one_line
-from course_kit.grading.checks.parameters import describe_values, require_proper_answer
+from course_kit.grading.checks.parameters import describe_values
+from course_kit.grading.diagnosis import causes
 from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
-_TOO_SOON = "This came too soon: the work takes longer, so it was not done."
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,9 @@ class Reply:
             >>> node.call("/weigh", a=1, b=2).not_before(0.4)
         """
         if self.latency_s < seconds:
-            got = f"it came after {self.latency_s:.2f} s"
-            expected = f"not before {seconds:g} s have passed"
-            raise Failed(Evidence(self.sent, expected, got), _TOO_SOON, breaks=breaks)
+            got, expected = f"it came after {self.latency_s:.2f} s", f"not before {seconds:g} s have passed"
+            why = "This came too soon: the work takes longer, so it was not done."
+            raise Failed(Evidence(self.sent, expected, got), why, breaks=breaks)
 
 
 @dataclass(frozen=True)
@@ -179,10 +179,10 @@ class Change(Reply):
             >>> node.set(max_speed=0.5).accepted()
         """
         if not self.result.successful:
-            evidence = Evidence(self.sent, "accepted: the value is valid", self.got)
-            require_proper_answer(self.result, evidence, breaks)
+            expected = "accepted: the value is valid"
+            self._require_proper_answer(expected, breaks)
             why = f"Your node refused {describe_values(self.values)}, which is valid."
-            raise Failed(evidence, why, "validation.overzealous", breaks=breaks)
+            self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.overzealous")
 
     def refused(self, *, expected: str = "refused", breaks: str = "", diagnosis: str = "validation.missing") -> None:
         """The change was refused.
@@ -201,7 +201,13 @@ class Change(Reply):
         if self.result.successful:
             why = f"Your node accepted {describe_values(self.values)}."
             self.fail(why, expected=expected, breaks=breaks, diagnosis=diagnosis)
-        require_proper_answer(self.result, Evidence(self.sent, expected, self.got))
+        self._require_proper_answer(expected)
+
+    def _require_proper_answer(self, expected: str, breaks: str = "") -> None:
+        """A refusal is the learner's own, not rclpy's for a callback that returned something else."""
+        if causes.INVALID_RESULT in self.result.reason:
+            why = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
+            self.fail(why, expected=expected, breaks=breaks, diagnosis="parameter.bad_callback")
 
 
 @dataclass(frozen=True)

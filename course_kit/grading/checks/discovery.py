@@ -39,7 +39,6 @@ _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 _MOST = 200  # names that are compared
 _VAGUELY = 0.3  # how alike two names are at least: whatever there is beside what was looked for is of interest
-_MOST_LISTED = 20
 _VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
 # The default profile as the graph reports it: with its unlimited times written out.
 _DEFAULT = QoSProfile(
@@ -206,11 +205,8 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
 
 
 def list_names(names: Sequence[str], what: str) -> str:
-    """`the nodes /a, /b`, or `no node`; of very many the first."""
-    some = ", ".join(names[:_MOST_LISTED])
-    if len(names) > _MOST_LISTED:
-        some += f" and {len(names) - _MOST_LISTED} more"
-    return f"the {what}{'s' if len(names) > 1 else ''} {some}" if names else f"no {what}"
+    """`the nodes /a, /b`, or `no node`."""
+    return f"the {what}{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else f"no {what}"
 
 
 def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> causes.Cause:
@@ -235,11 +231,8 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
     got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or list_names(nodes, "node")
     evidence = Evidence("", wanted.describe(), f"on the graph: {got}")
     if wanted.type in types:
-        message = (
-            f"The {wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it. "
-            "Make it with the default QoS profile, and keep it as long as the node."
-        )
-        return Failed(evidence, message)
+        message = f"{wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it."
+        return Failed(evidence, f"The {message} Make it with the default QoS profile, and keep it as long as the node.")
     if types:
         message = f"The {wanted.kind} {wanted.name} has type {types[0]}, expected {wanted.type}."
         return Failed(evidence, message, "type.interface")

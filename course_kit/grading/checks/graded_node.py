@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.grader_node import OfferedService
+    from course_kit.grading.checks.grader_node import BoundedInbox, OfferedService
     from course_kit.ros.messages import Message, ServiceType
 
 ANSWER_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
-_MET, _OFFERS = "met", "offers"  # remembered of a running submission
+_MET = "met"  # remembered of a running submission
 _FILE = "parameters.yaml"
 _CLIENTS = 2  # that ask together: each of them is woken by every answer
 
@@ -44,7 +44,6 @@ class GradedNode:
 
     def __init__(self, context: CheckContext) -> None:
         self.context = context
-        self._heard: dict[str, int] = context.memory.setdefault("heard", {})
         self._last_sent = ""
         self._turn: Exchange | None = None
 
@@ -127,7 +126,8 @@ class GradedNode:
         interface = self._end(topic, "subscription").interface
         sent = message_of(interface, message, fields)
         for name in self._list_published_topics():
-            self._heard[name] = self.inbox(name).count
+            inbox = self.inbox(name)
+            inbox.heard = inbox.count
         self._last_sent = f"{topic}: {in_one_line(sent)}"
         self._turn = self.context.record.add_sent(self._last_sent, "message")
         self.context.grader_node.publisher(interface, topic).publish(sent)
@@ -162,18 +162,18 @@ class GradedNode:
             >>> node.send("/voltage", 9.0).expect("/state", "critical")
         """
         self.ensure_running()
-        inbox, place, clock = self.inbox(topic), self._heard.setdefault(topic, 0), self.context.clock()
+        inbox, clock = self.inbox(topic), self.context.clock()
         evidence = Evidence(self._last_sent, f"a message on {topic}")
         with hangs.explain_end(self.context, evidence, breaks=breaks):
-            self.context.wait_until(lambda: inbox.count > place, within_s)
-        if inbox.count == place:
+            self.context.wait_until(lambda: inbox.count > inbox.heard, within_s)
+        if inbox.count == inbox.heard:
             seconds = hangs.describe_seconds(clock.fair_s(), within_s)
             got = f"nothing on {topic} within {seconds} s"
             self._exchange().add_received(got, "failure")
             cause = discovery.explain_silent_topic(self.context, self._last_sent.partition(":")[0], topic, seconds)
             raise Failed(replace(evidence, got=got), *cause[::-1], breaks=breaks)
-        message: Message = inbox.newer_than(place)[0]
-        self._heard[topic] = place + 1
+        message: Message = inbox.newer_than(inbox.heard)[0]
+        inbox.heard += 1
         self._exchange().add_received(f"{topic}: {in_one_line(message)}", "message")
         if wanted is None and not fields:
             return message
@@ -201,18 +201,18 @@ class GradedNode:
             >>> node.send("/voltage", 10.2).expect_nothing("/state", why="It is still critical.")
         """
         self.ensure_running()
-        listened = names or self._list_published_topics()
+        listened = {name: self.inbox(name) for name in names or self._list_published_topics()}
 
         def find_extra_messages() -> list[str]:
-            return [name for name in listened if self.inbox(name).count > self._heard.setdefault(name, 0)]
+            return [name for name, inbox in listened.items() if inbox.count > inbox.heard]
 
         evidence = Evidence(self._last_sent, f"no further message on {' or '.join(listened)}")
         with hangs.explain_end(self.context, evidence):
             self.context.grader_node.spin_once(0.0)
             self.context.wait_until(lambda: bool(find_extra_messages()), seconds)
         for name in find_extra_messages():
-            got = f"{name}: {in_one_line(self.inbox(name).messages[-1])}"
-            self._heard[name] = self.inbox(name).count
+            inbox = listened[name]
+            got, inbox.heard = f"{name}: {in_one_line(inbox.messages[-1])}", inbox.count
             self._exchange().add_received(got, "message")
             text = why or f"Nothing that we sent calls for this message on {name}."
             raise Failed(replace(evidence, got=got), text, breaks=breaks)
@@ -249,7 +249,7 @@ class GradedNode:
             {'max_speed': 1.0}
         """
         self.ensure_running()
-        return {name: parameter.value for name, parameter in self.parameters(of).values(list(names)).items()}
+        return self.parameters(of).values(names)
 
     def parameters(self, of: str = "") -> RemoteParameters:
         """The parameters of a node as they are asked for from outside."""
@@ -320,7 +320,6 @@ class GradedNode:
             files[_FILE] = parameter_file(file, of)
             words += [*([] if "--ros-args" in words else ["--ros-args"]), "--params-file", _FILE]
         self.context.launch(words, files, program=program)
-        self._heard = self.context.memory.setdefault("heard", {})
         if meets:
             self.ensure_running()
 
@@ -365,7 +364,6 @@ class GradedNode:
         """Have a program, and all ends on our side, so that they are found while others are waited for."""
         if self.context.spoiled:
             self.context.launch()
-        self._heard = self.context.memory.setdefault("heard", {})
         self._is_connected()
 
     def message_for(self, endpoint: str, given: Any) -> Message:
@@ -400,7 +398,7 @@ class GradedNode:
     def _list_published_topics(self) -> list[str]:
         return [end.name for end in self.endpoints if end.kind == "publisher"]
 
-    def inbox(self, topic: str) -> Any:
+    def inbox(self, topic: str) -> BoundedInbox:
         """What has come on a topic so far."""
         return self.context.grader_node.inbox(self._end(topic).interface, topic)
 
@@ -423,12 +421,9 @@ def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer:
         >>> node.context.wait_until(lambda: door.requests, 3.0)
         >>> door.reply(SetBool.Response(success=True))
     """
-    context = node.context
-    offers: dict[str, OfferedService] = context.memory.setdefault(_OFFERS, {})
-    if name not in offers:
-        offers[name] = context.grader_node.offer_service(name, interface, context.record)
-    offers[name].answer = message_of(interface.Response, None, answer) if answer else None
-    return offers[name]
+    offered = node.context.grader_node.offer_service(name, interface, node.context.record)
+    offered.answer = message_of(interface.Response, None, answer) if answer else None
+    return offered
 
 
 def withdraw_service(node: GradedNode, name: str) -> None:
@@ -437,4 +432,4 @@ def withdraw_service(node: GradedNode, name: str) -> None:
     Example:
         >>> withdraw_service(node, "/open")
     """
-    node.context.grader_node.withdraw_service(node.context.memory[_OFFERS].pop(name))
+    node.context.grader_node.withdraw_service(name)

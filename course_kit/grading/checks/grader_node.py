@@ -66,6 +66,7 @@ class BoundedInbox(Inbox):
 
     def __init__(self) -> None:
         super().__init__(_KEPT)
+        self.heard = 0  # how many of them have been looked at
 
     def keep(self, message: Message, received_s: float) -> None:
         """See `Inbox`."""
@@ -116,7 +117,7 @@ class GraderNode:
         self._clients: dict[tuple[str, int], ServiceClient] = {}
         self._inboxes: dict[str, tuple[Subscription, Inbox]] = {}
         self._publishers: dict[str, Publisher] = {}
-        self._services: list[OfferedService] = []
+        self._services: dict[str, OfferedService] = {}
         # By the handle's address, as the wait set names what is ready.
         self._takers: dict[int, Callable[[], object]] = {}
         self._nothing = rclpy_implementation.GuardCondition(self._context.handle)  # a wait set must not be empty
@@ -135,11 +136,8 @@ class GraderNode:
             self._receive(timeout_s)
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
             evidence = Evidence(got="messages too large for the grader's memory")
-            message = (
-                "Your program sends more data than the grader can hold in memory: messages that are too "
-                "large, or too many of them."
-            )
-            raise Failed(evidence, message, "limit.memory") from None
+            why = "more data than the grader can hold in memory: messages that are too large, or too many of them"
+            raise Failed(evidence, f"Your program sends {why}.", "limit.memory") from None
 
     def client(self, interface: ServiceType, name: str, number: int = 0) -> ServiceClient:
         """The client `number` of a service; made on first use and kept, so that it is connected the next time."""
@@ -149,7 +147,7 @@ class GraderNode:
             self._await(client.rclpy_client.handle, lambda: _take_response(client))
         return self._clients[key]
 
-    def inbox(self, interface: MessageType, topic: str) -> Inbox:
+    def inbox(self, interface: MessageType, topic: str) -> BoundedInbox:
         """What comes on a topic, from the first use on; with the default profile of depth 10."""
         return self.inbox_of(BoundedInbox, interface, topic, DEPTH)
 
@@ -176,16 +174,15 @@ class GraderNode:
 
     def offer_service(self, name: str, interface: ServiceType, record: ExchangeLog) -> OfferedService:
         """Receive the requests for a service, until it is withdrawn."""
-        offered = OfferedService(self.node, name, interface, record)
-        self._services.append(offered)
-        self._await(offered.rclpy_service.handle, offered.take)
-        return offered
+        if name not in self._services:
+            self._services[name] = offered = OfferedService(self.node, name, interface, record)
+            self._await(offered.rclpy_service.handle, offered.take)
+        return self._services[name]
 
-    def withdraw_service(self, offered: OfferedService) -> None:
+    def withdraw_service(self, name: str) -> None:
         """Offer it no more."""
-        self._services.remove(offered)
         self._wait_set = None
-        self.node.destroy_service(offered.rclpy_service)
+        self.node.destroy_service(self._services.pop(name).rclpy_service)
 
     def ends(self, kind: str, topic: str) -> list[Endpoint]:
         """Who else is a "publisher" on a topic, or a "subscription" to it."""
@@ -251,7 +248,7 @@ class GraderNode:
             wait_set.add_subscription(subscription.handle)
         for client in self._clients.values():
             wait_set.add_client(client.rclpy_client.handle)
-        for offered in self._services:
+        for offered in self._services.values():
             wait_set.add_service(offered.rclpy_service.handle)
         wait_set.wait(int(timeout_s * 1e9))
         return wait_set

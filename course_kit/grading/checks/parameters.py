@@ -5,7 +5,7 @@ See rcl_interfaces/srv/ListParameters, GetParameters, SetParameters and SetParam
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
@@ -17,7 +17,7 @@ from course_kit.grading.diagnosis import causes
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     from rcl_interfaces.msg import ParameterValue
 
@@ -29,18 +29,6 @@ INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomica
 _IN_YAML = {"True": "true", "False": "false", "nan": ".nan", "inf": ".inf", "-inf": "-.inf"}
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 T = TypeVar("T")
-
-
-class Value(NamedTuple):
-    """A parameter's value and its type, by the name ROS 2 has for it (`double`), or `not set`."""
-
-    type: str
-    value: Any
-
-    @classmethod
-    def from_message(cls, message: ParameterValue) -> Value:
-        """Out of what a node answers."""
-        return cls(parameters.type_of(message), parameters.from_message(message))
 
 
 class RemoteParameters:
@@ -61,9 +49,13 @@ class RemoteParameters:
         """The names of all parameters of the node."""
         return self._ask(parameters.ask_names())
 
-    def values(self, names: Sequence[str]) -> dict[str, Value]:
-        """The values of these parameters; one that is not declared, or has no value yet, counts as not set."""
-        return dict(zip(names, map(Value.from_message, self._ask(parameters.ask_values(names))), strict=True))
+    def types(self, names: Iterable[str]) -> dict[str, str]:
+        """The types of these parameters, `double`; `not set` of one that is not declared, or has no value yet."""
+        return {name: parameters.type_of(value) for name, value in self._ask_values(names)}
+
+    def values(self, names: Iterable[str]) -> dict[str, Any]:
+        """Their values, or None."""
+        return {name: parameters.from_message(value) for name, value in self._ask_values(names)}
 
     def set_values(self, values: Mapping[str, object]) -> SetParametersResult:
         """Set one parameter, or several at once: all or none, in this order."""
@@ -101,6 +93,10 @@ class RemoteParameters:
             return explain_other_nodes(self.node, nodes, evidence)
         return Failed(evidence, *why_empty(context, self.node)[::-1])
 
+    def _ask_values(self, names: Iterable[str]) -> Iterable[tuple[str, ParameterValue]]:
+        wanted = list(names)
+        return zip(wanted, self._ask(parameters.ask_values(wanted)), strict=True)
+
     def _ask(self, steps: Steps[T]) -> T:
         return parameters.run_steps(steps, self._answer)
 
@@ -120,13 +116,6 @@ class RemoteParameters:
 def describe_result(result: SetParametersResult) -> str:
     """How an attempt to set went, as the learner is shown it."""
     return "accepted" if result.successful else f"refused, with the reason {result.reason!r}"
-
-
-def require_proper_answer(result: SetParametersResult, evidence: Evidence, breaks: str = "") -> None:
-    """A refusal is the learner's own, not rclpy's for a callback that returned something else."""
-    if causes.INVALID_RESULT in result.reason:
-        message = "Your set-parameters callback did not return a SetParametersResult, so rclpy refused the change."
-        raise Failed(evidence, message, "parameter.bad_callback", breaks=breaks)
 
 
 def describe_values(values: Mapping[str, object]) -> str:

@@ -83,8 +83,9 @@ def check(
 
     def declare(talk: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
-        what: CheckFields = {"check_id": talk.__name__, "title": title, "points": points, "proves": proves}
-        return make_check(talk, **what, after=after, deadline_s=deadline_s, afresh=afresh)
+        fields: CheckFields = {"check_id": talk.__name__, "title": title, "points": points, "proves": proves}
+        fields |= {"after": after, "deadline_s": deadline_s, "afresh": afresh}
+        return make_check(talk, **fields)
 
     return declare
 

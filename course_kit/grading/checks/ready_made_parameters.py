@@ -59,7 +59,7 @@ def expect_declared(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Ev
 
 def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
     """A node's parameters have the types of these values."""
-    found = {name: one.type for name, one in remote.values(list(defaults)).items()}
+    found = remote.types(defaults)
     wanted = {name: type_of(to_message(name, value).value) for name, value in defaults.items()}
     told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
     evidence = Evidence(f"get_parameters of {remote.node}", expected, told)
@@ -75,7 +75,7 @@ def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evide
 
 def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
     """A node that was just started has these values."""
-    found = {name: one.value for name, one in remote.values(list(defaults)).items()}
+    found = remote.values(defaults)
     evidence = Evidence(f"get_parameters of {remote.node}", describe_values(defaults), describe_values(found))
     if others := {name: value for name, value in found.items() if value != defaults[name]}:
         why = f"As it was started, {remote.node} has {describe_values(others)}."

@@ -312,8 +312,5 @@ def _names_in(module: str) -> set[str]:
     return set(dir(loaded)) if loaded is not None else set()
 
 
-def _signal_name(number: int | None) -> str:
-    try:
-        return signal.Signals(number or 0).name
-    except ValueError:
-        return str(number)
+def _signal_name(number: int) -> str:
+    return next((known.name for known in signal.Signals if known == number), str(number))
