@@ -63,7 +63,7 @@ STILL_ABOVE = {
     "course_kit/grading": 10028,  # with the capstone
     "course_kit/graders": 2927,  # with the capstone
     "course_kit/learner": 1335,  # with the steps of the lessons and the page of progress
-    "course_kit/ros": 2056,  # with the drawing of the graph, which panels had: reports draw it, too
+    "course_kit/ros": 2054,  # with the drawing of the graph, which panels had: reports draw it, too
     "course_kit/integrations": 1266,  # the capstone, %check, %solution, the second day; 150 for the tutor
 }
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.

@@ -61,18 +61,11 @@ class Pending(Coroutine[Any, Any, T]):
             raise AttributeError(name)
         self._complain()
 
-    def __getitem__(self, key: object) -> NoReturn:
-        self._complain()
-
-    def __iter__(self) -> NoReturn:
-        self._complain()
-
-    def __aiter__(self) -> NoReturn:
-        self._complain()
-
-    def _complain(self) -> NoReturn:
+    def _complain(self, *_: object) -> NoReturn:
         UNAWAITED.pop(self, None)
         raise NotAwaitedError(self._missing)
+
+    __getitem__ = __iter__ = __aiter__ = _complain
 
     def _begin(self) -> Coroutine[Any, Any, T]:
         if self._running is None:

@@ -56,7 +56,7 @@ class PendingCall(ABC):
 
     @abstractmethod
     def send(self, completed: Callable[..., None]) -> None:
-        """Send; `completed` is called on the lab's thread when the answer is there."""
+        """Send; `completed` is called on the lab's thread when the answer may be there."""
 
     def next_check(self) -> float:
         return max(0.0, min(_CHECK, self._start + self._timeout - time.monotonic()))
@@ -123,7 +123,6 @@ class ServiceCall(PendingCall):
         return super().may_send()
 
     def send(self, completed: Callable[..., None]) -> None:
-        """Send the request; `completed` is called on the lab's thread when the answer is there."""
         self._client.busy.add(self)
         self._response = self._client.rclpy_client.call_async(self._request)
         self._response.add_done_callback(completed)
@@ -135,14 +134,12 @@ class ServiceCall(PendingCall):
             raise ServiceFailedError(str(error)) from None  # a fresh one: an exception keeps the frames it passed
 
     def close(self) -> None:
-        """Stop waiting, whether or not the answer has come; harmless if it has."""
         if self._response is not None and not self._response.done():
             self._response.cancel()
         self._client.busy.discard(self)
         super().close()
 
     def has_come(self) -> bool:
-        """Whether the answer is there."""
         return self._response is not None and bool(self._response.done())
 
     def _too_late(self) -> str:
@@ -200,7 +197,9 @@ def call_blocking(call: PendingCall) -> Any:
         while not call.may_send():
             pause.wait(_POLL)
         call.send(lambda *_: pause.set())
-        while not pause.wait(call.next_check()):
+        while not call.has_come():
+            pause.wait(call.next_check())
+            pause.clear()
             call.check()
         return call.result()
     finally:

@@ -134,7 +134,7 @@ class Clients:
         if types and wanted not in types:  # nothing could ever arrive; rcl would fail, and not say why
             raise OtherTypeError(f"{topic} has the type {' and '.join(types)}, but you asked for {wanted}.")
         made: Subscription = _check_name(
-            lambda: self.node.create_subscription(message_type, topic, callback, qos), (message_type, topic)
+            lambda: self.node.create_subscription(message_type, topic, callback, qos), message_type, topic
         )
         return made
 
@@ -166,7 +166,7 @@ class Clients:
         if key not in self._made:
             for other in [other for other in self._made if other[:2] == key[:2]]:  # the type was defined again
                 self._drop(other)
-            self._made[key] = _check_name(make, (interface, name))
+            self._made[key] = _check_name(make, interface, name)
         return self._made[key]
 
     def _drop(self, key: tuple[str, str, Any]) -> None:
@@ -186,8 +186,7 @@ def is_type_conflict(error: BaseException) -> bool:
     return "incompatible type" in error_text(error)
 
 
-def _check_name(make: Callable[[], Any], key: tuple[Any, str]) -> Any:
-    interface, name = key
+def _check_name(make: Callable[[], Any], interface: Any, name: str) -> Any:
     if not isinstance(name, str):
         raise LabError(f"The name comes first and is a string: {name!r} is not. The type comes second.")
     refusals = (getattr(rclpy_implementation, "RCLError", ValueError), ValueError)  # the second from an action client

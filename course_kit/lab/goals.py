@@ -51,23 +51,11 @@ class Wait(PendingCall):
         return True
 
     def send(self, completed: Callable[..., None]) -> None:
-        """Begin; `completed` is called on the lab's thread when the answer is there."""
-
-        def look() -> None:
-            if self._arrived():
-                completed()
-
-        def begin() -> None:
-            if self._begin is not None:
-                self._begin()
-            look()
-
-        self._listener = look
-        self._tracker.listeners.append(look)
-        if self._begin is None:
-            look()
-        else:
-            self._lab.executor.create_task(begin)
+        """Begin; `completed` is called on the lab's thread when there are news."""
+        self._listener = completed
+        self._tracker.listeners.append(completed)
+        if self._begin is not None:
+            self._lab.executor.create_task(self._begin)
 
     def result(self) -> Any:
         """What was waited for."""

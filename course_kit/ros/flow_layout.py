@@ -140,9 +140,10 @@ def _parts(boxes: list[Box], arrows: Sequence[Arrow]) -> list[tuple[list[Box], l
 
 
 def _place(sizes: Mapping[Box, Size], found: Layers) -> FlowLayout:
+    sizes = {**{box: (0.0, _LINE) for column in found.columns for box in column if box[0] == WAYPOINT}, **sizes}
     middles = _heights(sizes, found)
     lefts, left = [], 0.0
-    widths = [max(_size(sizes, box)[0] for box in column) for column in found.columns]
+    widths = [max(sizes[box][0] for box in column) for column in found.columns]
     for width in widths:
         lefts.append(left)
         left += width + BETWEEN_COLUMNS
@@ -159,18 +160,14 @@ def _place(sizes: Mapping[Box, Size], found: Layers) -> FlowLayout:
     return FlowLayout(places, ways, (left - BETWEEN_COLUMNS, height))
 
 
-def _size(sizes: Mapping[Box, Size], box: Box) -> Size:
-    return (0.0, _LINE) if box[0] == WAYPOINT else sizes[box]
-
-
 def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
     """The middle of each box: near the middle of its neighbours, and never upon another box."""
     middle: dict[Box, float] = {}
     for column in found.columns:
         top = 0.0
         for box in column:
-            middle[box] = top + _size(sizes, box)[1] / 2
-            top += _size(sizes, box)[1] + BETWEEN_ROWS
+            middle[box] = top + sizes[box][1] / 2
+            top += sizes[box][1] + BETWEEN_ROWS
     near: dict[Box, list[Box]] = {}
     for chain in found.chains.values():
         for begin, end in itertools.pairwise(chain):
@@ -179,9 +176,9 @@ def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
     for number in range(_PASSES):
         for column in found.columns if number % 2 == 0 else reversed(found.columns):
             wanted = [mean([middle[other] for other in near.get(box, ())] or [middle[box]]) for box in column]
-            heights = [_size(sizes, box)[1] for box in column]
+            heights = [sizes[box][1] for box in column]
             middle.update(zip(column, _spread_apart(wanted, heights), strict=True))
-    top = min(middle[box] - _size(sizes, box)[1] / 2 for box in middle)
+    top = min(middle[box] - sizes[box][1] / 2 for box in middle)
     return {box: value - top for box, value in middle.items()}
 
 

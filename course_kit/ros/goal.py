@@ -176,6 +176,7 @@ class GoalTracker:
         handle = self._handle
         if self.ended or handle is None:
             answered(False)
+            self._notify_listeners()
             return
 
         def take_cancel_answer(future: Future) -> None:

@@ -144,33 +144,28 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
 def _guard_spinning_for_a_while(patches: Patches, lab: Engine) -> None:
     def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
         at_most = _SLICE if timeout_sec is None or timeout_sec < 0 else timeout_sec
-        if lab.in_callback() and node in lab.nodes:
-            _tell_of_spinning(lab, "rclpy.spin_once()", node)
+        if node not in lab.nodes:
+            _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
+            return
+        _tell_of_spinning(lab, "rclpy.spin_once()", node)
+        if lab.in_callback():
             lab.executor.run_others(lambda: False, min(at_most, _SLICE))
-        elif node in lab.nodes:
-            if lab.in_execution():
-                _tell_of_spinning(lab, "rclpy.spin_once()", node)
+        else:
             lab.executor.wait_for_turn(min(at_most, _SLICE))
             lab.output.drain()
-        else:
-            _spin_for(node, executor, lambda executor: executor.spin_once(timeout_sec=at_most))
 
     def spin_until_future_complete(
         node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
     ) -> None:
         what = "rclpy.spin_until_future_complete()"
-        endless = timeout_sec is None or timeout_sec < 0
-        if lab.in_callback() and node in lab.nodes:
-            if endless and not future.done() and _held_back(lab, future) is not None:
-                raise DeadlockError(f"{what} {_FOR_EVER} Return, and let add_done_callback() run what comes next.")
-            _tell_of_spinning(lab, what, node)
-            lab.executor.run_others(future.done, timeout_sec)
-        elif node in lab.nodes:
-            if lab.in_execution():
-                _tell_of_spinning(lab, what, node)
-            _has_come(lab, future, timeout_sec)
-        else:
+        if node not in lab.nodes:
             _spin_for(node, executor, lambda executor: _spin_until(lab, executor, future, timeout_sec))
+            return
+        endless = timeout_sec is None or timeout_sec < 0
+        if endless and lab.in_callback() and not future.done() and _held_back(lab, future) is not None:
+            raise DeadlockError(f"{what} {_FOR_EVER} Return, and let add_done_callback() run what comes next.")
+        _tell_of_spinning(lab, what, node)
+        _has_come(lab, future, timeout_sec)
 
     patches.set(rclpy, "spin_once", spin_once)
     patches.set(rclpy, "spin_until_future_complete", spin_until_future_complete)
@@ -239,10 +234,13 @@ def _refuse_to_stay(lab: Engine, what: str) -> None:
 
 
 def _tell_of_spinning(lab: Engine, what: str, node: Node) -> None:
-    lab.note_once(
-        f"{what} inside a callback of {node.get_name()}: the lab runs other callbacks meanwhile, as rclpy.spin() does "
-        "in a separate program. An executor of the program's own, such as a MultiThreadedExecutor, would lose the node."
-    )
+    """Say in a callback what differs from a separate program."""
+    if lab.in_callback() or lab.in_execution():
+        lab.note_once(
+            f"{what} inside a callback of {node.get_name()}: the lab runs other callbacks meanwhile, as rclpy.spin() "
+            "does in a separate program. An executor of the program's own, such as a MultiThreadedExecutor, would lose "
+            "the node."
+        )
 
 
 def _has_come(lab: Engine, future: Future, timeout: float | None) -> bool:

@@ -16,25 +16,14 @@ from course_kit.ros.showing import describe_message
 if TYPE_CHECKING:
     from course_kit.lab.recording.events import Event
 
-_FROM_SERVER = frozenset(
-    {"goal_received", "goal_answered", "feedback_sent", "cancel_received", "cancel_answered", "result_sent"}
-)
-_FROM_CLIENT = frozenset(
-    {
-        "goal_sent",
-        "goal_answer_received",
-        "feedback_received",
-        "cancel_sent",
-        "cancel_answer_received",
-        "result_received",
-    }
-)
 _AS_CLIENT_SAW_IT = {
     "goal_answered": "goal_answer_received",
     "feedback_sent": "feedback_received",
     "cancel_answered": "cancel_answer_received",
     "result_sent": "result_received",
 }
+_FROM_SERVER = frozenset({"goal_received", "cancel_received", *_AS_CLIENT_SAW_IT})
+_FROM_CLIENT = frozenset({"goal_sent", "cancel_sent", *_AS_CLIENT_SAW_IT.values()})
 GOAL_KINDS = _FROM_SERVER | _FROM_CLIENT
 UNSEEN = "another program"  # takes part, and its name is unknown
 RUN = 4  # feedback messages in a row that are all drawn

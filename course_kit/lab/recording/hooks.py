@@ -52,7 +52,15 @@ class WrongResponseError(TypeError):
     """A service callback returned something that is not its service's response."""
 
     def __init__(self, returned: object, service_type: ServiceType) -> None:
-        self.what = _wrong_response(returned, service_type)
+        if returned is None:
+            self.what = "returned nothing. End it with `return response`."
+        elif isinstance(returned, service_type.Request):
+            self.what = "returned the request. Fill in the response and end with `return response`."
+        else:
+            self.what = (
+                f"returned {type(returned).__name__}, which is not a response of {type_name(service_type)}. "
+                "Fill in the response it was given and end with `return response`."
+            )
         super().__init__(f"the service callback {self.what}")
 
 
@@ -173,14 +181,8 @@ class MessageHooks:
         """Have executors of a class take by way of these hooks."""
         original: Any = executors._take_timer  # noqa: SLF001 - the only place that has the timer and its work
 
-        def take_client(executor: Executor, client: Client) -> Work | None:  # a function, so that it becomes a method
-            return self.take_client(executor, client)
-
-        def take_timer(executor: Executor, timer: Timer) -> Work | None:
-            return self.take_timer(executor, timer, original(executor, timer))
-
-        patches.set(executors, "_take_timer", take_timer)
-        patches.set(executors, "_take_client", take_client)
+        patches.set(executors, "_take_timer", lambda own, timer: self.take_timer(own, timer, original(own, timer)))
+        patches.set(executors, "_take_client", lambda own, client: self.take_client(own, client))  # noqa: PLW0108 - becomes a method
         patches.set(executors, "_take_service", lambda _, service: self.take_service(service))
         patches.set(executors, "_take_subscription", lambda _, subscription: self.take_subscription(subscription))
 
@@ -329,14 +331,3 @@ async def _run(callback: Any, *arguments: Any) -> Any:
 
 def _sequence(header: Any) -> int:
     return int(getattr(header, "request_id", header).sequence_number)  # of a request or of what is known about one
-
-
-def _wrong_response(returned: object, service_type: ServiceType) -> str:
-    if returned is None:
-        return "returned nothing. End it with `return response`."
-    if isinstance(returned, service_type.Request):
-        return "returned the request. Fill in the response and end with `return response`."
-    return (
-        f"returned {type(returned).__name__}, which is not a response of {type_name(service_type)}. "
-        "Fill in the response it was given and end with `return response`."
-    )

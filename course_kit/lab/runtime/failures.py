@@ -37,15 +37,11 @@ if TYPE_CHECKING:
 
     Locate = Callable[[str], str | None]
 
-_NOT_THE_LEARNERS = tuple(
-    dict.fromkeys(
-        [
-            str(environment.PACKAGE),
-            *(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")),
-            "<frozen",
-            "<field ",  # what checks a field of a live interface
-        ]
-    )
+_NOT_THE_LEARNERS = (
+    str(environment.PACKAGE),
+    *(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")),
+    "<frozen",
+    "<field ",  # what checks a field of a live interface
 )
 _SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
