@@ -126,7 +126,7 @@ def _await(
     kind, name, *interface = need.split()
     found = f"on the graph: {', '.join(there) or 'none'}"
     of_type = f" of type {interface[0]}" if interface else ""
-    why = f"No {kind} {name}{of_type} is there.{discovery.name_nearest(name, there)}"
+    why = f"No {kind} {name}{of_type} is there.{discovery.name_nearest(name, [one.partition(' ')[0] for one in there])}"
     raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
 
 

@@ -1,7 +1,6 @@
 """The robot of the lessons, to be sent about on a map: how an action is used comes before how one is written.
 
-It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, cannot climb, and
-does not measure its way.
+It is no answer to exercise 2, and not meant to become one: it drives along x first and then along y, and cannot climb.
 """
 
 from __future__ import annotations
@@ -64,37 +63,40 @@ class DemoRobot(Node):
 
     def _execute(self, goal_handle: ServerGoalHandle) -> Message:
         target = Place(goal_handle.request.target.x, goal_handle.request.target.y)
+        way = self._way_to(target)
         try:
-            for number, way in enumerate(self._drive_in_steps(target)):
+            for number, _ in enumerate(self._drive_in_steps(target)):
                 if goal_handle.is_cancel_requested:
                     goal_handle.canceled()
-                    return self._result("stopped on the way")
+                    return self._result(target, way, "stopped on the way")
                 if number % _STEPS == 0:
                     goal_handle.publish_feedback(self._feedback(target, way))
-            goal_handle.publish_feedback(self._feedback(target, 0.0))  # it is there
+            goal_handle.publish_feedback(self._feedback(target, way))  # it is there
             goal_handle.succeed()
-            return self._result("arrived")
+            return self._result(target, way, "arrived")
         finally:
             self._free.release()
 
-    def _drive_in_steps(self, target: Place) -> Iterator[float]:
-        """Drive, and yield the whole way, in metres, before each step."""
-        begin = self._robot.position
-        way = abs(target.x - begin.x) + abs(target.y - begin.y)
-        for corner in (Place(target.x, begin.y), target):
+    def _drive_in_steps(self, target: Place) -> Iterator[None]:
+        """Drive, and yield before each step."""
+        for corner in (Place(target.x, self._robot.position.y), target):
             while tuple(self._robot.position) != corner:
-                yield way
+                yield
                 self._robot.SPEED = self.get_parameter("max_velocity").value
                 self._robot.step_towards(*corner)
 
-    def _feedback(self, target: Place, way: float) -> Message:
+    def _way_to(self, target: Place) -> float:
         here = self._robot.position
-        left = abs(target.x - here.x) + abs(target.y - here.y)
+        return abs(target.x - here.x) + abs(target.y - here.y)
+
+    def _feedback(self, target: Place, way: float) -> Message:
+        left = self._way_to(target)
         done = 1.0 - left / way if way else 1.0
         return self._type.Feedback(position=self._point(), distance_remaining=left, progress=done)
 
-    def _result(self, message: str) -> Message:
-        return self._type.Result(final_position=self._point(), message=message)
+    def _result(self, target: Place, way: float, message: str) -> Message:
+        driven = way - self._way_to(target)
+        return self._type.Result(final_position=self._point(), distance_travelled=driven, message=message)
 
     def _point(self) -> Message:
         from geometry_msgs.msg import Point

@@ -7,7 +7,7 @@ import re
 import shutil
 import time
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
@@ -120,16 +120,15 @@ class JupyterLab:
         self.page.keyboard.press("Control+A")
         self.page.keyboard.insert_text(text)
 
-    def require_no_error(self, notebook: str) -> None:
-        """Save, and look for errors in the file: JupyterLab keeps outputs that are far off out of the page."""
-        path = self.root / notebook
-        before = path.stat().st_mtime_ns
+    def save(self) -> None:
         self.page.get_by_role("menuitem", name="File", exact=True).click()
         self.page.get_by_role("menuitem", name=re.compile(r"^Save Notebook(?! As)")).first.click()
-        deadline = time.monotonic() + PATIENCE_MS / 1000
-        while path.stat().st_mtime_ns == before or (saved := whole(path)) is None:
-            assert time.monotonic() < deadline, f"{notebook} was not saved"
-            self.page.wait_for_timeout(50)
+        expect(self.page.locator(".jp-mod-dirty")).to_have_count(0)
+
+    def require_no_error(self, notebook: str) -> None:
+        """Save, and look for errors in the file: JupyterLab keeps outputs that are far off out of the page."""
+        self.save()
+        saved = json.loads((self.root / notebook).read_text())
         code = [cell for cell in saved["cells"] if cell["cell_type"] == "code"]
         unasked = [cell for cell in code if "raises-exception" not in cell["metadata"].get("tags", [])]
         failed = [one["evalue"] for cell in unasked for one in cell["outputs"] if one["output_type"] == "error"]
@@ -141,15 +140,6 @@ class JupyterLab:
         path = ARTIFACTS / f"{name}.png"
         self.page.screenshot(path=path)
         return path
-
-
-def whole(path: Path) -> dict[str, Any] | None:
-    """What is in a file of JSON; None while it is being written."""
-    try:
-        found: dict[str, Any] = json.loads(path.read_text())
-    except json.JSONDecodeError:
-        return None
-    return found
 
 
 class CourseServer:

@@ -28,6 +28,7 @@ def grade_the_broken_one(lab: JupyterLab) -> None:
     lab.page.keyboard.press("Shift+Enter")
     card = lab.page.locator(".course-kit-report").first
     expect(card.locator("li.failed")).to_have_count(1)
+    expect(card.get_by_text("points, not passed yet")).to_be_in_viewport()  # its head, not its end
     card.get_by_role("link", name=re.compile("7.2 No return")).click()
 
 

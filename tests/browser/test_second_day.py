@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 from tests.browser.learner import POLLING_MS
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Locator
+    from playwright.sync_api import Locator, Page
 
     from tests.browser.learner import JupyterLab, OpenServer
 
@@ -34,10 +34,10 @@ def open_again(lab: JupyterLab) -> None:
     expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
 
 
-def save(lab: JupyterLab) -> None:
-    lab.page.get_by_role("menuitem", name="File", exact=True).click()
-    lab.page.get_by_role("menuitem", name=re.compile(r"^Save Notebook(?! As)")).first.click()
-    expect(lab.page.locator(".jp-mod-dirty")).to_have_count(0)
+def restart_kernel(page: Page) -> None:
+    page.get_by_role("menuitem", name="Kernel", exact=True).click()
+    page.get_by_role("menuitem", name=re.compile("^Restart Kernel…")).first.click()
+    page.get_by_role("button", name="Confirm Kernel Restart").click()
 
 
 def require_no_dead_widget(lab: JupyterLab) -> None:
@@ -83,7 +83,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
     lab.picture("graph_docked")
     page.wait_for_function(KEPT, polling=POLLING_MS)
-    save(lab)
+    lab.save()
 
     open_again(lab)  # the kernel goes on
     expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
@@ -95,14 +95,15 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(page.get_by_role("button", name=WAKE)).to_have_count(0)
     require_no_dead_widget(lab)
 
-    page.get_by_role("menuitem", name="Kernel", exact=True).click()
-    page.get_by_role("menuitem", name=re.compile("^Restart Kernel…")).first.click()
-    page.get_by_role("button", name="Confirm Kernel Restart").click()
+    restart_kernel(page)
     for place in (lab.scroll_to(lab.cell_that_begins(GRAPH)), docked):
         expect(place.get_by_role("button", name=WAKE)).to_be_visible()
         expect(place.locator("svg").get_by_text("battery", exact=True).filter(visible=True).first).to_be_visible()
         # Nothing in it can be pressed: it is the panel itself, or, where JupyterLab was first, its stored picture.
         expect(place.locator("[inert], .ck-still").first).to_be_attached()
+    docked.get_by_role("button", name=WAKE).click()
+    expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
+    lab.wait_until_run()
 
     expect(page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
     jupyter.server.end_kernels()

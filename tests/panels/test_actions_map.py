@@ -59,6 +59,11 @@ def test_a_click_drives_the_robot_and_draws_its_way(robot: DemoRobot) -> None:
     wait_until(lambda: view(drawn)["track"][-1] == [1.0, 1.5], lambda: view(drawn))
 
 
+def test_the_result_says_how_far_it_drove(robot: DemoRobot) -> None:
+    goal = lab.send_goal_blocking("/move_robot", robot._type, target={"x": 1.0, "y": 0.5})
+    assert goal.result_blocking().distance_travelled == pytest.approx(1.5)
+
+
 @pytest.mark.usefixtures("robot")
 def test_it_tells_on_the_way_where_the_robot_is_and_how_far_it_has_to_go(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COURSE_KIT_TIME_SCALE", "1")

@@ -181,6 +181,9 @@ class Change(Reply):
         if not self.result.successful:
             expected = "accepted: the value is valid"
             self._require_proper_answer(expected, breaks)
+            if "undeclared parameter(s)" in self.result.reason:  # rclpy leaves out which
+                why = f"Your node has not declared {', '.join(self.values)}."
+                self.fail(why, expected=expected, breaks=breaks, diagnosis="parameter.undeclared")
             why = f"Your node refused {describe_values(self.values)}, which is valid."
             self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.overzealous")
 

@@ -23,7 +23,7 @@ from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import causes
 from course_kit.interfaces import get_type
 from course_kit.ros.messages import type_name
-from course_kit.ros.names import nearest_name
+from course_kit.ros.names import is_hidden, nearest_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -38,7 +38,6 @@ _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the serv
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 _MOST = 200  # names that are compared
-_VAGUELY = 0.3  # how alike two names are at least: whatever there is beside what was looked for is of interest
 _VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
 # The default profile as the graph reports it: with its unlimited times written out.
 _DEFAULT = QoSProfile(
@@ -189,8 +188,8 @@ def why_empty(context: CheckContext, wanted: str) -> causes.Cause:
 
 
 def name_nearest(wanted: str, names: Sequence[str]) -> str:
-    """A sentence that names what comes nearest to `wanted`, with a space before it; nothing without names."""
-    near = nearest_name(wanted, names[:_MOST], _VAGUELY) or next(iter(names), "")
+    """A sentence that names what is written most like `wanted`, with a space before it; nothing if nothing is."""
+    near = nearest_name(wanted, names[:_MOST])
     return f" The closest is {near}." if near else ""
 
 
@@ -210,7 +209,7 @@ def list_names(names: Sequence[str], what: str) -> str:
 
 
 def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> causes.Cause:
-    """Why nothing came on the topic `missing` within some seconds after a message on the topic `sent`."""
+    """Why nothing came on the topic `missing` within some seconds, after one on the topic `sent` if that is named."""
     seen = hangs.current_activity(context)
     if seen.callback is not None:
         context.spoil()
@@ -221,7 +220,8 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
     if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         context.spoil()
         return logged
-    return "topic.silent", f"Your node received a message on {sent} but published none on {missing}."
+    received = f"received a message on {sent} but " if sent else ""
+    return "topic.silent", f"Your node {received}published nothing on {missing}."
 
 
 def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
@@ -247,7 +247,7 @@ def _require_topic(context: CheckContext, end: WantedEndpoint) -> None:
     verb, found, expected = _VERBS[end.kind], context.grader_node.ends(end.kind, end.name), end.describe()
     fitting = [end_there for end_there in found if end_there.type == end.type]
     if not found:
-        others = context.grader_node.topics()
+        others = [topic for topic in context.grader_node.topics() if not is_hidden(topic)]
         message = f"No node {verb} {end.name}.{name_nearest(end.name, others)}"
         evidence = Evidence("", expected, f"on the graph: {list_names(others, 'topic')}")
         raise Failed(evidence, message, "topic.silent")

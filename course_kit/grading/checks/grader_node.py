@@ -23,6 +23,7 @@ from course_kit.grading.checks.exchange_log import GRADER, in_one_line
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
+from course_kit.ros.names import is_hidden
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers_of, subscriptions_of
 
@@ -207,11 +208,11 @@ class GraderNode:
         return [name for name in graph.node_names(self.node) if not name.endswith(f"/{NAME}")]
 
     def offers(self, kind: str) -> list[Offer]:
-        """What other nodes offer as a "service" or an "action", but for what every node has for its parameters."""
+        """What other nodes offer as a "service" or an "action", but for what it has for its parameters or actions."""
         role: graph.Role = graph.SERVES if kind == "service" else graph.RUNS
         uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
         offers = [Offer(use.channel, interface) for use in uses for interface in use.types]
-        return [offer for offer in offers if not offer.type.startswith(_FOR_PARAMETERS)]
+        return [offer for offer in offers if not (offer.type.startswith(_FOR_PARAMETERS) or is_hidden(offer.name))]
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""

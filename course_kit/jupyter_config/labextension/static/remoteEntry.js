@@ -4,6 +4,7 @@
 // A panel whose kernel has ended shows its last picture, and how to wake it.
 (() => {
   const LOOK_MS = 100;
+  const HEAD_LOOKS = 10;
   let landings = 0; // a later click, or what the reader does, ends the landing before
 
   const idOf = text => text.trim().replace(/[`*_]/g, '').replace(/ /g, '-');
@@ -39,6 +40,19 @@
     }
   }
 
+  /** An output that is taller than the page is read from its head; JupyterLab shows its end and the next cell. */
+  async function showHead(cell, finished) {
+    const mine = ++landings;
+    await finished;
+    for (let looks = 0; looks < HEAD_LOOKS && mine === landings; looks++) {
+      const output = cell?.outputArea?.node;
+      const page = output?.closest('.jp-WindowedPanel-outer');
+      const hidden = page && output.getBoundingClientRect().top < page.getBoundingClientRect().top;
+      if (hidden) output.scrollIntoView({ block: 'start' });
+      await new Promise(done => setTimeout(done, LOOK_MS)); // it is drawn after the cell has ended, and grows
+    }
+  }
+
   const plugin = {
     id: 'ros2-course-kit:links',
     autoStart: true,
@@ -71,6 +85,12 @@
         },
         true
       );
+      app.commands.commandExecuted.connect((_, { id, result }) => {
+        const { content } = app.shell.currentWidget ?? {};
+        if (id === 'notebook:run-cell-and-select-next' && content?.widgets) {
+          void showHead(content.widgets[content.activeCellIndex - 1], result);
+        }
+      });
       if (alone && location.hash) {
         void app.restored.then(() => land(app, '', decodeURIComponent(location.hash.slice(1))));
       }
@@ -148,7 +168,7 @@
         this.waiting.delete(model);
         if (!(model.data[WIDGET].model_id in known)) this.asleep.add(model);
       }
-      this.fresh = reply !== undefined && Object.keys(known).length === 0;
+      if (reply) this.fresh = Object.keys(known).length === 0;
       for (const { content } of waiting.length ? this.views() : []) {
         // JupyterLab has opened it again before there was a kernel, and would say "Loading widget" for ever.
         for (const area of [...content.widgets]) area.dispose();
