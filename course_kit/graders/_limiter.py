@@ -291,7 +291,8 @@ class LimiterSteps(Model):
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
         node.context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
-        self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic(), enabled=self.settings.enabled)
+        # Only what has come already: what comes later is one too many for the next command, or at the end.
+        self.require_quiet(node, 0.0, enabled=self.settings.enabled)
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         heard = Reaction in node.context.conversations  # in this grading, whatever the start
@@ -380,8 +381,8 @@ class LimiterSteps(Model):
         self.lines = node.inbox(STATUS).count
 
     def settle_status(self, node: GradedNode, values: Mapping[str, Any]) -> None:
-        """Before these values are changed: what was to be seen on /status has been."""
-        if self.lines is not None and values.keys() & {"robot_name", "max_velocity"}:
+        """Before the name is changed: what was to be seen on /status has been."""
+        if self.lines is not None and "robot_name" in values:
             self.require_status(node)
 
     def require_status(self, node: GradedNode, sent: str = "") -> None:

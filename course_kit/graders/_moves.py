@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
+from course_kit.graders import charge_to
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
@@ -168,16 +168,6 @@ def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) ->
     """How far from its target the robot was at the last feedback so far, or until then; endless without feedback."""
     heard = [message.feedback for message in goal.feedback if message.came_s <= at_s]
     return math.dist(place_of(heard[-1].position), target) if heard else math.inf
-
-
-@contextmanager
-def charge_to(breaks: str) -> Iterator[None]:
-    """What fails in here costs this check, or the one that proves this sentence."""
-    try:
-        yield
-    except Failed as failed:
-        failed.breaks = breaks
-        raise
 
 
 # --- a goal and its answer

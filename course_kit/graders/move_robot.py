@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_interfaces.action import MoveRobot
 
-from course_kit.graders import _moves
+from course_kit.graders import _moves, charge_to
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
 from course_kit.grading.checks.evidence import UnseenError
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
@@ -104,7 +104,7 @@ class RobotModel(Model):
     def reach_edges(self, node: GradedNode, at: float) -> None:
         """The edges belong to the arena."""
         for target in [ArenaPoint(*place) for edge in (0.0, ARENA) for place in ((at, edge), (edge, at))]:
-            self.make_plain_move(node)
+            self.make_plain_move(node, "outside")
             if self.at == target:
                 self.drive(node, place_inside(target, 1.0, 0.5))
             far = math.dist(self.at, target) > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M)
@@ -133,7 +133,7 @@ class RobotModel(Model):
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
         """A goal that comes while another one runs is rejected, and changes nothing."""
         share, kind = moment
-        self.make_plain_move(node)
+        self.make_plain_move(node, "second_goal")
         begin, target = self.at, self.target_of(way)
         first = self.set_off(node, target, share)
         self.special = "second_goal"
@@ -207,7 +207,7 @@ class RobotModel(Model):
         self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
         target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:
-            self.drive(node, target)
+            self.move_rightly(node, target)
 
     # --- steps of the rules
 
@@ -285,9 +285,9 @@ class RobotModel(Model):
             self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         return move
 
-    def make_plain_move(self, node: GradedNode) -> None:
-        """After something special a plain move comes first: what is wrong with it has that cause."""
-        if self.special:
+    def make_plain_move(self, node: GradedNode, check: str = "") -> None:
+        """After something special, of another check, a plain move comes first: what is wrong with it has that cause."""
+        if self.special not in ("", check):
             self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))
 
     def judge(self, move: Move, *aspects: str) -> None:
@@ -298,7 +298,7 @@ class RobotModel(Model):
         lost = {*self.lost, "progress"} if "feedback" in self.lost else self.lost
         for aspect, require in _moves.ASPECTS.items():
             if aspect not in lost and (aspect in aspects or not aspects):
-                with _moves.charge_to(aspect):
+                with charge_to(aspect):
                     require(move)
         self._judged = (move, len(move.goal.feedback))
 
