@@ -189,19 +189,36 @@ def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> Grad
     return second if second.accepted else first.accepted_by()
 
 
+def finish(node: GradedNode, goal: GradedGoal, room: str, seconds: float) -> GoalOutcome:
+    """A goal that was accepted ends, however; then the robot is where it was sent."""
+    ended, memory = goal.wait_for_end(seconds, "SUCCEEDED"), node.context.memory
+    memory["driven"] += ended.result.distance
+    memory["at"] = PLACES.get(room, 0.0)
+    return ended
+
+
 def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
     """A delivery succeeds within so many seconds, if not the first then another one."""
-    clock, memory = node.context.clock(), node.context.memory
+    clock = node.context.clock()
     while True:
         late, goal = clock.has_passed(seconds), send_until_accepted(node, room, seconds)
-        ended = goal.wait_for_end(seconds + PATIENCE_S, "SUCCEEDED")
-        memory["driven"] += ended.result.distance
-        memory["at"] = PLACES.get(room, 0.0)
-        if ended.status == SUCCEEDED:
+        if finish(node, goal, room, seconds + PATIENCE_S).status == SUCCEEDED:
             return
         if late:
             goal.ends(within_s=PATIENCE_S)
         node.wait(CALM_S)
+
+
+def require_low(node: GradedNode, room: str) -> None:
+    """The battery says that it is low: half a second later, if not before, a delivery is rejected."""
+    node.wait(CALM_S)
+    clock = node.context.clock()
+    while True:
+        late, goal = clock.has_passed(SHOWN_S), node.goal(DELIVER, room=room)
+        goal.wait_for_answer("the goal rejected")
+        if late or not goal.accepted:
+            return goal.rejected(what="a delivery, although the battery is low")
+        finish(node, goal, room, PATIENCE_S)
 
 
 def send_until_accepted(node: GradedNode, room: str, seconds: float = SHOWN_S) -> GradedGoal:

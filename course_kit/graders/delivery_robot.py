@@ -268,14 +268,7 @@ def carrier_rejects(node: GradedNode) -> None:
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
     robot.tell_battery(node, robot.LOW)
-    node.wait(CALM_S)
-    clock = node.context.clock()
-    while (goal := node.goal(DELIVER, room="attic")) and not clock.has_passed(SHOWN_S):
-        goal.wait_for_answer("the goal rejected")
-        if not goal.accepted:
-            break
-        robot.deliver(node, "attic", goal=goal)
-    goal.rejected(what="a delivery, although the battery is low")
+    robot.require_low(node, "attic")
     robot.deliver(node, "dock")
     robot.tell_battery(node, robot.GOOD)
     robot.require_some_delivery(node, "hall", SHOWN_S)
@@ -395,8 +388,7 @@ def delivery_follows(node: GradedNode) -> None:
     node.set({"locked": False}, of="/door").accepted()
     node.set({"low_fraction": 1.0}, of="/battery").accepted()
     robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
-    node.wait(CALM_S)
-    node.goal(DELIVER, room="lab").rejected(what="a delivery, although the battery is low")
+    robot.require_low(node, "lab")
     node.set({"low_fraction": 0.2}, of="/battery").accepted()
 
 
