@@ -196,7 +196,6 @@ class LimiterSteps(Model):
 
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
-        self.refused: list[dict[str, Any]] = []
         self.past: list[tuple[dict[str, Any] | list[float], bool]] = []  # what was done, and whether it was refused
         self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
@@ -232,16 +231,15 @@ class LimiterSteps(Model):
             why = f"Your node refuses {describe_values(wrong)} by itself, and accepts it beside others: judge all."
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
         change.refused(expected=f"refused, and nothing changed: {describe_values(wrong)} is not valid")
-        self.note_refusal(values)
+        self.past.append((values, True))
         if not any(name in change.result.reason for name in wrong):
             for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
                 self.accept(node, {name: values[name]}, CHANGES[name])
             self.require_reason(change, *next(iter(wrong.items())))
 
-    def note_refusal(self, values: dict[str, Any]) -> None:
-        """The node has refused these values."""
-        self.refused.append(values)
-        self.past.append((values, True))
+    def list_refused(self) -> list[dict[str, Any]]:
+        """The values that the node has refused."""
+        return [done for done, refused in self.past if refused and isinstance(done, dict)]
 
     def require_reason(self, change: Change, name: str, value: Any) -> None:
         """The reason of a refusal names the parameter and its range."""
@@ -279,7 +277,7 @@ class LimiterSteps(Model):
             return
         changed = {name: value for name, value in read.items() if value != wanted[name]}
         evidence = Evidence(sent or "get_parameters", describe_values(wanted), describe_values(read))
-        for values in reversed(self.refused):
+        for values in reversed(self.list_refused()):
             if changed.items() <= values.items() or any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks="atomic" if len(values) > 1 else "refuses")
@@ -334,19 +332,17 @@ class LimiterSteps(Model):
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
-        plain: list[dict[str, Any] | list[float]] = []
-        alone = list(plain)  # and of what was refused only the wrong values, one at a time
-        for done, refused in self.past:
-            if not refused:
-                plain.append(done)
-            if isinstance(done, dict) and refused and len(done) > 1:
+        refused, plain = self.list_refused(), [done for done, was_refused in self.past if not was_refused]
+        alone: list[dict[str, Any] | list[float]] = []  # of what was refused only the wrong values, one at a time
+        for done, was_refused in self.past:
+            if isinstance(done, dict) and was_refused and len(done) > 1:
                 alone += [{name: value} for name, value in done.items() if not is_valid(name, value)]
             else:
                 alone.append(done)
-        if not self.refused or not self._goes_right(node, act, plain):
+        if not refused or not self._goes_right(node, act, plain):
             return failed
         why = "Your node refused the change, but since then it behaves differently. It must behave as before."
-        together = any(len(values) > 1 for values in self.refused) and self._goes_right(node, act, alone)
+        together = any(len(values) > 1 for values in refused) and self._goes_right(node, act, alone)
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
 
     def _goes_right(

@@ -186,7 +186,7 @@ class Limiter(LimiterSteps):
         name = next(iter(values))
         change = node.set(values, of=NODE)
         change.refused(expected=f"refused: {RANGES[name]}")
-        self.note_refusal(values)
+        self.past.append((values, True))
         self.in_time(change)
         self.require_reason(change, name, values[name])
 
@@ -217,7 +217,7 @@ class Limiter(LimiterSteps):
         """A value of another type."""
         name = next(iter(values))
         node.set(values, of=NODE).refused(expected=f"refused: {name} is a {TYPES[name]}", diagnosis="parameter.type")
-        self.note_refusal(values)
+        self.past.append((values, True))
 
     @step_rule("undeclared", values=draw_one_of({"wheel_count": 4}, {"max_velocity_": 1.0}))
     def set_undeclared(self, node: GradedNode, values: dict[str, Any]) -> None:
