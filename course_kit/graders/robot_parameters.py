@@ -203,7 +203,8 @@ class Limiter(LimiterSteps):
             self.accept(node, {"enabled": True}, "change_enabled")
         for values in sets:
             self.refuse_set(node, values)
-        self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+        for _ in range(2):  # the same command twice running
+            self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
 
     @step_rule(
         "wrong_type",
