@@ -340,15 +340,14 @@ def carrier_silent(node: GradedNode) -> None:
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.3 + robot.GIVES_UP_S, after_s=0.25)
     node.set({"door_timeout_s": PATIENCE_S}, of="/carrier").accepted()
-    goal = robot.ask_for_delivery(node, "hall", door)
+    goal = robot.ask_for_delivery(node, "attic", door)
     door.reply(SetBool.Response(success=False, message="too late"), 1)
     node.wait(CALM_S)
     robot.open_door(node)
-    ended = goal.wait_for_end(PATIENCE_S, "SUCCEEDED")
+    ended = robot.finish(node, goal, "attic", PATIENCE_S)
     why = "The door has answered the request of the delivery before, which was given up: that is no answer to this one."
     robot.require("too late" not in ended.result.message, Evidence(goal.shown, "SUCCEEDED", ended.result.message), why)
-    node.context.memory["driven"] += ended.result.distance
-    robot.require_some_delivery(node, "hall", PATIENCE_S)
+    robot.require_some_delivery(node, "attic", PATIENCE_S)
 
 
 # --- all together

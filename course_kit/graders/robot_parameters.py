@@ -124,10 +124,7 @@ class Limiter(LimiterSteps):
         kind, size, others = command
         self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
 
-    @step_rule(
-        "change_velocity",
-        values=draw_one_of((5.0, 0.01), (0.001, 1.0), (1.23456789, 0.35)),
-    )
+    @step_rule("change_velocity", values=draw_one_of((5.0, 0.01), (0.001, 1.0), (1.23456789, 0.35)))
     def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
         self.set_numbers(node, *values)
