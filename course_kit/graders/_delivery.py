@@ -126,6 +126,8 @@ def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> Grade
     before, door.answer = len(door.requests), None
     goal = node.goal(DELIVER, room=room).accepted_by()
     asked = node.context.wait_until(lambda: any(request.data for request in list(door.requests)[before:]), PATIENCE_S)
+    if not asked and goal.over_at is not None:  # how it has ended says more
+        goal.ends()
     evidence = Evidence(goal.shown, f"a request for {OPEN} with data=true", "none")
     require(asked, evidence, "The node carrier did not ask for the door.")
     return goal
