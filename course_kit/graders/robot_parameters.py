@@ -138,7 +138,7 @@ class Limiter(LimiterSteps):
         for fields in ([0.5 * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0], [0.0] * 5 + [0.5], [0.0] * 6):
             self.drive(node, fields)
 
-    @step_rule("change_enabled", velocity=draw_between(0.2, 4.0), diameter=draw_between(0.02, 0.9))
+    @step_rule("change_enabled", velocity=draw_between(1.1, 4.0), diameter=draw_between(0.02, 0.9))
     def switch_on(self, node: GradedNode, velocity: float, diameter: float) -> None:
         """On acts, and so does what was changed meanwhile."""
         if self.settings.enabled:
