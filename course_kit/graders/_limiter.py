@@ -32,7 +32,7 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
 SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
-_ANSWER_S = 1.0  # of a change
+ANSWER_S = 1.0  # of a change
 _LINE_S = 1.0  # in which a change shows on /status
 _ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.1  # how long what nobody asked for is waited for; the last at the end
@@ -212,7 +212,8 @@ class LimiterSteps(Model):
             self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic())
         change = node.set(values, of=NODE)
         change.accepted(breaks=breaks)
-        self.in_time(change)
+        if "change_status" not in self.lost:
+            change.within(ANSWER_S, breaks="change_answered")
         self.keep_values(values)
 
     def set_numbers(self, node: GradedNode, velocity: float, diameter: float) -> None:
@@ -237,10 +238,6 @@ class LimiterSteps(Model):
                 self.accept(node, {name: values[name]}, CHANGES[name])
             self.require_reason(change, *next(iter(wrong.items())))
 
-    def list_refused(self) -> list[dict[str, Any]]:
-        """The values that the node has refused."""
-        return [done for done, refused in self.past if refused and isinstance(done, dict)]
-
     def require_reason(self, change: Change, name: str, value: Any) -> None:
         """The reason of a refusal names the parameter and its range."""
         if lacks := missing_in_reason(name, value, change.result.reason):
@@ -257,11 +254,6 @@ class LimiterSteps(Model):
         breaks, why = ("one_each", _ONCE) if on else ("one_each_disabled", f"{_ONCE} With enabled=False, too.")
         node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=breaks)
 
-    def in_time(self, change: Change) -> None:
-        """The answer to a change came within a second."""
-        if "change_status" not in self.lost:
-            change.within(_ANSWER_S, breaks="change_answered")
-
     def keep_values(self, values: dict[str, Any]) -> None:
         """The node has accepted these values."""
         self.settings = replace(self.settings, **values)
@@ -277,8 +269,8 @@ class LimiterSteps(Model):
             return
         changed = {name: value for name, value in read.items() if value != wanted[name]}
         evidence = Evidence(sent or "get_parameters", describe_values(wanted), describe_values(read))
-        for values in reversed(self.list_refused()):
-            if changed.items() <= values.items() or any(name in values for name in changed):
+        for values, refused in reversed(self.past):
+            if refused and any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks="atomic" if len(values) > 1 else "refuses")
         why = "Your node accepted the value, but afterwards the parameter has a different one."
@@ -332,7 +324,8 @@ class LimiterSteps(Model):
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
-        refused, plain = self.list_refused(), [done for done, was_refused in self.past if not was_refused]
+        refused = [done for done, was_refused in self.past if was_refused]
+        plain = [done for done, was_refused in self.past if not was_refused]
         alone: list[dict[str, Any] | list[float]] = []  # of what was refused only the wrong values, one at a time
         for done, was_refused in self.past:
             if isinstance(done, dict) and was_refused and len(done) > 1:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
-from course_kit.graders import charge_to
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, SUCCEEDED
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
@@ -182,8 +181,7 @@ def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoa
 
 def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> None:
     """A valid goal is accepted; else find out what the server minds: this goal, all goals, or what was before."""
-    with charge_to("accepted"):
-        goal.wait_for_answer("the goal accepted")
+    goal.wait_for_answer("the goal accepted")
     if goal.accepted:
         return
     evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr

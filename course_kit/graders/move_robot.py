@@ -235,8 +235,8 @@ class RobotModel(Model):
         try:
             _moves.require_accepted(node, goal, target, z, breaks)
         except Failed as failed:
-            if self.targets[:-1] and not goal.answered:
-                failed.breaks = "succeeds"  # the server has accepted goals before
+            if not goal.answered:
+                failed.breaks = "succeeds" if self.targets[:-1] else "accepted"  # or it has accepted goals before
             raise
         return goal
 

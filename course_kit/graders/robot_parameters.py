@@ -15,6 +15,7 @@ from std_msgs.msg import Float64, String
 
 from course_kit.graders import charge_to
 from course_kit.graders._limiter import (
+    ANSWER_S,
     BEYOND,
     CHANGES,
     COMMAND,
@@ -59,10 +60,7 @@ _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
-_LONG = {
-    "robot_name": "  my robot: 2 of the laboratory on the second floor, beside the window ",
-    "max_velocity": 4.87654321,
-}
+_LONG = {"robot_name": "  my robot: 2 of the laboratory on the second floor, by the wall ", "max_velocity": 4.87654321}
 _WRONG = {
     "max_velocity": (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF),
     "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),
@@ -184,7 +182,8 @@ class Limiter(LimiterSteps):
         change = node.set(values, of=NODE)
         change.refused(expected=f"refused: {RANGES[name]}")
         self.past.append((values, True))
-        self.in_time(change)
+        if "change_status" not in self.lost:
+            change.within(ANSWER_S, breaks="change_answered")
         self.require_reason(change, name, values[name])
 
     def refuse_both(self, node: GradedNode) -> None:
