@@ -250,6 +250,6 @@ def require_folders_apart(sources: Sequence[Path], out: Path) -> None:
         except (OSError, RuntimeError):  # a loop of links, which is said when one of them is opened
             continue
         if source == results or source in results.parents:
-            raise GradingError(f"--out lies inside the submissions ({given}). Name a folder outside them with --out.")
+            raise GradingError(f"The results would lie in {given}, the submissions. Name another folder with --out.")
         if results in source.parents and (given.is_dir() or results / WORKSPACE in source.parents):
             raise GradingError(f"{given} lies in {out}, the folder for the results. Name another folder with --out.")
