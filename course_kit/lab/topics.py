@@ -99,9 +99,7 @@ class DeliveryWait:
 
     def wait(self) -> None:
         """Return when all have had them, or after a second."""
-        if not self._is_complete():
-            self._complete.wait(_DELIVERY)
-        self._lab.output.drain()
+        self._complete.wait(_DELIVERY)
 
     def _count(self, subscription: RclpySubscription) -> None:
         if subscription in self._counts:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +33,22 @@ def test_a_call_returns_the_response() -> None:
     assert call("switch", SetBool, data=False).success is False
     ready = SetBool.Request(data=True)
     assert lab.call_blocking("/switch", SetBool, ready).success is True
+
+
+def test_a_call_passes_at_most_twelve_modules_of_the_lab_and_of_ros(own_lab: Lab) -> None:
+    own_lab.record()
+    lab.start(Switch)
+    call("/switch", SetBool, data=True)
+    passed: set[str] = set()
+
+    def note(frame: Any, *_: object) -> None:
+        passed.add(frame.f_code.co_filename)
+
+    own_lab.engine.executor_thread.ask(lambda: sys.setprofile(note), 5.0)
+    sys.setprofile(note)
+    call("/switch", SetBool, data=False)
+    sys.setprofile(None)
+    assert len([file for file in passed if "/course_kit/lab/" in file or "/course_kit/ros/" in file]) <= 12, passed
 
 
 def test_many_calls_at_once_get_their_own_answers() -> None:

@@ -14,13 +14,10 @@ class Patches:
     def __init__(self) -> None:
         self._replaced: list[tuple[Any, str, Any]] = []
 
-    def set(self, owner: Any, name: str, replacement: Any) -> Any:
+    def set(self, owner: Any, name: str, replacement: Any) -> None:
         """Replace an attribute of a module, a class or an object."""
-        before = getattr(owner, name)
-        own = vars(owner).get(name, _MISSING)
-        self._replaced.append((owner, name, own))
+        self._replaced.append((owner, name, vars(owner).get(name, _MISSING)))
         setattr(owner, name, replacement)
-        return before
 
     def undo(self) -> None:
         while self._replaced:
