@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import secrets
 import time
-from contextlib import ExitStack, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -89,7 +89,14 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if path is not None:
         name = submission.decode_name(str(path))
         try:
-            return _grade_file(exercise, Path(path), seed, worker, only=only, require_isolation=require_isolation)
+            with (
+                copy_file(Path(path), several=bool(exercise.files)) as copy,
+                Reader() as reader,
+                Worker() if worker is None else nullcontext(worker) as used,  # gets warm while the file is read
+            ):
+                text = reader.read(copy, exercise)
+                request = GradingRequest(exercise, text, name, seed, only=only, require_isolation=require_isolation)
+                return grade_submission(request, used)
         except submission.UnreadableError as problem:
             return report_unreadable(exercise, name, submission.decode_name(str(problem)))
     if attach and require_isolation:
@@ -100,17 +107,6 @@ def grade(  # noqa: PLR0913 - the options of one verb
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
         return _grade(exercise, job, name, used, require_isolation)
-
-
-def _grade_file(exercise: Exercise, path: Path, seed: int, worker: Worker | None, **wishes: Any) -> Report:
-    """Have a file read and grade it."""
-    with ExitStack() as opened:
-        copy = opened.enter_context(copy_file(path, several=bool(exercise.files)))
-        reader = opened.enter_context(Reader())
-        used = opened.enter_context(Worker()) if worker is None else worker  # gets warm while the file is read
-        text = reader.read(copy, exercise)
-        name = submission.decode_name(str(path))
-        return grade_submission(GradingRequest(exercise, text, name, seed, **wishes), used)
 
 
 def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:

@@ -1,11 +1,14 @@
-"""One child process: how it is started, waited for and ended, by SIGKILL at last; and what it prints."""
+"""Child processes: how one is started, waited for and ended, by SIGKILL at last, what it prints; and forks."""
 
 from __future__ import annotations
 
+import ctypes
 import fcntl
+import gc
 import math
 import os
 import subprocess
+import sys
 import time
 from contextlib import suppress
 from signal import SIGINT, SIGKILL, SIGTERM, Signals
@@ -14,10 +17,12 @@ from typing import IO, TYPE_CHECKING
 from course_kit.process.libc import die_with_parent, make_memory_file
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
 PIPE, INTO_STDOUT, NOWHERE = subprocess.PIPE, subprocess.STDOUT, subprocess.DEVNULL
+_BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8)
+BOUND_AT_ONCE = {_BINDS_AT_ONCE: "1"}  # to start a process with that is forked again and again: no fork has to bind
 _KILLED_S = 10.0  # the kernel needs some to end a process that is large, or busy with a disk
 
 
@@ -152,3 +157,29 @@ class LastWords:
             end = os.pread(descriptor, self._MOST, max(os.fstat(descriptor).st_size - self._MOST, 0))
             return end.decode("utf-8", errors="replace").strip().rpartition("\n")[2]
         return ""
+
+
+def fork_child(run: Callable[[], object]) -> int:
+    """Fork, and have the child run a function and end."""
+    if child := os.fork():
+        return child
+    status = 1
+    try:
+        run()
+        status = 0
+    except BaseException:  # noqa: BLE001 - whatever it is ends the child; the parent learns of it by the status
+        sys.excepthook(*sys.exc_info())
+    finally:
+        os._exit(status)
+
+
+def freeze_memory() -> None:
+    """Give back what importing left unused, a fifth of the memory, and keep forks from copying what they look at."""
+    if trim := getattr(ctypes.CDLL(None), "malloc_trim", None):  # of glibc
+        trim(ctypes.c_size_t(0))
+    gc.freeze()
+
+
+def forget_binding() -> None:
+    """Have the programs that this process starts bind as usual; the linker has read its variable already."""
+    os.environ.pop(_BINDS_AT_ONCE, None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from course_kit.process.fork import fork_child
+from course_kit.process.child import fork_child
 
 if TYPE_CHECKING:
     import pytest

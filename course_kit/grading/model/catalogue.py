@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -45,10 +45,6 @@ class DiagnosisWords(msgspec.Struct, frozen=True, forbid_unknown_fields=True, om
     explanation: str | None = None
     notebook: str | None = None
     section: str | None = None
-
-    def reword(self, usual: Diagnosis) -> Diagnosis:
-        """The diagnosis in these words."""
-        return replace(usual, **msgspec.to_builtins(self))
 
     def require_sense(self, code: str) -> None:
         """See that there is such a diagnosis, and that no text is empty."""

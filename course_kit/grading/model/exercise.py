@@ -139,7 +139,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         if found is None:
             return None
         if own := self.diagnoses.get(found.code):
-            found = own.reword(found)
+            found = replace(found, **msgspec.to_builtins(own))
         if found.notebook:
             return found
         return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))

@@ -38,7 +38,12 @@ class FoundExercises:
     @property
     def doubles(self) -> dict[str, str]:
         """By id a sentence for each exercise that is there more than once."""
-        return {name: _describe_double(name, places) for name, places in self.folders.items() if len(places) > 1}
+        return {
+            name: f"There are {len(places)} exercises '{name}': in {' and in '.join(map(str, places))}. Rename one, "
+            f"its folder and the id in its {TOML}, or leave one out."
+            for name, places in self.folders.items()
+            if len(places) > 1
+        }
 
 
 def course_folder() -> Path | None:
@@ -139,10 +144,3 @@ def _explain_nothing_found(folder: Path, named_by: str) -> str:
     if not folder.is_dir():
         return f"There is no folder {folder}, which {named_by} names."
     return f"There is no exercise in {folder}, which {named_by} names: no {TOML}, neither in it nor in a folder in it."
-
-
-def _describe_double(name: str, places: tuple[Path, ...]) -> str:
-    return (
-        f"There are {len(places)} exercises '{name}': in {' and in '.join(map(str, places))}. Rename one, its folder "
-        f"and the id in its {TOML}, or leave one out."
-    )

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox import file_view, landlock, machine, namespaces, seccomp
-from course_kit.process.fork import fork_child
+from course_kit.process.child import fork_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable

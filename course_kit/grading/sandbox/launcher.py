@@ -25,7 +25,7 @@ from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import StartOrder, Streams
 from course_kit.process import Closable, tree
-from course_kit.process.fork import fork_child, freeze_memory
+from course_kit.process.child import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
 
 if TYPE_CHECKING:

@@ -34,8 +34,7 @@ from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
-from course_kit.process.child import Child
-from course_kit.process.fork import fork_child
+from course_kit.process.child import Child, fork_child
 from course_kit.process.libc import die_with_parent, set_name
 
 if TYPE_CHECKING:

@@ -110,27 +110,25 @@ def make_start_order(
         variable=job.variable,
         launches=job.launches,
     )
+    hidden = job.hidden
+    if job.command:
+        view = file_view.view_of_command(job.command, job.folder)
+        hidden = tuple(path for path in hidden if not Path(job.folder).is_relative_to(path))  # a user's own choice
+    # Tasks that the kernel counts with the submission's: before Linux 5.14 all of the user's, and what may yet come.
+    version = tuple(int(part) for part in os.uname().release.split(".")[:2])
+    counted_apart = user or (job.isolation.processes and version >= _COUNTS_BY_NAMESPACE)
     interfaces = {PATH_VARIABLE: path_with(job.interfaces)} if job.interfaces else {}  # before others of one name
     return StartOrder(
         program,
         limits=job.limits,
         isolation=job.isolation,
         scratch=scratch,
-        view=_view(job, view),
+        view=view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden),
         environment={**_NO_BYTECODE, **message["variables"], **variables, **interfaces},
         priority=job.priority,
-        others=0 if user else _others(job),
+        others=0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE,
         user=user,
     )
-
-
-def _view(job: Job, view: FileView) -> FileView:
-    """The files that the submission sees."""
-    hidden = job.hidden
-    if job.command:
-        view = file_view.view_of_command(job.command, job.folder)
-        hidden = tuple(path for path in hidden if not Path(job.folder).is_relative_to(path))  # a user's own choice
-    return view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden)
 
 
 def _user(job: Job) -> int:
@@ -141,10 +139,3 @@ def _user(job: Job) -> int:
             if not all(place.stat().st_mode & stat.S_IXOTH for place in around):
                 return 0
     return job.user
-
-
-def _others(job: Job) -> int:
-    """Tasks the kernel counts with the submission's, before Linux 5.14 all of the user's, and what may yet come."""
-    version = tuple(int(part) for part in os.uname().release.split(".")[:2])
-    counted_apart = job.isolation.processes and version >= _COUNTS_BY_NAMESPACE
-    return 0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE

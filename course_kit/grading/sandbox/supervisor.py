@@ -22,7 +22,7 @@ from course_kit.grading.sandbox.launcher import SandboxStartError
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
 from course_kit.grading.sandbox.start_order import Streams, make_start_order
 from course_kit.process import tree
-from course_kit.process.fork import fork_child
+from course_kit.process.child import fork_child
 from course_kit.process.libc import die_with_parent, make_memory_file
 
 if TYPE_CHECKING:
@@ -97,8 +97,17 @@ class Supervisor:
 
     def run(self, run_grader: RunGrader) -> GradingOutcome:
         """Grade, with the checks run by `run_grader` in another process; nothing that was started lives after it."""
+        ours, theirs = Channel.pair()
+
+        def run_it() -> None:
+            ours.close()
+            die_with_parent()
+            run_grader(theirs, self._job, self._lives)
+
         try:
-            problem = self._serve(self._start_probe(run_grader))
+            fork_child(run_it)
+            theirs.close()
+            problem = self._serve(ours)
         finally:
             try:
                 self._stop()
@@ -113,18 +122,6 @@ class Supervisor:
             "problem": problem or self._fault,
             "again": self._again,
         }
-
-    def _start_probe(self, run_grader: RunGrader) -> Channel:
-        ours, theirs = Channel.pair()
-
-        def run() -> None:
-            ours.close()
-            die_with_parent()
-            run_grader(theirs, self._job, self._lives)
-
-        fork_child(run)
-        theirs.close()
-        return ours
 
     def _serve(self, grader_process: Channel) -> str:
         """Obey the grader's process until it is done; returns why the grading came to no end, or nothing."""

@@ -15,8 +15,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.process import Closable
-from course_kit.process.child import INTO_STDOUT, Child, LastWords
-from course_kit.process.fork import BOUND_AT_ONCE
+from course_kit.process.child import BOUND_AT_ONCE, INTO_STDOUT, Child, LastWords
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -26,7 +26,7 @@ from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job
-from course_kit.process.fork import forget_binding, fork_child, freeze_memory
+from course_kit.process.child import forget_binding, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import pytest
 from course_kit.grading import isolation_status
 from course_kit.grading.sandbox import file_view, isolation, landlock
 from course_kit.grading.sandbox.file_view import FileView
-from course_kit.process.fork import fork_child
+from course_kit.process.child import fork_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
