@@ -20,7 +20,7 @@ from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Frame
 from course_kit.grading.model.job import ProcessStatus
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.sandbox import machine, scheduling
+from course_kit.grading.sandbox import machine
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -287,6 +287,6 @@ class CheckContext:
         return condition()
 
     def _look(self) -> MachineState:
-        waited_s, helpers_waited_s = scheduling.own_waiting()
+        waited_s, helpers_waited_s = machine.own_waiting()
         own, busy_s = ProcessorUse(time.process_time(), waited_s), machine.processors_worked() or None
         return MachineState(self.program.processor_use(), own, busy_s, helpers_waited_s)

@@ -159,7 +159,10 @@ def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int =
     for name, target in _DEVICE_LINKS.items():
         os.symlink(target, f"{root}/dev/{name}")  # noqa: PTH211
     _make_read_only(root)
-    _open_devices(f"{root}/dev")
+    for name in _DEVICES:
+        with suppress(OSError):  # some containers have fewer
+            bind(f"/dev/{name}", f"{root}/dev/{name}")
+            _make_read_only(f"{root}/dev/{name}", devices=True)
     mount_memory(f"{root}/dev/shm", megabytes, mode=0o1777, user=user)  # noqa: S108 - of the new root
     mount_memory(f"{root}{scratch}", megabytes, mode=0o700, user=user)
     try:
@@ -205,13 +208,6 @@ def _mask(root: str, path: str) -> None:
         empty.touch()
         bind(str(empty), f"{root}{path}")
         empty.unlink()  # what is mounted stays
-
-
-def _open_devices(folder: str) -> None:
-    for name in _DEVICES:
-        with suppress(OSError):  # some containers have fewer
-            bind(f"/dev/{name}", f"{folder}/{name}")
-            _make_read_only(f"{folder}/{name}", devices=True)
 
 
 def _mount(source: str, target: str, kind: str, flags: int, options: str = "") -> None:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.sandbox import machine, namespaces, runner
 from course_kit.grading.sandbox.isolation import arrange_files
-from course_kit.grading.sandbox.scheduling import WaitTime, last_task
+from course_kit.grading.sandbox.machine import WaitTime, last_task
 from course_kit.process import tree
 from course_kit.process.child import fork_child
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.grading.sandbox import scheduling
-from course_kit.grading.sandbox.scheduling import WaitTime
+from course_kit.grading.sandbox import machine
+from course_kit.grading.sandbox.machine import WaitTime
 from course_kit.process import tree
 from tests.waiting import wait_until
 
@@ -63,7 +63,7 @@ class Clock:
 
 @pytest.fixture
 def proc(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MadeUpProc:
-    monkeypatch.setattr(scheduling, "_PROC", str(tmp_path))
+    monkeypatch.setattr(machine, "_PROC", str(tmp_path))
     return MadeUpProc(tmp_path)
 
 
@@ -146,7 +146,7 @@ def start() -> Iterator[Callable[[str], int]]:
 
 
 def seconds_of(program: int) -> float:
-    return scheduling._cpu_s(program)
+    return machine._cpu_s(program)
 
 
 def test_a_real_program_that_shares_its_processor_has_waited(start: Callable[[str], int]) -> None:
