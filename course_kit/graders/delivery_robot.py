@@ -249,14 +249,14 @@ def carrier_feedback(node: GradedNode) -> None:
     often = len(driving) >= max(5 * metres / robot.ALONE_MPS, 1 + 3 * took_s)  # a busy machine is now and then late
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
     asks = early and all(seen.phase == robot.DOOR for seen in early)
-    charges = [seen.battery for seen in (*early, *heard[-1:])]
+    hears = heard and abs(heard[-1].battery - robot.LESS) < CLOSE
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
         (often, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
-        (all(abs(one - robot.CHARGE) < CLOSE for one in charges[:-1]), f"battery={robot.CHARGE}, as {STATE} said"),
-        (abs(charges[-1] - robot.LESS) < CLOSE, f"battery={robot.LESS} at the end, as {STATE} said meanwhile"),
+        (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in early), f"battery={robot.CHARGE}, as {STATE} said"),
+        (hears, f"battery={robot.LESS} at the end, as {STATE} said meanwhile"),
     ):
         robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
 
