@@ -89,6 +89,8 @@ class OutputCollector:
     def take(self, name: str) -> None:
         """Read what has come on the stream `name`."""
         descriptor = getattr(self.streams, name)
+        if descriptor < 0:  # it has ended with the one before, which may be of the same look
+            return
         try:
             data = os.read(descriptor, _CHUNK)
         except BlockingIOError:
@@ -110,8 +112,7 @@ class OutputCollector:
         # They need not end: a program may have sent them to a process that lives on. So no more than can be there.
         for name in self.open_streams().values():
             for _ in range(0, _LAST_WORDS, _CHUNK):
-                if getattr(self.streams, name) >= 0:
-                    self.take(name)
+                self.take(name)
         self.over = True
 
     def too_much_output(self) -> bool:

@@ -59,3 +59,12 @@ def test_forgetting_starts_anew(written: tuple[OutputCollector, int]) -> None:
     os.write(writer, MAIN)
     process.take("evidence")
     assert process.stacks() == MAIN.decode()
+
+
+def test_what_ends_in_the_same_moment_as_the_program_is_read(written: tuple[OutputCollector, int]) -> None:
+    process, _ = written
+    os.dup2(process.streams.status, process.streams.evidence)
+    for name in process.open_streams().values():  # as poll() names them, all at once
+        process.take(name)
+    assert process.over
+    assert process.open_streams() == {}

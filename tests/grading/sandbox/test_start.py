@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import pytest
 
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.workers import exercise_job
@@ -12,25 +14,21 @@ from tests.grading.conftest import EXERCISE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from course_kit import grading
 
 
-def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, tmp_path: Path) -> None:
-    job = exercise_job.make_job_of_node(load_exercise(EXERCISE), 3)
-    outcome = worker.grade(replace(job, mode="exec", name="true", command=("true",), folder=str(tmp_path / "gone")))
-    assert outcome["results"] == []
+@pytest.mark.parametrize(
+    "odd",
+    [
+        {"mode": "exec", "name": "true", "command": ("true",), "folder": "/gone"},
+        {"mode": "run", "name": "no/such/folder.py", "source": "print('begins')"},  # as on a disk that is full
+    ],
+)
+def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, odd: dict[str, Any]) -> None:
+    outcome = worker.grade(replace(exercise_job.make_job_of_node(load_exercise(EXERCISE), 3), **odd))
+    assert (outcome["results"], outcome["stdout"]) == ([], "")
     assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
-
-
-def test_a_source_that_cannot_be_written_is_no_grade(worker: grading.Worker) -> None:
-    """As on a disk that is full."""
-    job = exercise_job.make_job_of_node(load_exercise(EXERCISE), 3)
-    outcome = worker.grade(replace(job, mode="run", name="no/such/folder.py", source="print('begins')"))
-    assert outcome["results"] == []
-    assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
-    assert outcome["stdout"] == ""
 
 
 IDLE = """
