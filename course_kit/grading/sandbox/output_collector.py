@@ -83,14 +83,12 @@ class OutputCollector:
 
     def open_streams(self) -> dict[int, str]:
         """The descriptors that may still bring something, with their names."""
-        names = ("stdout", "stderr", "status", "evidence")
+        names = ("stdout", "stderr", "evidence", "status")  # the last one's end closes all others
         return {getattr(self.streams, name): name for name in names if getattr(self.streams, name) >= 0}
 
     def take(self, name: str) -> None:
         """Read what has come on the stream `name`."""
         descriptor = getattr(self.streams, name)
-        if descriptor < 0:  # it has ended with the one before, which may be of the same look
-            return
         try:
             data = os.read(descriptor, _CHUNK)
         except BlockingIOError:
@@ -112,7 +110,8 @@ class OutputCollector:
         # They need not end: a program may have sent them to a process that lives on. So no more than can be there.
         for name in self.open_streams().values():
             for _ in range(0, _LAST_WORDS, _CHUNK):
-                self.take(name)
+                if getattr(self.streams, name) >= 0:
+                    self.take(name)
         self.over = True
 
     def too_much_output(self) -> bool:
