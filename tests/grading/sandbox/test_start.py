@@ -17,14 +17,11 @@ if TYPE_CHECKING:
 
     from course_kit import grading
 
+GONE = {"mode": "exec", "name": "true", "command": ("true",), "folder": "/gone"}
+FULL = {"mode": "run", "name": "no/such/folder.py", "source": "print('begins')"}  # as on a disk that is full
 
-@pytest.mark.parametrize(
-    "odd",
-    [
-        {"mode": "exec", "name": "true", "command": ("true",), "folder": "/gone"},
-        {"mode": "run", "name": "no/such/folder.py", "source": "print('begins')"},  # as on a disk that is full
-    ],
-)
+
+@pytest.mark.parametrize("odd", [GONE, FULL])
 def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, odd: dict[str, Any]) -> None:
     outcome = worker.grade(replace(exercise_job.make_job_of_node(load_exercise(EXERCISE), 3), **odd))
     assert (outcome["results"], outcome["stdout"]) == ([], "")
