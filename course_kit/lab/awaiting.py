@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 T = TypeVar("T")
 UNAWAITED: dict[Pending[Any], None] = {}  # in the order of their calls; a cell that ends names its own
+_KEPT = 1_000  # a program has no cell that ends
 _PYTHONS_OWN = ("_", "cr_", "gi_", "ag_")  # what Python itself looks for on anything that may be a coroutine
 
 
@@ -33,7 +34,8 @@ class Pending(Coroutine[Any, Any, T]):
         self._make = make
         self._missing = missing
         self._running: Coroutine[Any, Any, T] | None = None
-        UNAWAITED[self] = None
+        if len(UNAWAITED) < _KEPT:
+            UNAWAITED[self] = None
 
     def send(self, value: Any, /) -> Any:
         """As any coroutine's; a task of asyncio does it."""

@@ -87,8 +87,7 @@ async def set_parameters(
     name = full_name(node)
     with _wait_for_events() as waiting:
         outcome = await _ask(name, _ask_to_set(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if waiting.expects(outcome.events):
-            await asyncio.to_thread(waiting.wait)
+        await asyncio.to_thread(waiting.wait, outcome.events)
     return outcome
 
 
@@ -99,8 +98,7 @@ def set_parameters_blocking(
     name = full_name(node)
     with _wait_for_events() as waiting:
         outcome = _ask_blocking(name, _ask_to_set(name, {**(given or {}), **values}, atomically=atomically), _TIMEOUT)
-        if waiting.expects(outcome.events):
-            waiting.wait()
+        waiting.wait(outcome.events)
     return outcome
 
 

@@ -92,14 +92,11 @@ class DeliveryWait:
         self._lab.hooks.on_delivery.discard(self._count)
         self._lab.output.drain()
 
-    def expects(self, count: int) -> bool:
-        """Whether any of them has still to get so many messages."""
+    def wait(self, count: int) -> None:
+        """Return when all have had so many messages, or after a second."""
         self._expected = count
-        return not self._is_complete()
-
-    def wait(self) -> None:
-        """Return when all have had them, or after a second."""
-        self._complete.wait(_DELIVERY)
+        if not self._is_complete():
+            self._complete.wait(_DELIVERY)
 
     def _count(self, subscription: RclpySubscription) -> None:
         if subscription in self._counts:
@@ -122,8 +119,7 @@ def publish(lab: Engine, topic: str, message_type: type[Message], message: Messa
         return
     with DeliveryWait(lab, publisher.topic_name, publisher.msg_type) as deliveries:
         publisher.publish(ready)
-        if deliveries.expects(1):
-            deliveries.wait()
+        deliveries.wait(1)
 
 
 async def next_messages(

@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import time
+import weakref
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -58,6 +59,11 @@ def test_many_calls_at_once_get_their_own_answers() -> None:
         return await asyncio.gather(*(lab.call("/switch", SetBool, data=number % 2 == 0) for number in range(8)))
 
     assert [answer.success for answer in asyncio.run(several())] == [True, False] * 4
+
+
+def test_a_program_does_not_keep_each_verb_that_it_forgets_to_await() -> None:
+    forgotten = [weakref.ref(lab.call("/never", Trigger)) for _ in range(2_000)]
+    assert sum(verb() is not None for verb in forgotten) <= 1_000
 
 
 def test_a_misspelt_name_gets_the_nearest_one() -> None:
@@ -280,6 +286,17 @@ def test_rclpys_functions_in_a_cell_leave_the_node_to_the_lab() -> None:
     rclpy.shutdown()
     assert call("fine").success is True
     assert node.client.call(Trigger.Request()).success is True
+
+
+def test_spinning_takes_the_node_out_of_its_executor_as_in_a_program(own_lab: Lab) -> None:
+    assert own_lab.engine
+    node, executor = rclpy.create_node("mine"), SingleThreadedExecutor()
+    executor.add_node(node)
+    node.create_timer(0.01, lambda: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        rclpy.spin(node, executor)
+    assert executor.get_nodes() == []
+    node.destroy_node()
 
 
 def test_shutdown_in_a_callback_stops_that_node_only(own_lab: Lab) -> None:

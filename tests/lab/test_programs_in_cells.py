@@ -6,13 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import environment
-from tests.lab.kernel import Kernel
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from tests.lab.kernel import Kernel
 
 OTHER = """
 from course_kit import lab
@@ -49,15 +46,6 @@ CAUGHT = "try:\n        rclpy.spin(node)\n    except KeyboardInterrupt:\n       
 SLEEPS = "time.sleep(60)"
 
 
-@pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Kernel]:
-    with environment.exclusive_domain() as domain_id:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain_id))
-        with Kernel(cwd=tmp_path) as running:
-            assert running.run("%load_ext course_kit").ok
-            yield running
-
-
 def shown_by_stopped(kernel: Kernel, cell: str) -> str:
     """What a cell with an endless program has shown when it was stopped."""
     message = kernel.send(cell)
@@ -80,13 +68,13 @@ def test_a_program_that_is_stopped_in_a_cell_takes_its_node_along(kernel: Kernel
         require_nodes(kernel, "/other\n")
 
 
-def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh: Kernel) -> None:
-    (fresh.cwd / "light.py").write_text(LIGHT.replace("{spin}", CAUGHT) + "\nmain()\n")
-    shown_by_stopped(fresh, "%run light.py")
-    require_nodes(fresh, "")
-    assert fresh.run(OTHER).ok
-    shown_by_stopped(fresh, "%run light.py")
-    require_nodes(fresh, "/other\n")
+def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh_kernel: Kernel) -> None:
+    (fresh_kernel.cwd / "light.py").write_text(LIGHT.replace("{spin}", CAUGHT) + "\nmain()\n")
+    shown_by_stopped(fresh_kernel, "%run light.py")
+    require_nodes(fresh_kernel, "")
+    assert fresh_kernel.run(OTHER).ok
+    shown_by_stopped(fresh_kernel, "%run light.py")
+    require_nodes(fresh_kernel, "/other\n")
 
 
 def test_a_program_that_fails_in_a_cell_takes_its_node_along(kernel: Kernel) -> None:
@@ -186,10 +174,10 @@ print((await goal.result()).sequence)
     assert "would lose the node" in shown.stdout
 
 
-def test_a_line_of_a_newer_ros_is_called_so(fresh: Kernel) -> None:
+def test_a_line_of_a_newer_ros_is_called_so(fresh_kernel: Kernel) -> None:
     program = "import rclpy\nwith rclpy.init():\n    pass"
     said = "This line belongs to a newer ROS 2."
-    assert said in fresh.run(program).stderr
-    assert fresh.run("from course_kit import lab\nlab.current().engine").ok
-    assert said in fresh.run(program).stderr
-    assert said in fresh.run(f"%%ros_script newer\n{program}").stdout
+    assert said in fresh_kernel.run(program).stderr
+    assert fresh_kernel.run("from course_kit import lab\nlab.current().engine").ok
+    assert said in fresh_kernel.run(program).stderr
+    assert said in fresh_kernel.run(f"%%ros_script newer\n{program}").stdout

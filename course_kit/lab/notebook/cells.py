@@ -80,9 +80,7 @@ class Notebook:
 
     def locate(self, filename: str) -> str | None:
         """The name of a cell, such as "In[3]", by the file name its code was compiled with."""
-        if self._shell is None:
-            return None
-        with suppress(AttributeError):
+        with suppress(AttributeError):  # there may be no shell
             found = self._shell.compile.format_code_name(filename)
             return str(found[1]) if found else None
         return None

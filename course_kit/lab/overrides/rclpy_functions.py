@@ -136,7 +136,12 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
             f"rclpy.spin(): this cell runs {node.get_name()} until you press Stop, and no other cell can run. "
             f"lab.start({type(node).__name__}) runs it in the background instead."
         )
-        _spin_for(node, executor, lambda executor: executor.spin())
+        executor = executor or rclpy.get_global_executor()
+        executor.add_node(node)
+        try:
+            executor.spin()
+        finally:
+            executor.remove_node(node)  # as rclpy.spin() does, also where the node was there before
 
     patches.set(rclpy, "spin", spin)
 
