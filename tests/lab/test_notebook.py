@@ -125,7 +125,7 @@ def test_init_says_what_it_ignores(kernel: Kernel) -> None:
 
 
 def test_interrupting_an_await_a_blocking_call_and_a_spin(kernel: Kernel) -> None:
-    kernel.run(SERVER + "\nimport rclpy\nfrom rclpy.callback_groups import ReentrantCallbackGroup\n")
+    kernel.run(SERVER + "\nimport rclpy.experimental\nfrom rclpy.callback_groups import ReentrantCallbackGroup\n")
     kernel.run(
         "class Silent(Node):\n"
         "    def __init__(self):\n"
@@ -143,6 +143,7 @@ def test_interrupting_an_await_a_blocking_call_and_a_spin(kernel: Kernel) -> Non
         "await silent.never.call_async(SetBool.Request())",
         "rclpy.spin_until_future_complete(silent, silent.never.call_async(SetBool.Request()))",
         "node = rclpy.create_node('mine'); rclpy.spin(node)",
+        "rclpy.spin(rclpy.create_node('own'), rclpy.experimental.EventsExecutor())",
     ):
         # One statement: IPython itself is at work between two, and shows an interrupt there in its own way.
         message = kernel.send(f"if print('begun', flush=True) is None:\n    {code}")

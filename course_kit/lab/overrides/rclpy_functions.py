@@ -139,7 +139,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
         executor = executor or rclpy.get_global_executor()
         executor.add_node(node)
         try:
-            executor.spin()
+            Executor.spin(executor)  # as below, also where it has another one, such as that of C++
         finally:
             executor.remove_node(node)  # as rclpy.spin() does, also where the node was there before
 
