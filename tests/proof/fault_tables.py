@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import msgspec
 
 from course_kit.authoring import rules
 from course_kit.authoring.corpus import ProofSubmission
 from course_kit.authoring.gradings import Gradings
 from course_kit.grading.model.exercise import load_exercise
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -66,7 +62,7 @@ def _costs(program: ProofSubmission, seed: int, report: Report) -> bool:
 def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
     """The faults ("fault") or the right programs ("right") of one exercise."""
     table, right = (Path(__file__).parent / part for part in (f"faults/{exercise_id}.toml", f"right/{exercise_id}"))
-    entries = tomllib.loads(table.read_text(encoding="utf-8")).get({"fault": "faults", "right": "right"}[kind], {})
+    told = msgspec.toml.decode(table.read_text(encoding="utf-8"))
     found = [
         ProofSubmission(
             exercise_id,
@@ -80,7 +76,7 @@ def programs(exercise_id: str, kind: str) -> list[ProofSubmission]:
             breaks=tuple([entry["breaks"]] if isinstance(entry.get("breaks"), str) else entry.get("breaks", ())),
             told_in=table,
         )
-        for name, entry in entries.items()
+        for name, entry in told.get({"fault": "faults", "right": "right"}[kind], {}).items()
     ]
     if kind == "right":
         found += [ProofSubmission(exercise_id, kind, path.stem, path) for path in sorted(right.glob("*.py"))]
