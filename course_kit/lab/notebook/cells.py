@@ -54,6 +54,7 @@ class Notebook:
         self.on_end: CellEnd = lambda *_, **__: None
         self._stopped = False  # in this cell
         self._left = dict.fromkeys(_STREAMS, LINES)  # lines that the running cell may still print
+        self._writing: set[int] = set()  # threads that are in `write`; IPython puts its tee between two of ours
         self._patches = Patches()
         self._attached = False
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -139,15 +140,20 @@ class Notebook:
 
     def _route_writes(self, name: Stream, write: Callable[[str], Any]) -> Callable[[str], Any]:
         def routed(text: str) -> Any:
-            if not self._attached:
+            thread = threading.get_ident()
+            if not self._attached or thread in self._writing:
                 return write(text)
-            if threading.get_ident() in self._output.producers:
+            if thread in self._output.producers:
                 self._output.put_part(text, name)
                 return len(text)
             if threading.current_thread() is threading.main_thread():
                 self._output.drain()
             if words := self._limit(text, name):
-                write(words)
+                self._writing.add(thread)
+                try:
+                    write(words)
+                finally:
+                    self._writing.discard(thread)
             return len(text)
 
         routed.notebook = self  # type: ignore[attr-defined] # the mark `_route` looks for
@@ -211,8 +217,7 @@ class Notebook:
 
         from course_kit.lab.runtime.describe import describe_node, is_alive
 
-        def show(node: Any, printer: Any, cycle: bool) -> None:
-            del cycle
+        def show(node: Any, printer: Any, _cycle: bool) -> None:
             printer.text(describe_node(node) if is_alive(node) else f"{type(node).__name__} (stopped)")
 
         formatter = self._shell.display_formatter.formatters["text/plain"]
@@ -230,8 +235,7 @@ class Notebook:
         self._scheduled = False
         self._output.drain()
 
-    def _before_cell(self, info: object) -> None:
-        del info
+    def _before_cell(self, _info: object) -> None:
         self._output.cell = contextvars.copy_context()
         self._left = dict.fromkeys(_STREAMS, LINES)
         self._route()
