@@ -154,7 +154,7 @@ def _zero(scenario: Scenario, strangers: Collection[str], others: int) -> Marks:
         code = UNKNOWN
         problem = f"Your file has no answer for this id, but one for '{_cut(meant)}', which is not a scenario."
     elif others:
-        problem += f" It answers {others} others: if you have your own number, add --seed and the number."
+        problem += " It answers others: if you have your own number, add --seed and the number."
     half = HalfMarks(False, "", problem, code)
     return Marks(scenario, half, half)
 

@@ -100,4 +100,4 @@ def test_answers_to_another_seed_are_recognised() -> None:
     result = quiz.mark(DRAWN, others)
     assert result.strangers == ()
     assert {marks.pattern.code for marks in result.marks} == {"quiz.missing"}
-    assert "add --seed and the number" in result.marks[0].pattern.explanation
+    assert "It answers others: if you have your own number, add --seed" in result.marks[0].pattern.explanation
