@@ -59,7 +59,7 @@ FACTS = [
     ("robot_parameters", "validation.missing", "Your node accepted"),
     ("robot_parameters", "validation.no_reason", "It is empty."),
     ("pattern_choice", "limit.time", "It may compute for 3 s"),
-    ("pattern_choice", "quiz.malformed", "Without quotes, Python takes"),
+    ("pattern_choice", "quiz.malformed", "Without quotes, Python reads"),
     ("pattern_choice", "quiz.unknown", "did you mean"),
 ]
 SYMPTOMS = {  # the words in which an untouched drill is told the cause
