@@ -144,7 +144,7 @@ def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
     expect(notes.get_by_role("heading", level=1)).to_have_text("Demo 3: the parameter that does nothing")
     expect(notes.locator("#planned")).to_have_text("of 4:00")
     code = [cell for cell in cells if cell.kind == "code"]
-    said = {cell.cell_id: cell.notes.split(".")[0].split("`")[0].split("*")[0] for cell in cells}
+    said = {cell.cell_id: "".join(cell.notes).split(".")[0].split("`")[0].split("*")[0] for cell in cells}
     for cell in code:
         expect(notes.locator("#next")).to_have_text(cell.label)
         notes.get_by_role("button", name="Run it").click()

@@ -104,7 +104,12 @@ def grade_wrong(worker: grading.Worker, tmp_path: Path) -> Callable[[str, str], 
             "move_robot",
             "action.cancel_refused",
             "cancel",
-            ["request to cancel the goal", "feedback 1 after", "your node -> grader: cancelling refused", "accepted"],
+            [
+                "goal for /move_robot: ",
+                "accepted",
+                "request to cancel the goal",
+                "your node -> grader: cancelling refused",
+            ],
         ),
     ],
 )
