@@ -237,7 +237,7 @@ def send_until_accepted(node: GradedNode, room: str, seconds: float = SHOWN_S) -
 def deliver_at_door(node: GradedNode) -> GradedGoal:
     """A delivery that waits for a door which opens slowly."""
     node.set({"opening_s": 5.0}, of="/door").accepted()
-    goal = send_until_accepted(node, "lab")
+    goal = send_until_accepted(node, "kitchen")
     node.context.wait_until(lambda: bool(goal.feedback), CALM_S)
     node.wait(CALM_S)
     return goal

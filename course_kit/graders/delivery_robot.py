@@ -398,7 +398,7 @@ def delivery_cancel(node: GradedNode) -> None:
     node.set({"door_timeout_s": 10.0}, of="/carrier").accepted()  # what is given up is not cancelled
     robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.set({"opening_s": 0.1}, of="/door").accepted()
-    robot.require_some_delivery(node, "kitchen", PATIENCE_S)
+    robot.require_some_delivery(node, "lab", PATIENCE_S)
 
 
 @robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
