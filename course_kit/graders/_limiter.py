@@ -265,16 +265,16 @@ class LimiterSteps(Model):
         """The parameters have the values that the model has."""
         read = node.get(*TYPES, of=NODE)
         wanted = vars(self.settings)
-        if all(type(read[name]) is type(value) and read[name] == value for name, value in wanted.items()):
+        changed = [name for name, value in read.items() if (type(value), value) != (type(wanted[name]), wanted[name])]
+        if not changed:
             return
-        changed = {name: value for name, value in read.items() if value != wanted[name]}
         evidence = Evidence(sent or "get_parameters", describe_values(wanted), describe_values(read))
         for values, refused in reversed(self.past):
             if refused and any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."
                 raise Failed(evidence, why, "parameter.not_atomic", breaks="atomic" if len(values) > 1 else "refuses")
         why = "Your node accepted the value, but afterwards the parameter has a different one."
-        raise Failed(evidence, why, breaks=CHANGES[next(iter(changed))])
+        raise Failed(evidence, why, breaks=CHANGES[changed[0]])
 
     def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
         """A command brings exactly one right message on each topic."""
