@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -156,15 +155,11 @@ def test_interrupting_a_cell_stops_its_script(kernel: Kernel) -> None:
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) -> None:
     fresh_kernel.run(f"%%ros_script server\n{SERVER}")
-    children = [
-        one
-        for one in psutil.Process(fresh_kernel.pid).children(recursive=True)
-        if "child_main" in " ".join(one.cmdline())
-    ]
+    below = psutil.Process(fresh_kernel.pid).children(recursive=True)
+    children = [child for child in below if "child_main" in " ".join(child.cmdline())]
     assert len(children) == 1
     os.kill(fresh_kernel.pid, how)
-    _, alive = psutil.wait_procs(children, timeout=15)
-    assert alive == []
+    wait_until(lambda: not any(running(child.pid) for child in children), "the end of the script")
 
 
 @pytest.mark.usefixtures("own_lab")
@@ -181,10 +176,7 @@ def test_a_script_that_ignores_the_interrupt_is_killed_with_its_children(tmp_pat
     lab.script("stubborn", stubborn)
     pids = [int(pid) for pid in pid_file.read_text().split()]
     lab.stop_script("stubborn")
-    deadline = time.monotonic() + 10
-    while any(map(running, pids)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(map(running, pids))
+    wait_until(lambda: not any(map(running, pids)), "the end of a script and its child")
 
 
 def running(pid: int) -> bool:

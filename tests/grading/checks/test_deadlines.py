@@ -11,13 +11,14 @@ import pytest
 from course_interfaces.action import MoveRobot
 from course_interfaces.srv import ConvertTemperature
 from geometry_msgs.msg import Twist
+from std_msgs.msg import Bool
 
 from course_kit import environment
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
-from course_kit.grading.checks.evidence import Evidence
+from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.hangs import ANSWER_S
@@ -103,6 +104,13 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
     "start": (lambda context: context.wait_for_start(lambda: False), START_S),
 }
+
+
+def test_names_may_come_after_topics(context: CheckContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    names, early = context.grader_node.nodes, [True] * 3
+    monkeypatch.setattr(context.grader_node, "nodes", lambda: [] if early and early.pop() else names())
+    with pytest.raises(Failed, match="geometry_msgs/msg/Twist"):
+        expect_endpoints(context, [WantedEndpoint("publisher", "/cmd_vel", Bool)])
 
 
 @pytest.mark.parametrize("verb", VERBS)
