@@ -116,9 +116,8 @@ def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> E
 
     def is_decided() -> bool:
         lacks = list_lacks()
-        has_other_type = clock.wall_s() > _OTHER_TYPE_S and any(set(end.types(node)) - {end.type} for end in lacks)
-        # What a node offers may be known a moment before its name.
-        return not lacks or (has_other_type and bool(node.nodes())) or has_settled(context, clock)
+        other_types = any(set(end.types(node)) - {end.type} for end in lacks) and node.nodes()  # names may come later
+        return not lacks or (clock.wall_s() > _OTHER_TYPE_S and bool(other_types)) or has_settled(context, clock)
 
     with explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
         context.wait_for_start(is_decided)
