@@ -380,8 +380,8 @@ class RobotModel(Model):
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""
-        of_moves = failed.breaks in ("accepted", "succeeds", *_moves.ASPECTS) and failed.diagnosis != "service.future"
-        if not of_moves or failed.breaks in self.lost or not self.special:  # with a future, it is chance that decides
+        of_moves = failed.breaks in ("accepted", "succeeds", *_moves.ASPECTS)
+        if not of_moves or failed.breaks in self.lost or not self.special:
             return
         special, targets = self.special, self.targets[-8:]
         if node.context.job.mode != "attach":
