@@ -1,7 +1,4 @@
-"""One module an exercise, holding only what is particular to it; each says in `CHECKS` what it checks.
-
-Graders speak in checks and probes. They touch neither processes nor files nor sockets.
-"""
+"""Graders, one module an exercise: each says in `CHECKS` what it checks, and touches no process, file or socket."""
 
 from __future__ import annotations
 

@@ -59,7 +59,8 @@ def test_future_without_an_executor_that_wakes_nobody_is_named(worker: grading.W
         assert program.count(old) == 1, old
         program = program.replace(old, new)
     (tmp_path / "waiting.py").write_text(program)
-    report = grading.grade(EXERCISE, tmp_path / "waiting.py", worker=worker)
+    # By this seed a goal is cancelled on its way to an edge, too: that costs no second check.
+    report = grading.grade(EXERCISE, tmp_path / "waiting.py", worker=worker, seed=3)
     failed = [check for check in report.checks if check.status == "failed"]
     version = tuple(map(int, re.findall(r"\d+", metadata.version("rclpy"))[:3]))
     if version >= WAKES_THE_EXECUTOR:
