@@ -49,7 +49,6 @@ NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place i
 STOPS = _moves.draw_way(draw_between(1.7, 2.1))
 CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
-_LOOK_S = 0.005  # how often it is looked how far the robot is
 
 
 class RobotModel(Model):
@@ -255,7 +254,7 @@ class RobotModel(Model):
             return goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length
 
         if share:
-            node.context.wait_until(is_there, seconds, step_s=_LOOK_S)
+            node.context.wait_until(is_there, seconds, step_s=0.005)
         return goal
 
     def reject_second(self, node: GradedNode, first: GradedGoal, target: ArenaPoint) -> None:
