@@ -73,7 +73,7 @@ def try_to_compile(compiler: list[str], root: Path, target: Path, *, foreign: bo
         "-std=c11",
         "-Wall",
         "-Wextra",
-        f"-DSOURCE_CRC={zlib.crc32((root / SOURCE).read_bytes())}u",  # the loader compares it
+        f"-DSOURCE_CRC={source_checksum(root)}u",  # the loader compares it
         "-Wl,-Bsymbolic",  # further copies of it call their own functions
         "-o",
         str(target),
@@ -122,9 +122,14 @@ def compile_helper(
     raise NoCompilerError("\n\n".join(["No C compiler here can compile the course's helper.", *failures]))
 
 
+def source_checksum(root: Path) -> int:
+    """What tells a helper that was made from other sources."""
+    return zlib.crc32((root / LEAVING).read_bytes(), zlib.crc32((root / SOURCE).read_bytes()))
+
+
 def is_compiled(root: Path) -> bool:
     """Whether the helper lies beside its source, was made from it and can be loaded here."""
-    wanted = str(zlib.crc32((root / SOURCE).read_bytes()))
+    wanted = str(source_checksum(root))
     command = [sys.executable, "-I", "-S", "-c", SOURCE_OF, str(root / LIBRARY)]
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() == wanted
 

@@ -60,6 +60,7 @@ def capsule_pointer(made: object) -> int:
 
 LIBRARY = Path(__file__).with_name("_helper.so")
 SOURCE = LIBRARY.with_name("helper.c")
+LEAVING = LIBRARY.with_name("leaving.c")
 
 _POSITION = "_ZN8eprosima7fastcdr3Cdr20get_current_positionEv"
 _JUMP = "_ZN8eprosima7fastcdr3Cdr4jumpEm"
@@ -166,9 +167,9 @@ def ros_library(name: str) -> ctypes.CDLL:
 
 
 def _refuse_another_source(helper: ctypes.PyDLL) -> None:
-    """Refuse a helper that was compiled from another `helper.c`: it would take this one's messages for broken ones."""
+    """Refuse a helper that was compiled from other sources: it would take this one's messages for broken ones."""
     try:
-        wanted = zlib.crc32(SOURCE.read_bytes())
+        wanted = zlib.crc32(LEAVING.read_bytes(), zlib.crc32(SOURCE.read_bytes()))
     except OSError:  # packed without it, and so with what was compiled from it
         return
     source = getattr(helper, "live_source", None)  # the first helpers did not tell
