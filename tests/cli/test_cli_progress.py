@@ -131,7 +131,7 @@ def test_80_columns_are_enough(course: Course, arguments: list[str]) -> None:
 
 def test_an_exercise_that_is_being_written_hides_no_other(tmp_path: Path) -> None:
     text = 'format_version = 1\nid = "{0}"\ntitle = "{0}"\norder = {1}\npoints = 2\npass_mark = 1\nstarter = "a.py"\n'
-    text += 'grader = "a"\nnotebook = "a.ipynb"\nclass_name = "A"\n'
+    text += 'grader = "course_kit.graders.a"\nnotebook = "a.ipynb"\nclass_name = "A"\n'
     for order, name in enumerate(("second", "first"), start=-2):
         (tmp_path / name).mkdir()
         (tmp_path / name / "exercise.toml").write_text(text.format(name, -order))

@@ -105,12 +105,16 @@ def test_an_unknown_exercise_names_the_added_ones_and_what_is_missing(
     ("old", "new", "sentence"),
     [
         ('grader = "checks.py"', 'grader = "missing.py"', "the grader missing.py is not there"),
-        ('grader = "checks.py"', 'grader = "../other.py"', "lies outside"),
+        ('grader = "checks.py"', 'grader = "../other.py"', "other.py lies outside"),
+        ('grader = "checks.py"', 'grader = "my_graders.three"', "my_graders.three is no .py file in"),
+        ('solution = "solution/add_three.py"', 'solution = "../other.py"', "other.py lies outside"),
         ('grader = "checks.py"', "", "'grader' is missing"),
         ('grader = "checks.py"', "grader = 3", "'grader' cannot be right: expected str, got int"),
     ],
 )
-def test_a_grader_lies_in_the_folder_of_its_exercise(old: str, new: str, sentence: str, tmp_path: Path) -> None:
+def test_grader_and_solution_lie_in_the_folder_of_their_exercise(
+    old: str, new: str, sentence: str, tmp_path: Path
+) -> None:
     made = outside_exercises.write(tmp_path)
     (tmp_path / "other.py").write_text("")
     toml = made / "exercise.toml"

@@ -26,6 +26,7 @@ _Text: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]
 _Identifier: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"\A[a-z][a-z0-9_]*\Z")]  # small letters, digits and _
 _FileName: TypeAlias = Annotated[str, msgspec.Meta(pattern=r"\A\w[\w.-]*\.(?:py|yaml)\Z")]
 _OWN_MODULE = ".py"  # what the name of a grader ends in that lies in the exercise's folder
+_OF_THE_KIT = "course_kit."  # and what that of every other one begins with
 
 
 class Hint(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -104,7 +105,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         """The file, or folder of files, with its solution, which may be missing, as in a student edition."""
         if self.written_solution:
             return self.folder / self.written_solution
-        in_course = self.folder.parent.parent / "solutions" / self.folder.name
+        in_course = self.folder.parent.parent / exercise_folders.SOLUTIONS / self.folder.name
         return in_course if self.files else in_course / self.starter
 
     @property
@@ -211,24 +212,30 @@ def _explain_unusable(folder: Path, problem: Exception) -> GradingError:
 
 def _require_sense(exercise: Exercise) -> None:
     """What stands in an exercise.toml makes sense together."""
-    folder = exercise.folder
-    if exercise.id != folder.name:
-        raise ValueError(f"its id '{exercise.id}' is not the name of its folder")
-    if not 0 < exercise.pass_mark <= exercise.points:
-        raise ValueError(f"the pass mark {exercise.pass_mark:g} is not between 0 and {exercise.points:g} points")
-    if sum(map(bool, (exercise.class_name, exercise.variable, exercise.files))) != 1:
-        raise ValueError("it needs either a 'class_name' or a 'variable', or 'files'")
-    if not (exercise.written_starter or exercise.files):
-        raise ValueError("'starter' is missing")
-    if exercise.launch_file not in ("", *exercise.files):
-        raise ValueError(f"the launch file {exercise.launch_file} is none of its files")
+    folder, grader = exercise.folder, exercise.written_grader
+    own = grader if grader.endswith(_OWN_MODULE) else ""
+    own_files = [(folder / name).resolve() for name in (own, exercise.written_solution)]
+    outside = [str(path) for path in own_files if not path.is_relative_to(folder.resolve())]
     names = [sentence.id for sentence in exercise.sentences]
-    if doubles := sorted({name for name in names if names.count(name) > 1}):
-        raise ValueError(f"two sentences have the id '{doubles[0]}'")
+    answers = [kind for kind in (exercise.class_name, exercise.variable, exercise.files) if kind]
+    for is_wrong, what in (
+        (exercise.id != folder.name, f"its id '{exercise.id}' is not the name of its folder"),
+        (
+            not 0 < exercise.pass_mark <= exercise.points,
+            f"the pass mark {exercise.pass_mark:g} is not between 0 and {exercise.points:g} points",
+        ),
+        (len(answers) != 1, "it needs either a 'class_name' or a 'variable', or 'files'"),
+        (not (exercise.written_starter or exercise.files), "'starter' is missing"),
+        (
+            exercise.launch_file not in ("", *exercise.files),
+            f"the launch file {exercise.launch_file} is none of its files",
+        ),
+        (len(set(names)) < len(names), f"two sentences have the id '{max(names, key=names.count, default='')}'"),
+        (not (own or grader.startswith(_OF_THE_KIT)), f"the grader {grader} is no .py file in the exercise's folder"),
+        (not (folder / own).exists(), f"the grader {own} is not there"),
+        (outside, f"{', '.join(outside)} lies outside of the exercise's folder"),
+    ):
+        if is_wrong:
+            raise ValueError(what)
     for code, words in exercise.diagnoses.items():
         words.require_sense(code)
-    grader = exercise.written_grader
-    if grader.endswith(_OWN_MODULE) and not (folder / grader).is_file():
-        raise ValueError(f"the grader {grader} is not there")
-    if grader.endswith(_OWN_MODULE) and not (folder / grader).resolve().is_relative_to(folder.resolve()):
-        raise ValueError(f"the grader {grader} lies outside of the exercise's folder")

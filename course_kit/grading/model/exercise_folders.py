@@ -23,7 +23,8 @@ VARIABLE = "COURSE_EXERCISES"
 TOML = "exercise.toml"
 DRILLS = "drills"  # a folder of exercises for practice, in the course's own folder of exercises
 INTERFACES = "interfaces"  # in an exercise's folder: package/kind/Name.kind
-PROOF = "proof"  # there, too: what proves its grader
+SOLUTIONS = "solutions"  # beside the course's own folder of exercises, in folders named as these
+PROOF = "proof"  # in an exercise's folder, too: what proves its grader
 _OPTION = "--exercises"
 
 

@@ -3,8 +3,7 @@
 A grader is the module or the file that an exercise.toml names; only trusted processes load it. A file is loaded by its
 path, as a module of a new package: what lies beside it is imported as `from .helpers import ...`.
 
-What no submission may see lies anywhere, among Python's libraries, too: the folder of each exercise that was added; and
-where they lie elsewhere, its solution and its grader.
+No submission may see the folder of an exercise that was added, among Python's libraries, either.
 """
 
 from __future__ import annotations
@@ -16,9 +15,7 @@ import shlex
 import shutil
 import sys
 import traceback
-from contextlib import suppress
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -27,22 +24,18 @@ import msgspec
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.model.job import Job
 from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from course_kit.grading.checks.check import Check
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.submission import Submission
 
 _DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points
-_KIT = __name__.partition(".")[0]
 
 
 def make_job(exercise: Exercise, text: Submission, seed: int) -> Job:
@@ -149,39 +142,7 @@ def _place(path: Path, problem: Exception) -> str:
 
 
 def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:
-    """The real paths of files and folders that the submissions of an exercise may not see."""
-    exercises = exercise_folders.added_exercises()
-    found = [folder.resolve() for folder in (exercise.folder, *exercises)]
-    found += files_beside(exercise.solution, exercise.grader)
-    for folder in exercises:
-        with suppress(OSError, GradingError, KeyError, ValueError):  # said where that exercise is asked for
-            brought = read_exercise(folder)
-            found += files_beside(brought.solution, brought.grader)
-    return tuple(dict.fromkeys(map(str, found)))
-
-
-def files_beside(solution: Path, grader: str) -> list[Path]:
-    """What belongs to an exercise and lies outside of its folder."""
-    around = solution.resolve().parent
-    found = [*_with_bytecode(solution.resolve())] if _is_of_libraries(around) else [around]
-    top = grader.partition(".")[0]
-    if top.isidentifier() and top != _KIT:  # of the kit no submission sees a grader anyhow
-        with suppress(ImportError, ValueError):
-            spec = find_spec(top)
-            if spec is not None and spec.submodule_search_locations:
-                packages = (Path(folder).resolve() for folder in spec.submodule_search_locations)
-                found += [place for place in packages if not _is_of_libraries(place)]
-            elif spec is not None and spec.origin and spec.has_location:
-                found += _with_bytecode(Path(spec.origin).resolve())
-    return found
-
-
-def _with_bytecode(module: Path) -> Iterator[Path]:
-    """A file, and what Python has written of it beside it."""
-    yield module
-    yield from module.parent.glob(f"__pycache__/{module.stem}.*.pyc")
-
-
-def _is_of_libraries(folder: Path) -> bool:
-    """Whether Python looks for modules in it or below it, so that hiding it would hide them, too."""
-    return any(Path(entry).resolve().is_relative_to(folder) for entry in sys.path if os.path.isabs(entry))  # noqa: PTH117
+    """The real paths of the folders that the submissions of an exercise may not see: exercises, and their solutions."""
+    folders = [folder.resolve() for folder in (exercise.folder, *exercise_folders.added_exercises())]
+    solutions = (folder.parent.parent / exercise_folders.SOLUTIONS for folder in folders)
+    return tuple(dict.fromkeys(map(str, (*folders, *solutions))))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,7 +25,7 @@ points = 2.0
 pass_mark = 1.0
 starter = "tiny.py"
 notebook = "tiny.ipynb"
-grader = "tiny_grader"
+grader = "checks.py"
 variable = "limits"
 seed = 1
 
@@ -85,7 +83,9 @@ class Tiny:
 
     def grader(self, low: str = "got == 2", high: str = "got == 5") -> None:
         """Write its grader: what of `got` each check takes for right."""
-        (self.folder / "tiny_grader.py").write_text(_GRADER.replace("{low}", low).replace("{high}", high))
+        (self.folder / "exercises" / "tiny" / "checks.py").write_text(
+            _GRADER.replace("{low}", low).replace("{high}", high)
+        )
 
     @property
     def exercise(self) -> Exercise:
@@ -103,11 +103,8 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Tiny:
     made = Tiny(tmp_path)
     (tmp_path / "exercises" / "tiny").mkdir(parents=True)
     (tmp_path / "exercises" / "tiny" / "exercise.toml").write_text(_TOML)
+    made.grader()
     made.exercise.solution.parent.mkdir(parents=True)
     made.exercise.solution.write_text(SOLUTION)
-    made.grader()
-    paths = [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
     monkeypatch.setattr(proving, "_SEEDS_OF_ANSWERS", 1)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))  # so that workers find the grader
-    monkeypatch.delitem(sys.modules, "tiny_grader", raising=False)
     return made

@@ -1,4 +1,4 @@
-"""Of exercises that lie among libraries a submission sees no solution and no grader, wherever these lie."""
+"""Of exercises that lie among libraries a submission sees no solution and no grader."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import read_exercise
-from course_kit.grading.workers import exercise_job
 from tests import outside_exercises
 from tests.outside_exercises import ID
 from tests.refused import WITHOUT_NAMESPACES
@@ -30,12 +28,6 @@ for folder, _, names in os.walk({site}):
                 print("WON: read", os.path.join(folder, name))
         except OSError:
             pass
-for name in ("my_graders.three", "my_graders.helpers", "single_grader"):
-    try:
-        module = __import__(name)
-        print("WON: imported", name) if hasattr(module, "CHECKS") or "." in name else None
-    except (ImportError, OSError):
-        pass
 import visible
 from three_interfaces.srv import Three
 print("INTERFACE", Three.__name__, flush=True)
@@ -55,38 +47,17 @@ SECRET = "NOT_FOR_SUBMISSIONS"  # noqa: S105 - a text to look for
 
 @pytest.fixture
 def site(tmp_path: Path) -> Path:
-    """Two exercises among libraries, their graders and solutions in four other places."""
+    """Two exercises of an own course among libraries: a solution beside them, and one in the exercise's folder."""
     made = tmp_path / "site"
-    text = f"# {SECRET}\n"
-    package = made / "my_exercises"
-    for name, solution, grader in (
-        (ID, "../../answers/x.py", "my_graders.three"),
-        (OTHER, "../../one_file.py", "single_grader"),
-    ):
-        folder = outside_exercises.write(package, name)
-        toml = folder / "exercise.toml"
-        named = toml.read_text().replace("solution/add_three.py", solution).replace("checks.py", grader)
-        toml.write_text(named)
-        (folder / "solution" / "add_three.py").unlink()
-        (folder / "checks.py").unlink()
-    checks = outside_exercises.CHECKS.replace(".samples", "my_graders.helpers")
-    texts = {
-        "my_graders/helpers.py": text + outside_exercises.SAMPLES,
-        "my_graders/__init__.py": text,
-        "my_graders/three.py": text + checks,
-        "my_graders/beside.py": text,
-        "single_grader.py": f'"""{SECRET}"""\n{checks}',  # what Python writes of it has it, too
-        "answers/x.py": text + outside_exercises.SOLUTION,
-        "answers/beside.py": text,
-        "one_file.py": text + outside_exercises.SOLUTION,
-        "visible.py": "print('VISIBLE')\n",
-    }
-    for place, written in texts.items():
-        path = made / place
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(written)
-    cached = "import py_compile, sys; py_compile.compile(sys.argv[1])"
-    subprocess.run([sys.executable, "-c", cached, str(made / "single_grader.py")], check=True, timeout=200)
+    for name in (ID, OTHER):
+        folder = outside_exercises.write(made / "exercises", name)
+        for path in (folder / "checks.py", folder / "solution" / "add_three.py"):
+            path.write_text(f"# {SECRET}\n{path.read_text()}")
+    toml = made / "exercises" / ID / "exercise.toml"
+    toml.write_text(toml.read_text().replace('solution = "solution/add_three.py"\n', ""))
+    (made / "solutions" / ID).mkdir(parents=True)
+    (made / "exercises" / ID / "solution" / "add_three.py").rename(made / "solutions" / ID / "add_three.py")
+    (made / "visible.py").write_text("print('VISIBLE')\n")
     return made
 
 
@@ -98,7 +69,7 @@ def test_solution_and_grader_are_hidden_and_both_work(name: str, before: str, si
     spy.write_text(SPY.replace("{site}", repr(str(site))).replace("{secret}", repr(SECRET)))
     right.write_text(outside_exercises.SOLUTION)
     command = [sys.executable, "-c", before + GRADE, name, str(spy), str(right)]
-    environ = {**os.environ, "PYTHONPATH": str(site), exercise_folders.VARIABLE: str(site / "my_exercises")}
+    environ = {**os.environ, "PYTHONPATH": str(site), exercise_folders.VARIABLE: str(site / "exercises")}
     done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=200, check=False)
     assert done.returncode == 0, done.stderr
     found: list[Any] = json.loads(done.stdout)
@@ -106,26 +77,3 @@ def test_solution_and_grader_are_hidden_and_both_work(name: str, before: str, si
     lines = [line for line in stdout.splitlines() if held or not line.startswith("WON")]
     assert lines == ["VISIBLE", "INTERFACE Three", "VISIBLE", "IN A NEW PYTHON"], (problem, stderr)
     assert score == 3.0, rest
-
-
-def test_what_an_exercise_names_is_found_without_running_its_package(site: Path) -> None:
-    (site / "my_graders" / "__init__.py").write_text("raise RuntimeError('it was run')\n")
-    program = (
-        "import sys; sys.path.insert(0, sys.argv[1]); from course_kit.grading.workers import exercise_job; "
-        "from course_kit.grading.model.exercise import load_exercise; "
-        f"print(*exercise_job.hidden_files_of(load_exercise('{ID}')), sep='\\n')"
-    )
-    command = [sys.executable, "-c", program, str(site)]
-    environ = {**os.environ, exercise_folders.VARIABLE: str(site / "my_exercises")}
-    done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=200, check=True)
-    names = ("answers", f"my_exercises/{ID}", f"my_exercises/{OTHER}", "my_graders", "one_file.py")
-    hidden = {line for line in done.stdout.splitlines() if "__pycache__" not in line}
-    assert hidden == {str(site / name) for name in (*names, "single_grader.py")}
-
-
-def test_a_mistake_in_one_exercise_hides_the_others_none_the_less(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(exercise_folders.VARIABLE, str(site / "my_exercises"))
-    monkeypatch.syspath_prepend(site)
-    exercise = read_exercise(site / "my_exercises" / ID)
-    (site / "my_exercises" / OTHER / "exercise.toml").write_text("id = ")
-    assert {str(site / "answers"), str(site / "my_exercises" / OTHER)} <= set(exercise_job.hidden_files_of(exercise))

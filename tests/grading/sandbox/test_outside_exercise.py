@@ -5,18 +5,17 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-import pytest
-
 from course_kit import grading
 from course_kit.grading import engine
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import Submission
-from course_kit.grading.workers import exercise_job
 from tests import outside_exercises
 from tests.outside_exercises import ID
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import pytest
 
 SPY = """
 import gc, os, sys
@@ -106,59 +105,3 @@ def test_an_exercise_among_the_libraries_is_hidden_and_so_are_others(
     program = tmp_path / "control.py"
     program.write_text("import visible\n")
     assert "VISIBLE" in grading.grade(ID, program).stdout  # that folder is one a submission sees
-
-
-PEEPER = """
-import os
-for path in {paths}:
-    try:
-        if text := open(path).read():
-            print("WON: read", path, len(text))
-    except OSError:
-        pass
-try:
-    import answers.helper
-    print("WON: imported the solution's helper")
-except ImportError:
-    pass
-import visible
-from three_interfaces.srv import Three
-print("INTERFACE", Three.Request().get_fields_and_field_types())
-"""
-
-
-@pytest.mark.parametrize("solution", ["../answers/add_three.py"])
-def test_a_solution_outside_of_the_exercise_s_folder_is_hidden_too(
-    solution: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    libraries = tmp_path / "libraries"
-    made = outside_exercises.write(libraries)
-    (libraries / "visible.py").write_text("")
-    answer = made / solution
-    answer.parent.mkdir(exist_ok=True)
-    (made / "solution" / "add_three.py").rename(answer)
-    helper = libraries / "answers" / "helper.py"
-    if helper.parent.is_dir():
-        helper.write_text("SECRET = 1")
-    described = made / "exercise.toml"
-    described.write_text(described.read_text().replace('"solution/add_three.py"', f'"{solution}"'))
-    assert solution in described.read_text()
-    monkeypatch.setenv("PYTHONPATH", str(libraries))
-    monkeypatch.syspath_prepend(str(libraries))
-    monkeypatch.setenv("COURSE_EXERCISES", str(made))
-    program = tmp_path / "peeper.py"
-    program.write_text(PEEPER.replace("{paths}", repr([str(answer.resolve()), str(helper)])))
-    assert judged(grading.grade(ID, program)) == []
-
-
-def test_all_of_the_package_with_the_checks_is_hidden(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    package = tmp_path / "my_course_package" / "checks"
-    package.mkdir(parents=True)
-    (package.parent / "__init__.py").write_text("raise RuntimeError('nothing of it is run')")
-    (tmp_path / "my_checks.py").write_text("")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    solution = tmp_path / "answers" / "x.py"
-    beside = [str(solution.parent)]
-    named = {"my_course_package.checks.three": [str(package.parent)], "my_checks": [str(tmp_path / "my_checks.py")]}
-    for grader, hidden in {**named, "course_kit.graders.temperature_service": [], "": [], "/x/checks.py": []}.items():
-        assert list(map(str, exercise_job.files_beside(solution, grader))) == [*beside, *hidden]
