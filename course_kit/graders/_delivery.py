@@ -118,7 +118,7 @@ def tell_battery(node: GradedNode, health: int, charge: float = CHARGE) -> None:
 def expect_distance(node: GradedNode) -> None:
     """The carrier says how far it has driven in all."""
     driven = Approximation(node.context.memory["driven"], absolute=NEAR_M)
-    expect_soon(node, DISTANCE, f"{DISTANCE} says something else than the results of goals.", data=driven)
+    expect_soon(node, DISTANCE, f"{DISTANCE} does not match the distances in the results of the goals.", data=driven)
 
 
 def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> GradedGoal:
@@ -176,7 +176,7 @@ def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: 
     said = ended.result.message
     evidence = Evidence(goal.shown, f"a message that contains {words or 'something'!r}", f"message={said!r}")
     right = said.strip() and words in said
-    require(right, evidence, "The result has to say why the parcel has not arrived.")
+    require(right, evidence, "In the result, message has to say why the parcel was not delivered.")
     require_distance(node, goal, ended, 0.0)
 
 

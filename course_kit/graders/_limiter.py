@@ -389,14 +389,14 @@ class LimiterSteps(Model):
         if context.wait_until(fits, _LINE_S + _ACTS_S):
             context.record.add_unasked(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
             return
-        evidence = Evidence(sent, f"on {STATUS}: {self.settings.robot_name}: {self.settings.max_velocity!r} m/s")
+        evidence = Evidence(sent, f"on {STATUS}: '{self.settings.robot_name}: {self.settings.max_velocity!r} m/s'")
         if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall_s()):
             evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
             why = "/status has to be published twice a second, by a timer."
             failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")
             raise self.blame(node, failed, lambda model: model.require_status(node))
         line = str(inbox.messages[-1].data)
-        evidence = replace(evidence, got=f"on {STATUS}: {line}")
+        evidence = replace(evidence, got=f"on {STATUS}: {line!r}")
         read = read_status(line)
         breaks, code = "change_status" if changed and read is not None else "status", None
         if read is None:

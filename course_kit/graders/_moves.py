@@ -269,7 +269,7 @@ def require_truth(move: Move) -> None:
         return not (long and arrived) or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
 
     heard = move.goal.wait_for_last_feedback(is_complete)
-    expected = f"progress from 0 to 1, distance_remaining shrinking, {move.begin} to {move.target}"
+    expected = f"progress 0 to 1, distance_remaining down to 0, positions on the line {move.begin} to {move.target}"
     if not heard:
         if long and arrived:
             why = "There was no feedback during this move."
@@ -300,9 +300,9 @@ def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
             return f"progress={value.progress!r}, which is not between 0 and 1"
     for before, after in itertools.pairwise(values):
         if not after.progress >= before.progress - _ROUNDING:
-            return f"progress={before.progress!r}, then {after.progress!r}"
+            return f"progress={before.progress:.7g}, then {after.progress:.7g}"
         if not after.distance_remaining <= before.distance_remaining + _ROUNDING:
-            return f"distance_remaining={before.distance_remaining!r}, then {after.distance_remaining!r}"
+            return f"distance_remaining={before.distance_remaining:.8g}, then {after.distance_remaining:.8g}"
     return ""
 
 

@@ -55,7 +55,7 @@ def battery_up(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["battery_up"], proves=["rate"])
 def battery_rate(node: GradedNode) -> Evidence:
-    """battery.py alone: it publishes at publish_hz, also after a change."""
+    """battery.py alone: it publishes at publish_hz, even after a change."""
     robot.have_running(node, "battery.py")
     hertz = node.context.random.uniform(15.0, 25.0)
     node.set({"publish_hz": hertz}, of="/battery").accepted()
@@ -66,7 +66,7 @@ def battery_rate(node: GradedNode) -> Evidence:
 
 @robot_check(points=2.5, after=["battery_up"], proves=["full", "falls", "first_distance", "restart", "capacity_change"])
 def battery_falls(node: GradedNode) -> None:
-    """battery.py alone: it is full at the start, and falls by what the robot drives."""
+    """battery.py alone: its charge is full at the start, and falls with the distance driven."""
     robot.have_running(node, "battery.py")
     node.send(DOCKED, data=True)
     node.wait(CALM_S)
@@ -90,7 +90,7 @@ def battery_falls(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["battery_up"], proves=["charges", "status", "health", "within_1_s"])
 def battery_charges(node: GradedNode) -> None:
-    """battery.py alone: it is low below low_fraction, and at the dock it charges."""
+    """battery.py alone: the battery counts as low below low_fraction, and charges at the dock."""
     robot.have_running(node, "battery.py")
     for metres in (600.0, 690.0):  # whatever it makes of that, it is not full then
         node.send(DISTANCE, data=metres)
@@ -120,7 +120,7 @@ def battery_charges(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["battery_up"], proves=["refused", "reason", "capacity_m", "publish_hz", "low_fraction"])
 def battery_refuses(node: GradedNode) -> None:
-    """battery.py alone: an invalid value of a parameter is refused, a valid one is not."""
+    """battery.py alone: invalid parameter values are refused, valid ones are not."""
     robot.have_running(node, "battery.py")
     node.set({"capacity_m": 1000.0}, of="/battery").accepted()
     node.send(DISTANCE, data=0.0)
@@ -181,7 +181,7 @@ def door_locked(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
 def door_free(node: GradedNode) -> None:
-    """door.py alone: while it opens, everybody else is answered."""
+    """door.py alone: while it opens, it answers all other requests."""
     robot.have_running(node, "door.py")
     context, client = node.context, node.context.grader_node.client(SetBool, OPEN, 1)
     context.wait_until(client.is_ready, PATIENCE_S)
@@ -199,9 +199,9 @@ def door_free(node: GradedNode) -> None:
             break
     sent = "a request to open; meanwhile requests to close and to open, and a change of locked"
     evidence = Evidence(sent, "all others answered while the door opens", "the door was open before they were answered")
-    robot.require(in_time, evidence, "While your node waits for the door, nobody else is answered.", "service.blocks")
+    robot.require(in_time, evidence, "While your node opens the door, it answers nobody else.", "service.blocks")
     evidence = Evidence("a request to open; then one to close, and locked=True", "the door opens", "it did not")
-    robot.require(right, evidence, "Whoever asked before it was closed and locked gets it opened.")
+    robot.require(right, evidence, "A request that came before the door was locked still opens it.")
 
 
 # --- the carrier
@@ -218,7 +218,7 @@ def carrier_up(node: GradedNode) -> None:
 
 @robot_check(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
 def carrier_delivers(node: GradedNode) -> None:
-    """carrier.py alone: it asks the door, drives, and says how far."""
+    """carrier.py alone: it asks the door, drives, and reports the distance."""
     door = robot.enter(node)
     for room in ("attic", "cellar"):
         goal = robot.ask_for_delivery(node, room, door)
@@ -232,7 +232,7 @@ def carrier_delivers(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["tells_phase", "tells_remaining", "tells_battery"])
 def carrier_feedback(node: GradedNode) -> None:
-    """carrier.py alone: feedback tells the phase, the way that is left, and the battery."""
+    """carrier.py alone: feedback has the phase, the remaining distance, and the battery."""
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
     node.wait(CALM_S)
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
@@ -263,7 +263,7 @@ def carrier_feedback(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
 def carrier_rejects(node: GradedNode) -> None:
-    """carrier.py alone: unknown rooms are rejected, and all but the dock while the battery is low."""
+    """carrier.py alone: unknown rooms are rejected; while the battery is low, so is every room but the dock."""
     robot.enter(node)
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
@@ -276,7 +276,7 @@ def carrier_rejects(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
 def carrier_one_goal(node: GradedNode) -> None:
-    """carrier.py alone: one goal at a time, and only one of two that come at the same instant."""
+    """carrier.py alone: one goal at a time; of two at the same instant, only one is accepted."""
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
     node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing
@@ -335,7 +335,7 @@ def carrier_cancel(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort", "asks"])
 def carrier_silent(node: GradedNode) -> None:
-    """carrier.py alone: without an answer of the door the delivery is given up in time."""
+    """carrier.py alone: if the door does not answer, the delivery is given up in time."""
     door = robot.enter(node)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     robot.require_aborted(node, robot.ask_for_delivery(node, "hall", door), 0.3 + robot.GIVES_UP_S, after_s=0.25)
@@ -345,7 +345,7 @@ def carrier_silent(node: GradedNode) -> None:
     node.wait(CALM_S)
     robot.open_door(node)
     ended = robot.finish(node, goal, "attic", PATIENCE_S)
-    why = "The door has answered the request of the delivery before, which was given up: that is no answer to this one."
+    why = "This answer of the door belongs to the delivery before, which was given up. It is no answer to the new one."
     robot.require("too late" not in ended.result.message, Evidence(goal.shown, "SUCCEEDED", ended.result.message), why)
     robot.require_some_delivery(node, "attic", PATIENCE_S)
 
@@ -363,7 +363,7 @@ def delivery_graph(node: GradedNode) -> Evidence:
 
 @robot_check(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])
 def delivery_whole(node: GradedNode) -> None:
-    """All together: a delivery, for which the battery falls."""
+    """All together: a delivery works, and the battery falls."""
     robot.have_running(node, *LAUNCH)
     why = "The battery does not hear that the robot stands at the dock."
     robot.expect_state(node, why, power_supply_status=robot.CHARGING)
@@ -379,7 +379,7 @@ def delivery_whole(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["delivery_whole"], proves=["follow", "health", "within_1_s"])
 def delivery_follows(node: GradedNode) -> None:
-    """All together: what is changed in one node the others follow."""
+    """All together: when one node changes, the others follow."""
     robot.have_running(node, *LAUNCH)
     node.set({"locked": True}, of="/door").accepted()
     words = node.call(OPEN, data=True).response.message
@@ -403,7 +403,7 @@ def delivery_cancel(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
 def delivery_killed(node: GradedNode) -> None:
-    """All together: the door dies while it opens; the delivery is given up, and the carrier lives on."""
+    """All together: the door dies while it opens; the delivery is given up, and the carrier keeps running."""
     robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     goal = robot.deliver_at_door(node)
@@ -417,7 +417,7 @@ def delivery_killed(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["delivery_killed"], proves=["back"])
 def delivery_back(node: GradedNode) -> None:
-    """All together: when there is a door again, the next delivery works."""
+    """All together: when the door is back, the next delivery works."""
     offer_service(node, OPEN, SetBool, success=True, message="open")
     robot.require_some_delivery(node, "dock", 5.0)
     node.context.spoil()

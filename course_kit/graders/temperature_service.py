@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from course_interfaces.srv import ConvertTemperature
 
+from course_kit.grading.checks.answers import describe_wanted
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
     Failed,
@@ -209,7 +210,7 @@ class Temperatures(Model):
             of_another = any(has_right_formula(value, answer.response.value) for value in values)
             reason = "Your node answered another request" if of_another else "Alone, this request gets another answer"
             why = f"{reason}: your callback mixes up values of two calls."
-            answer.fail(why, expected=_describe_wanted(sample), breaks="own_value")
+            answer.fail(why, expected=f"success=True, value={right_value(sample)!r}", breaks="own_value")
 
     def expect_conversion(
         self,
@@ -221,15 +222,13 @@ class Temperatures(Model):
         """The answer to a valid request comes in time and is `right`; refusing it breaks the sentence `refused`."""
         answer = node.call(SERVICE, vars(sample), breaks="answers")
         answer.within(_WITHIN_S, breaks="one_call")
-        response, wanted, converts = answer.response, _describe_wanted(sample), sample.from_unit != sample.to_unit
+        response, wanted = answer.response, f"success=True, value={right_value(sample)!r}"
+        converts = sample.from_unit != sample.to_unit
         if not response.success and not response.message.strip():  # no refusal: it has forgotten one line
             value = "The value is right" if has_right_formula(sample, response.value) else "The response has a value"
             why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
             if response.value == 0.0 and not response.message:
-                why = (
-                    "The response came back as ROS 2 creates it: success False, value 0.0, no message. Your callback "
-                    "filled in nothing."
-                )
+                why = "The response still has its default values: your callback set none of its fields."
             answer.fail(why, expected=wanted, breaks="success")
         if not response.success:
             hot = "every_digit" if converts and abs(sample.value) > _ORDINARY else ""
@@ -238,7 +237,10 @@ class Temperatures(Model):
         if not right(sample, response.value):
             answers = self.compare_answers(node, sample, response.value)
             diagnosis, reason = explain_answers(answers, floors=node.context.job.facts.floor_divides)
-            why = f"The grader compared the answers to {len(answers)} requests. {reason}"
+            why = f"The grader checked {len(answers)} of your answers. {reason}"
+            if right is has_every_digit:  # what is wrong may be the last digit
+                got = f"success=True, value={response.value!r}"
+                answer = replace(answer, sent=describe_wanted(vars(sample)), got=got)
             lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
@@ -284,10 +286,6 @@ CHECKS = [
         steps=150, after=["offered"],
     ),
 ]  # fmt: skip
-
-
-def _describe_wanted(sample: Sample) -> str:
-    return f"success=True, value={right_value(sample)!r}"
 
 
 _CONVERTED = (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import bounds, catalogue, exercise_folders, submission
+from course_kit.grading.model import bounds, catalogue, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.report import CheckReport, Report
@@ -23,7 +23,6 @@ from course_kit.ros.graph import Overview
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
-    from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.model.submission import Submission
@@ -192,7 +191,7 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: 
 def _check(exercise: Exercise, result: Record) -> CheckReport:
     failed = result["status"] == "failed"
     found = exercise.diagnosis(result["diagnosis"]) if failed else None
-    hints = _hints(exercise, result["id"], found) if failed else ()
+    hints = exercise.hints_for(result["id"], found) if failed else ()
     more = {
         "message": catalogue.complete_message(result["message"], found),
         "steps": tuple(Arrow(**step) for step in result["steps"]),
@@ -207,11 +206,3 @@ def _check(exercise: Exercise, result: Record) -> CheckReport:
         more_hints=hints[1:],
         known=found,
     )
-
-
-def _hints(exercise: Exercise, check: str, found: Diagnosis | None) -> tuple[str, ...]:
-    """The exercise's own hints for the cause, else the catalogue's; after them the ladder of the check."""
-    of_cause, of_check = exercise.ladder(found.code) if found else (), exercise.ladder(check)
-    of_kit = (found.hint,) if found and not of_cause else ()
-    added = exercise_folders.is_added(exercise.folder)
-    return tuple(dict.fromkeys((*of_cause, *(() if added else of_kit), *of_check, *of_kit)))

@@ -60,8 +60,7 @@ def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     if failed is None:
         return HintLadder(_BEGINNING, tuple(entry.text for entry in exercise.hints), "from the beginning")
     cause = exercise.diagnosis(failed.diagnosis)
-    of_cause = (exercise.ladder(cause.code) or (cause.hint,)) if cause else ()
-    rungs = tuple(dict.fromkeys((*of_cause, *exercise.ladder(failed.check))))
+    rungs = exercise.hints_for(failed.check, cause)
     read_on = cause.link if cause and environment.paths.lesson_path(cause.notebook) else ""
     key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
     return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))

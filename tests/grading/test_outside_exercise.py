@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
-from course_kit.grading import engine
 from course_kit.grading.engine import GradingRequest
 from course_kit.grading.model import catalogue
 from course_kit.grading.model.exercise import load_exercise, read_exercise
@@ -44,12 +43,12 @@ def test_the_authors_hints_come_before_the_kits(tmp_path: Path) -> None:
     mine = read_exercise(outside_exercises.write(tmp_path))
     own = load_exercise("temperature_service")
     known = catalogue.catalogue()["service.blocks"]
-    assert engine._hints(mine, "adds", known) == ("A sum has three parts here.", known.hint)
-    assert engine._hints(own, "fifty_calls", known) == (known.hint, *own.ladder("fifty_calls"))
+    assert mine.hints_for("adds", known) == ("A sum has three parts here.", known.hint)
+    assert own.hints_for("fifty_calls", known) == (known.hint, *own.ladder("fifty_calls"))
     with (mine.folder / "exercise.toml").open("a") as file:
         file.write('\n[[hints]]\nfor = ["service.blocks"]\ntext = "Who waits?"\n')
     mine = read_exercise(mine.folder)
-    assert engine._hints(mine, "adds", known) == ("Who waits?", "A sum has three parts here.")
+    assert mine.hints_for("adds", known) == ("Who waits?", "A sum has three parts here.")
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ SLIPS = {
     "succeed": Slip("goal_handle.succeed()", "goal_handle.abort()", "ABORTED", FIBONACCI),
     "short_orders": Slip("<= 20", "<= 21", "Your server accepted an order of 21.", FIBONACCI),
     "corner": Slip('"y": 2.0', '"y": 0.5', "has to say x=1, y=2", ("34cf6d0a", "5240fb15")),
-    "countdown": Slip("order, -1, -1", "order, 0, -1", "result is [3, 2, 1]; it has to be [3, 2, 1, 0].", FIBONACCI),
+    "countdown": Slip("order, -1, -1", "order, 0, -1", "sequence is [3, 2, 1]; it has to be [3, 2, 1, 0].", FIBONACCI),
     "radio": Slip("108.0", "180.0", "accepted", OVEN),
     "greeter": Slip('self.get_parameter("word").value', '"hello"', "has to say 'moin'", OVEN),
     "kettle": Slip("> 100.0", "> 1000.0", "accepted", ("ab90d110",)),

@@ -27,7 +27,7 @@ OF_ACTIONS = ("start.exit", "action.", "name.action", "name.node", "type.", "fie
 OF_PARAMETERS = ("start.exit", "parameter.", "topic.")
 OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "limit.time", "quiz.")
 FACTS = [
-    ("temperature_service", "start.syntax", "line 36: def main()"),
+    ("temperature_service", "start.syntax", "the line reads `def main()`"),
     ("temperature_service", "start.import", "The nearest name is course_interfaces"),
     ("temperature_service", "start.crash", "KeyError: 'kelvin' in line 13"),
     ("temperature_service", "start.nothing", "the class TemperatureService, which is not an rclpy Node"),

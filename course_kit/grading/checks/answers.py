@@ -116,7 +116,7 @@ class Answer(Reply):
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
         for path, wanted, got in differences(fields, self.response):
-            text = why or f"{path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
+            text = why or f"In the response, {path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
             self.fail(text, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
         return self
 
@@ -202,7 +202,7 @@ class Change(Reply):
             >>> node.set(max_speed=-1.0).refused(breaks="refused")
         """
         if self.result.successful:
-            why = f"Your node accepted {describe_values(self.values)}."
+            why = f"Your node accepted {describe_values(self.values)}, but it should refuse it."
             self.fail(why, expected=expected, breaks=breaks, diagnosis=diagnosis)
         self._require_proper_answer(expected)
 

@@ -172,7 +172,7 @@ class CheckContext:
     ) -> None:
         """Start the submission on its own empty graph, with the exercise's variables and these; end one that runs."""
         if arguments and self.job.mode == "attach":
-            raise NotRun("it starts your program again, but with --attach your program is already running.")
+            raise NotRun("because it starts your program again, but with --attach your program is already running.")
         self.close()
         self.spoiled = False
         self.memory.clear()

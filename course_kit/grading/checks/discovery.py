@@ -199,8 +199,8 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
         return "Your program worked when it was first started. Started again, it did not offer all of this.", None
     if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]
-    verb = _VERBS.get(end.kind, f"offers the {end.kind}")
-    return f"No node {verb} {end.name}, which {end.program} has to bring.", None
+    verb = {"publisher": "publish", "subscription": "subscribe to"}.get(end.kind, f"offer the {end.kind}")
+    return f"{end.program} has to {verb} {end.name}, but no node does.", None
 
 
 def list_names(names: Sequence[str], what: str) -> str:

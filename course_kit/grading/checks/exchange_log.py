@@ -105,7 +105,10 @@ class ExchangeLog:
         if not found:
             return ()
         if (before := len(found) - _MOST) > 0:
-            found = [Arrow(GRADER, GRADER, "note", f"({before} earlier steps left out)"), *found[before:]]
+            found = [
+                Arrow(GRADER, GRADER, "note", f"({before} earlier step{'s' * (before > 1)} left out)"),
+                *found[before:],
+            ]
         return (*found, *_end(found[-1], evidence))
 
     def _exchange_for(self, about: str = "", *, minor: bool = False) -> Exchange:

@@ -188,7 +188,7 @@ class GradedGoal:
             failed.breaks = failed.breaks or breaks
             raise
         for path, wanted, got in differences(fields, ended.result):
-            why = f"{path} of the result is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
+            why = f"In the result, {path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
             raise Failed(evidence, why, breaks=breaks)
         if (took_s := self.clock.wall_s()) < not_before_s:
             evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
@@ -220,7 +220,7 @@ class GradedGoal:
         for which, fields, message in (("first", first, heard[0].feedback), ("last", last, heard[-1].feedback)):
             for path, due, got in differences(fields or {}, message):
                 expected = f"the {which} feedback with {describe_wanted(fields)}"
-                why = f"{path} of the {which} feedback is {describe_wanted(got)}; it has to be {describe_wanted(due)}."
+                why = f"In the {which} feedback, {path} is {describe_wanted(got)}; it has to be {describe_wanted(due)}."
                 raise Failed(Evidence(self.shown, expected, in_one_line(message)), why)
 
     def cancelled(self, *, within_s: float = PROMPT_S, breaks: str = "") -> GradedGoal:

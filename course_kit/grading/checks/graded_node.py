@@ -181,7 +181,8 @@ class GradedNode:
         for path, expected_value, got in differences(found, message):
             expected, came = f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
             evidence = Evidence(self._last_sent, expected, came)
-            text = why or f"{path or topic} is {describe_wanted(got)}; it has to be {describe_wanted(expected_value)}."
+            of = f"In the message on {topic}, {path}" if path else topic
+            text = why or f"{of} is {describe_wanted(got)}; it has to be {describe_wanted(expected_value)}."
             raise Failed(evidence, text, diagnosis, breaks=breaks)
         return message
 

@@ -198,7 +198,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
                 answer.within(hangs.ANSWER_S if within_s is None else within_s)
             code, why = _cause(node, fields, answer.response), ""
             if answer.response == type(answer.response)():
-                code, why = None, "The response came back as ROS 2 creates it: your callback filled in nothing."
+                code, why = None, "The response still has its default values: your callback set none of its fields."
             if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
                 code = None
                 why = "Your node sent the answer to another request: your callback mixes up values of two calls."

@@ -134,6 +134,14 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         """The hints for a check or a diagnosis, from a nudge to a push; empty when there are none."""
         return tuple(hint.text for hint in self.hints if any(fnmatchcase(topic, name) for name in hint.topics))
 
+    def hints_for(self, check: str, found: Diagnosis | None) -> tuple[str, ...]:
+        """The hints for a failed check: those for it and its cause, those for the cause, else the kit's, its ladder."""
+        of_cause, of_check = self.ladder(found.code) if found else (), self.ladder(check)
+        of_both = (hint for hint in of_cause if hint in of_check)
+        of_kit = (found.hint,) if found and not of_cause else ()
+        early = () if exercise_folders.is_added(self.folder) else of_kit
+        return tuple(dict.fromkeys((*of_both, *of_cause, *early, *of_check, *of_kit)))
+
     def diagnosis(self, code: str | None) -> Diagnosis | None:
         """A diagnosis as this exercise words it, else as the catalogue does; None if the code is unknown."""
         found = catalogue().get(code or "")

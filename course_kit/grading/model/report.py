@@ -97,7 +97,7 @@ class Report:
         found: dict[str, list[CheckReport]] = {}
         for check in self.checks:
             if check.status == "skipped":
-                found.setdefault(check.message.removeprefix("Not run: ").rstrip("."), []).append(check)
+                found.setdefault(check.message.rstrip("."), []).append(check)
         return found
 
     def of_part(self, part: str) -> Report:

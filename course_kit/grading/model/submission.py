@@ -63,8 +63,10 @@ class Submission:
         if self.fault is None:
             return ""
         line, text, problem = self.fault
-        place = f" in {self.describe_line(line)}: {text}" if line else ""
-        return f"{problem[:1].upper()}{problem[1:].rstrip('.')}{place}."
+        problem = problem if problem.endswith(("?", ".")) else f"{problem}."
+        if not line:
+            return f"{problem[:1].upper()}{problem[1:]}"
+        return f"In {self.describe_line(line)}: {problem}" + f" The line reads `{text}`." * bool(text)
 
     @property
     def note(self) -> str:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from course_kit.ros.graph_drawing import in_sentences
 from course_kit.text.console import wrap_text
-from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.report import CheckReport, Report
@@ -29,9 +28,7 @@ def render_text(report: Report, width: int = 80) -> str:
         lines += check_lines(check, width, practice=report.practice)
     for why, checks in report.not_run.items():
         begin = _beginning("skipped", 0.0, sum(check.max_points for check in checks), practice=report.practice)
-        lines += _wrap(
-            f"{begin}Not run because {why}: {'; '.join(one.title for one in checks)}.", width, hanging=len(begin)
-        )
+        lines += _wrap(f"{begin}{why}: {'; '.join(one.title for one in checks)}.", width, hanging=len(begin))
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
@@ -90,13 +87,9 @@ def _last_output(name: str, text: str, width: int) -> list[str]:
     tail = text.rstrip("\n").split("\n")[-_TAIL_LINES:]
     return [
         "",
-        f"The end of your program's {name}:",
-        *(line for part in tail for line in _cut(f"  | {make_printable(part)}", width)),
+        f"The end of your program's {name}, also from checks that passed:",
+        *(line for part in tail for line in wrap_text(part, "  | ", "  | ", width=width) or ["  |"]),
     ]
-
-
-def _cut(line: str, width: int) -> list[str]:
-    return [line[start : start + width] for start in range(0, len(line), width)] or [line]
 
 
 def _wrap(text: str, width: int, indent: int = 0, hanging: int = 0) -> list[str]:
