@@ -111,7 +111,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="course-kit dev check",
+        prog=f"{environment.course_command()} dev check",
         description="Grade every program that proves an exercise, and check that each gets its verdict. For your own "
         "exercise these are its starter, its solution and what is in its folder proof/.",
     )

@@ -32,6 +32,7 @@ NAME = "ros2-course"  # the folder inside a zip
 ANSWERS_FOUND = 1
 _LIST = "course_kit/authoring/edition.toml"
 _NAMED = 10  # files that are named; of more, their folders with counts
+_OTHER_ARCHIVES = (".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 
 
 class AnswersFoundError(GradingError):
@@ -103,7 +104,7 @@ def describe_edition(planned: EditionPlan) -> Iterator[str]:
     )
     if planned.drills:
         yield f"For practice it holds {_count(len(planned.drills), 'drill')}: {', '.join(planned.drills)}."
-    yield "No program in it scores more than its exercise's starter, or holds more than half of a solution."
+    yield "Checked: no program in it scores more than its exercise's starter, or holds more than half of a solution."
     yield f"Left out: {_name_folders(planned.instructors)}."
     if planned.unwanted:
         yield f"Left out, as you asked: {', '.join(planned.unwanted)}."
@@ -136,6 +137,8 @@ def _require_free(target: Path) -> None:
     if _is_zip(target):
         if target.exists():
             raise GradingError(f"{target} exists already. Remove it, or choose another name.")
+    elif target.suffix.lower() in _OTHER_ARCHIVES:
+        raise GradingError(f"The edition is a folder or a .zip file. Let {target.name} end in .zip, or name a folder.")
     elif target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
 
@@ -159,10 +162,10 @@ def _name(names: Sequence[str]) -> str:
 
 
 def _name_folders(names: Iterable[str]) -> str:
-    """Files counted by folder: `solutions/ (4), tests/ (210), README.md`."""
+    """Files counted by folder: `solutions/ (4 files), tests/ (210 files), README.md`."""
     counts = Counter(_folder_of(name) for name in names)
     lines = [
-        f"{one_line(name)} ({count})" if name.endswith("/") else one_line(name)
+        f"{one_line(name)} ({_count(count, 'file')})" if name.endswith("/") else one_line(name)
         for name, count in sorted(counts.items())
     ]
     return ", ".join(lines) or "nothing"

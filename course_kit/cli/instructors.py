@@ -41,7 +41,7 @@ def add_to(verbs: Verbs) -> None:
     present = verbs.add_parser(
         "present",
         help="show a demo to a class, with your notes in a second window",
-        usage="course-kit present [DEMO] [OPTIONS]",
+        usage=f"{environment.course_command()} present [DEMO] [OPTIONS]",
         description="Show DEMO to a class. DEMO is the number or name of a demo or lesson; if left out, demo 1.",
         epilog="OPTIONS go to `jupyter lab`.",
     )
@@ -49,7 +49,9 @@ def add_to(verbs: Verbs) -> None:
 
     dev = verbs.add_parser("dev", help="for maintainers of the course: prove that its graders are right")
     dev.add_argument("tool", choices=_TOOLS)
-    dev.add_argument("rest", nargs=argparse.REMAINDER, help="its options; see course-kit dev TOOL --help")
+    dev.add_argument(
+        "rest", nargs=argparse.REMAINDER, help=f"its options; see {environment.course_command()} dev TOOL --help"
+    )
     dev.set_defaults(run=_dev)
 
 
@@ -88,7 +90,7 @@ def _add_export(verbs: Verbs) -> None:
     gradescope = kinds.add_parser("gradescope", help="the autograder zip of an exercise for Gradescope")
     classroom50 = kinds.add_parser("classroom50", help="the autograder folder of an exercise for Classroom 50")
     for kind, what in ((gradescope, "a new .zip file"), (classroom50, "a new folder")):
-        kind.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
+        kind.add_argument("exercise", help=f"the exercise's id, as `{environment.course_command()} list` shows it")
         kind.add_argument("--to", type=Path, required=True, metavar="PATH", help=what)
         kind.add_argument(
             "--seed",
@@ -107,7 +109,7 @@ def _add_new(verbs: Verbs) -> None:
         help="make an exercise of your own, in any folder",
         epilog="course_kit/authoring/AUTHORING.md says what to do next.",
     )
-    new.add_argument("what", choices=("exercise",))
+    new.add_argument("what", metavar="exercise", type=_require_word, help="the word exercise")
     new.add_argument("name", help="its id: small letters, digits and _")
     kind = new.add_mutually_exclusive_group(required=True)
     for name, what in _KINDS.items():
@@ -121,6 +123,13 @@ def _add_new(verbs: Verbs) -> None:
         "--in", dest="folder", type=Path, metavar="DIR", help="the folder to make it in; the current one if left out"
     )
     new.set_defaults(run=_create_new_exercise)
+
+
+def _require_word(word: str) -> str:
+    if word != "exercise":
+        command = environment.course_command()
+        raise argparse.ArgumentTypeError(f"after `new` comes the word exercise: {command} new exercise NAME --service")
+    return word
 
 
 def _add_bundle(verbs: Verbs) -> None:

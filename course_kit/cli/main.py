@@ -32,8 +32,9 @@ _WISHES = ("seed", "only", "attach", "exec_command", "require_isolation")  # of 
 
 def build_parser() -> argparse.ArgumentParser:
     """The command line as argparse sees it."""
+    command = environment.course_command()
     parser = argparse.ArgumentParser(
-        prog="course-kit", description="A live course on ROS 2 services, actions and parameters."
+        prog=command, description="A live course on ROS 2 services, actions and parameters."
     )
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
     for_instructors = find_spec("course_kit.authoring") is not None  # the student edition comes without it
@@ -41,7 +42,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_folder_verbs(verbs)
 
     grade = verbs.add_parser("grade", help="grade a solution of an exercise", epilog=_ON_LIMITS)
-    grade.add_argument("exercise", help="the exercise's id, as `course-kit list` shows it")
+    grade.add_argument("exercise", help=f"the exercise's id, as `{command} list` shows it")
     grade.add_argument("path", nargs="?", help=f"your .py or .ipynb file; {_FOUND}")
     grade.add_argument(
         "--format",
@@ -72,11 +73,11 @@ def build_parser() -> argparse.ArgumentParser:
     doctor = verbs.add_parser("doctor", help="check this machine and suggest fixes")
     doctor.set_defaults(run=_doctor)
     for listed in verbs._choices_actions:  # noqa: SLF001 - each command's --help begins with its line in the list
-        line, command = listed.help or "", verbs.choices[listed.dest]
-        command.description = command.description or f"{line[:1].upper()}{line[1:]}."
+        line, verb = listed.help or "", verbs.choices[listed.dest]
+        verb.description = verb.description or f"{line[:1].upper()}{line[1:]}."
     parser.set_defaults(commands=verbs.choices)
-    for command in _with_commands(parser):
-        command.add_argument(
+    for each in _with_commands(parser):
+        each.add_argument(
             _EXERCISES,
             metavar="DIR",
             help="also use the exercises in DIR, or the exercise DIR; repeatable. COURSE_EXERCISES does the same",
@@ -97,7 +98,7 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
     lab = verbs.add_parser(
         "lab",
         help="open the course in JupyterLab",
-        usage="course-kit lab [DIR] [OPTIONS]",
+        usage=f"{environment.course_command()} lab [DIR] [OPTIONS]",
         description="Open the course in JupyterLab. DIR is your folder, made or brought up to date. Without DIR: "
         "the folder you are in, else my-course in a clone of the course, else ros2-course in your home directory.",
         epilog="OPTIONS go to `jupyter lab`.",
@@ -111,7 +112,7 @@ def _add_folder_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParser]
     hub = verbs.add_parser(
         "hub-singleuser",
         help="started by a JupyterHub for each user, as its c.Spawner.cmd",
-        usage="course-kit hub-singleuser [OPTIONS]",
+        usage=f"{environment.course_command()} hub-singleuser [OPTIONS]",
         description="Make the user's folder of lessons, or bring it up to date; then start jupyterhub-singleuser.",
         epilog="OPTIONS go to `jupyterhub-singleuser`.",
     )
@@ -138,12 +139,16 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     hint.add_argument("--again", action="store_true", help="repeat the hints you have already seen")
     hint.set_defaults(run=_hint)
 
-    tutor = verbs.add_parser("tutor", help="serve the course to an AI assistant, by the Model Context Protocol")
+    tutor = verbs.add_parser(
+        "tutor", help="let your AI assistant use the course's tutoring tools (Model Context Protocol)"
+    )
     tutor.set_defaults(run=_tutor)
 
     reset = verbs.add_parser("reset", help="put an exercise's starter back, and keep your file beside it")
     reset.add_argument("exercise", help="the exercise's id")
-    reset.add_argument("path", nargs="?", type=Path, help=f"your file, or a folder (it may be new); {_FOUND}")
+    reset.add_argument(
+        "path", nargs="?", type=Path, help=f"the file to replace, or a folder, which is made if it is missing; {_FOUND}"
+    )
     reset.add_argument("--yes", action="store_true", help=argparse.SUPPRESS)  # of 0.3, which asked
     reset.add_argument("--progress", action="store_true", help="also forget its best score, tries and hints")
     reset.set_defaults(run=_reset)

@@ -56,7 +56,7 @@ _DEADLINE_S = 600.0
 def main(arguments: Sequence[str]) -> int:
     """Write the lock anew; 0 when that went well, else 2."""
     parser = argparse.ArgumentParser(
-        prog="course-kit dev lock",
+        prog=f"{environment.course_command()} dev lock",
         description="Write the versions and hashes of all packages that a set-up installs to course_setup/locked. "
         "Versions that are there and still fit stay.",
     )

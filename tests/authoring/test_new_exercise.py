@@ -94,6 +94,12 @@ def test_nothing_that_is_there_is_written_over(tmp_path: Path, capsys: pytest.Ca
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dead_band", "file"]
 
 
+def test_the_word_exercise_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["new", "dead_band", "--service"])
+    assert "after `new` comes the word exercise: ./course new exercise NAME" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("file", "old", "new", "sentence"),
     [

@@ -18,6 +18,7 @@ import pytest
 from course_kit import environment
 from course_kit.authoring import edition_notebooks, edition_plan, release
 from course_kit.cli import main as cli
+from course_kit.grading.errors import GradingError
 from tests.course_copy import TEMPERATURE
 
 if TYPE_CHECKING:
@@ -193,6 +194,12 @@ def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(
     names = listed.read_text().splitlines()
     assert names == sorted(names)
     assert {"exam/question.md", "course_kit/authoring/release.py"} < set(names)
+
+
+def test_an_archive_of_another_kind_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(GradingError, match=r"Let student\.tar end in \.zip"):
+        release.make_edition(tmp_path / "new" / "student.tar")
+    assert not list(tmp_path.iterdir())
 
 
 def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None:

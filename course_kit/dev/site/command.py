@@ -50,7 +50,9 @@ _END_OF_FOLDED = re.compile(r"[ \t]*\n*</details>")
 
 def main(arguments: Sequence[str]) -> int:
     """The command: 0 when the site is there, 1 when Sphinx warned of something, 2 when it could not be tried."""
-    parser = argparse.ArgumentParser(prog="course-kit dev site", description=(__doc__ or "").partition("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog=f"{environment.course_command()} dev site", description=(__doc__ or "").partition("\n")[0]
+    )
     parser.add_argument(
         "--to", type=Path, metavar="DIR", help=f"where it goes; left out, {_USUAL} in the course's folder"
     )
