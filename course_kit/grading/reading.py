@@ -30,9 +30,9 @@ from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
 from course_kit.process.child import INTO_STDOUT, Child, LastWords
 from course_kit.process.libc import make_memory_file
-from course_kit.reader import contract, files, fingerprints, text
+from course_kit.reader import files, fingerprints, process, text
 from course_kit.reader.files import ARCHIVE, YAML
-from course_kit.reader.process import TOO_MUCH_MEMORY
+from course_kit.reader.python import MEMORY_MB
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
 
 if TYPE_CHECKING:
@@ -249,8 +249,8 @@ class Reader(Closable):
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written."""
         with _file_in_memory() as answer:
-            contract.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
-            deadline = time.monotonic() + contract.WALL_S + _GRACE_S
+            process.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
+            deadline = time.monotonic() + process.WALL_S + _GRACE_S
             poll = select.poll()
             poll.register(self._line, select.POLLIN)
             while not poll.poll(_LOOK_S * 1000):
@@ -258,23 +258,23 @@ class Reader(Closable):
                     raise ReadingStoppedError
                 if time.monotonic() > deadline:
                     raise EOFError("the reader hangs")
-            ended, _ = contract.receive_packet(self._line)
+            ended, _ = process.receive_packet(self._line)
             answer.seek(0)
-            return ended, answer.read(contract.ANSWER_BYTES)
+            return ended, answer.read(process.ANSWER_BYTES)
 
     def _has_answer(self, copy: Copy, ended: Record) -> bool:
         """Whether there is an answer; False when the child was ended by somebody else, or has failed."""
         status, cpu_s = int(ended["status"]), float(ended["cpu_s"])
         ended_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-        used_up = ended_by == signal.SIGXCPU or (ended_by and cpu_s >= contract.CPU_S - 1)
+        used_up = ended_by == signal.SIGXCPU or (ended_by and cpu_s >= process.CPU_S - 1)
         if ended["late"] and not used_up:
-            raise GradingError(f"The machine was too busy: {copy.name} was not read within {contract.WALL_S:g} s.")
+            raise GradingError(f"The machine was too busy: {copy.name} was not read within {process.WALL_S:g} s.")
         if used_up:
-            why = f"Python needs more than {contract.CPU_S} s of computing for it"
+            why = f"Python needs more than {process.CPU_S} s of computing for it"
         elif ended_by in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS):
             why = "Python crashes on it because something is nested too deeply"
-        elif os.WIFEXITED(status) and os.WEXITSTATUS(status) == TOO_MUCH_MEMORY:
-            why = f"Python needs more than {contract.MEMORY_MB} MB of memory for it"
+        elif os.WIFEXITED(status) and os.WEXITSTATUS(status) == process.TOO_MUCH_MEMORY:
+            why = f"Python needs more than {MEMORY_MB} MB of memory for it"
         else:
             return status == 0
         advice = "Clear its outputs and hand" if kind_of_file(copy.name) == NOTEBOOK else "Hand"

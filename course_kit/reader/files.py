@@ -72,8 +72,7 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
         notebooks = [path for path in entries if text.kind_of_file(path) == text.NOTEBOOK and not _is_left_out(path)]
         if folder is None and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
-        members = [] if folder is None else [path for path in entries if dirname(path) == folder]
-        members = [path for path in members if is_name(basename(path))]
+        members = [path for path in entries if dirname(path) == folder and is_name(basename(path))]
         members.sort(key=lambda path: (basename(path) not in wanted, path))
         if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
             raise text.UnreadableTextError(

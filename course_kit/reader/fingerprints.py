@@ -14,6 +14,7 @@ RUN = 14  # tokens: a line or two
 ONE_IN = 4  # runs is kept, the same ones in each program
 _MOST_TOKENS = 50_000
 _IDENTITY = 32  # hexadecimal digits
+_SHAPES: dict[str | None, str] = {"name": "v", "number": "0", "string": "s"}
 # A text that is not closed ends with its line, or with the program: so every quote begins something, and no part of the
 # program is looked at again and again.
 _TOKEN = re.compile(
@@ -31,34 +32,23 @@ _TOKEN = re.compile(
 
 def take_fingerprints(source: str) -> frozenset[int]:
     """The fingerprints of a Python text, which need not be correct."""
-    tokens = _tokens(source)
+    tokens = token_shapes(source)
     runs = ("\0".join(tokens[place : place + RUN]) for place in range(len(tokens) - RUN + 1))
     hashes = (zlib.crc32(run.encode("utf-8", errors="replace")) for run in runs)
     return frozenset(digest for digest in hashes if digest % ONE_IN == 0)
 
 
-def line_shape(line: str) -> tuple[str, ...]:
-    """A line of a program without its names, values and layout; empty for one that is blank or a comment."""
-    return tuple(_tokens(line))
-
-
 def program_identity(source: str) -> str:
     """A hash of a program, equal for programs that differ in comments, docstrings, blanks and line ends alone."""
-    tokens = (match.group() for match in _TOKEN.finditer(source) if match.lastgroup != "skipped")
-    return hashlib.sha256("\n".join(tokens).encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]
+    words = "\n".join(token for _, token in _read_tokens(source))
+    return hashlib.sha256(words.encode("utf-8", errors="replace")).hexdigest()[:_IDENTITY]
 
 
-def _tokens(source: str) -> list[str]:
-    """Keywords and signs as they are, `v` for a name, `0` for a number, `s` for a text."""
-    tokens = []
-    for match in _TOKEN.finditer(source):
-        kind, token = match.lastgroup, match.group()
-        if kind == "name":
-            tokens.append(token if keyword.iskeyword(token) else "v")
-        elif kind == "sign":
-            tokens.append(token)
-        elif kind != "skipped":
-            tokens.append("0" if kind == "number" else "s")
-        if len(tokens) == _MOST_TOKENS:
-            break
-    return tokens
+def token_shapes(source: str) -> tuple[str, ...]:
+    """Keywords and signs as they are, `v` for a name, `0` for a number, `s` for a text; comments count for nothing."""
+    tokens = _read_tokens(source)[:_MOST_TOKENS]
+    return tuple(token if keyword.iskeyword(token) else _SHAPES.get(kind, token) for kind, token in tokens)
+
+
+def _read_tokens(source: str) -> list[tuple[str | None, str]]:
+    return [(each.lastgroup, each.group()) for each in _TOKEN.finditer(source) if each.lastgroup != "skipped"]

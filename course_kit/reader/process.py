@@ -1,6 +1,7 @@
 """The process: for each submission it forks a child with limits, waits until that has ended, and says how.
 
-The child finds the submission in one open file and writes what it has read into a second one, both in memory.
+A request comes over a SOCK_SEQPACKET socket (unix(7)), as a small JSON object with two open files beside it, both in
+memory: in one the child finds the submission, into the other it writes what it has read.
 """
 
 from __future__ import annotations
@@ -10,23 +11,57 @@ import io
 import json
 import os
 import re
+import resource
 import select
 import signal
 import socket
 import sys
 import traceback
 
-from course_kit.reader import contract, files, fingerprints, python, text
+from course_kit.reader import files, fingerprints, python, text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Any, BinaryIO
 
+CPU_S = 5  # 1 MiB of ordinary Python takes 0.3 s
+WALL_S = 60.0  # what has not computed for CPU_S until then was kept from it by a busy machine
+ANSWER_BYTES = 8 << 20  # a program has 1 MiB, and JSON writes a character in up to six
 TOO_MUCH_MEMORY, FAILED = 69, 70  # exit statuses of a child; the second is a mistake of ours
+_LARGEST = 64 * 1024  # bytes of a packet; a request holds a few names
 _TOO_MUCH = "{} cannot be read: it has too many parts. Hand in only the cells that the exercise asks for."
 _MOST_IMPORTS = 50
 _IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+\.?(\w{1,80})", re.MULTILINE)
+
+
+def apply_limits() -> None:
+    """Hold this process to them; a machine may allow less, and nobody but root more (getrlimit(2))."""
+    memory = python.MEMORY_MB << 20
+    for what, soft, hard in (
+        (resource.RLIMIT_CPU, CPU_S, CPU_S + 1),
+        (resource.RLIMIT_AS, memory, memory),
+        (resource.RLIMIT_FSIZE, ANSWER_BYTES, ANSWER_BYTES),
+        (resource.RLIMIT_NOFILE, 8, 8),
+        (resource.RLIMIT_NPROC, 0, 0),
+        (resource.RLIMIT_CORE, 0, 0),
+    ):
+        _, highest = resource.getrlimit(what)
+        most = hard if highest == resource.RLIM_INFINITY else min(hard, highest)
+        resource.setrlimit(what, (min(soft, most), most))
+
+
+def send_packet(line: socket.socket, message: Mapping[str, object], files: Sequence[int] = ()) -> None:
+    """Send a packet."""
+    socket.send_fds(line, [json.dumps(message).encode()], files)
+
+
+def receive_packet(line: socket.socket, files: int = 0) -> tuple[dict[str, Any], list[int]]:
+    """Wait for a packet."""
+    data, descriptors, _, _ = socket.recv_fds(line, _LARGEST, files)
+    if not data:
+        raise EOFError("the other end is closed")
+    return json.loads(data), descriptors
 
 
 def main() -> None:
@@ -37,13 +72,13 @@ def main() -> None:
     gc.disable()  # a child makes a million objects, keeps them, and ends
     try:
         while True:
-            request, files = contract.receive_packet(line, 2)
+            request, files = receive_packet(line, 2)
             try:
                 ended = _in_a_child(line, request, *files)
             finally:
                 for descriptor in files:
                     os.close(descriptor)
-            contract.send_packet(line, ended)
+            send_packet(line, ended)
     except (OSError, EOFError):  # the process that asked has ended
         return
 
@@ -57,7 +92,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
         try:
             line.close()
             os.close(alive)
-            contract.apply_limits()
+            apply_limits()
             _answer_request(request, submission, answer)
             status = 0
         except MemoryError:
@@ -68,7 +103,7 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
             os._exit(status)
     os.close(held)
     try:
-        ready, _, _ = select.select([line.fileno(), alive], [], [], contract.WALL_S)
+        ready, _, _ = select.select([line.fileno(), alive], [], [], WALL_S)
         if alive not in ready:
             os.kill(child, signal.SIGKILL)  # not reaped yet: no other process has its number
         _, status, usage = os.wait4(child, 0)
@@ -82,13 +117,11 @@ def _in_a_child(line: socket.socket, request: Mapping[str, Any], submission: int
 def _answer_request(request: Mapping[str, Any], submission: int, answer: int) -> None:
     # Not by its position, which all who have it open share: a child whose reader was killed may be reading it, too.
     data = os.pread(submission, os.fstat(submission).st_size, 0)
-    found = look_at(request["name"], io.BytesIO(data), request)
-    told_as_bytes = json.dumps(found).encode()
-    if len(told_as_bytes) > contract.ANSWER_BYTES:
-        problem = _TOO_MUCH.format(request["name"])
-        told_as_bytes = json.dumps({"found": True, "identity": "", "imports": [], "unreadable": problem}).encode()
+    found = json.dumps(look_at(request["name"], io.BytesIO(data), request)).encode()
+    if len(found) > ANSWER_BYTES:
+        found = json.dumps({"found": True, "unreadable": _TOO_MUCH.format(request["name"])}).encode()
     with open(answer, "wb", closefd=False) as file:
-        file.write(told_as_bytes)
+        file.write(found)
 
 
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:

@@ -15,7 +15,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import Copy, Reader, ReadingStoppedError, copy_file
-from course_kit.reader import contract
+from course_kit.reader.python import MEMORY_MB
 from tests.reading import read
 from tests.waiting import wait_until
 
@@ -159,7 +159,7 @@ def test_it_ends_with_whoever_has_started_it_at_rest_and_at_work(text: str, tmp_
 def test_limits_hold_and_are_told(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
     path.write_text("a;" * 500_000)
-    with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {contract.MEMORY_MB} MB of memory .*\.$"):
+    with pytest.raises(UnreadableError, match=rf"^a.py cannot be read: .* {MEMORY_MB} MB of memory .*\.$"):
         read(path, EXERCISE.id)
     notebook = tmp_path / "a.ipynb"
     notebook.write_text(f'{{"cells": [], "x": [{"[]," * 20_000_000}0]}}')
@@ -168,7 +168,7 @@ def test_limits_hold_and_are_told(tmp_path: Path) -> None:
 
 
 def test_who_computes_too_long_is_ended() -> None:
-    endless = "from course_kit.reader import contract\ncontract.CPU_S = 1\ncontract.apply_limits()\nwhile True: pass"
+    endless = "from course_kit.reader import process\nprocess.CPU_S = 1\nprocess.apply_limits()\nwhile True: pass"
     done = subprocess.run([sys.executable, "-c", endless], timeout=200, check=False)
     assert done.returncode == -signal.SIGXCPU
 

@@ -20,7 +20,7 @@ from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
 from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
-from course_kit.reader.fingerprints import line_shape
+from course_kit.reader.fingerprints import token_shapes
 from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ _RARE = 40  # programs; only fingerprints that no more have bring two together, 
 FOLDER = "lookalikes"
 MOST_PAIRS = 60
 _MOST_LINES = 400  # of each program; comparing takes the square of it
-_shape = lru_cache(maxsize=8192)(line_shape)  # a program is compared with many others, and much is alike
+_shape = lru_cache(maxsize=8192)(token_shapes)  # a program is compared with many others, and much is alike
 _TEMPLATES = Path(__file__).with_name("templates")
 
 
