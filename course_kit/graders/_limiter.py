@@ -171,7 +171,7 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
         broken = {low} if value <= low else {high} if value > high else {low, high}
         near = [(number, end) for number in numbers - ({abs(value)} - broken) for end in broken]
         if not any(abs(number - end) <= _NEAR * max(end, BOUNDS["wheel_diameter"][0]) for number, end in near):
-            return f"It does not give, as a number, the end of the range that {value!r} breaks: {RANGES[name]}."
+            return f"It does not name, as a number, the limit that {value!r} breaks: {RANGES[name]}."
     return ""
 
 

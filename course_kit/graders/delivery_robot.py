@@ -77,7 +77,7 @@ def battery_falls(node: GradedNode) -> None:
     why = "The first message only says where the counting begins."
     robot.drive_so_far(node, 7.0, 0.0, why)
     robot.drive_so_far(node, 7.0 + metres, metres / 100.0, why)
-    why = "The charge falls by the metres driven since the message before, divided by capacity_m."
+    why = "The charge falls by the metres driven since the previous message, divided by capacity_m."
     robot.drive_so_far(node, 7.0 + metres + more, more / 100.0, why)
     node.set({"capacity_m": 50.0}, of="/battery").accepted()
     why = "capacity_m was 50.0 before these 5 m were driven, not earlier."
@@ -225,7 +225,7 @@ def carrier_delivers(node: GradedNode) -> None:
         node.wait(CALM_S)
         robot.expect_distance(node)
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
-        robot.require(goal.over_at is None, evidence, "The carrier has to wait for the answer of the door.")
+        robot.require(goal.over_at is None, evidence, "The carrier has to wait for the door's answer.")
         robot.open_door(node)
         robot.deliver(node, room, goal=goal)
 

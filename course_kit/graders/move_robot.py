@@ -96,7 +96,7 @@ class RobotModel(Model):
         ended = goal.ends(within_s=1.0, breaks="already_there")
         if found := _moves.find_jump(goal.wait_for_last_feedback(lambda _: True)):
             evidence = Evidence(goal.shown, "progress from 0 to 1, if any", found)
-            raise Failed(evidence, "There is no way to go, but progress goes from 0 to 1.", breaks="already_there")
+            raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
     @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))

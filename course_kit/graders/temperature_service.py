@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_interfaces.srv import ConvertTemperature
 
-from course_kit.grading.checks.answers import describe_wanted
+from course_kit.grading.checks.answers import UNFILLED, describe_wanted
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
     Failed,
@@ -228,7 +228,7 @@ class Temperatures(Model):
             value = "The value is right" if has_right_formula(sample, response.value) else "The response has a value"
             why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
             if response.value == 0.0 and not response.message:
-                why = "The response still has its default values: your callback set none of its fields."
+                why = UNFILLED
             answer.fail(why, expected=wanted, breaks="success")
         if not response.success:
             hot = "every_digit" if converts and abs(sample.value) > _ORDINARY else ""

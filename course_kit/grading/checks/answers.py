@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from course_kit.ros.messages import Message
 
+UNFILLED = "The response still has its default values: your callback set none of its fields."
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
 
 

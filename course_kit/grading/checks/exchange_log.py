@@ -105,10 +105,8 @@ class ExchangeLog:
         if not found:
             return ()
         if (before := len(found) - _MOST) > 0:
-            found = [
-                Arrow(GRADER, GRADER, "note", f"({before} earlier step{'s' * (before > 1)} left out)"),
-                *found[before:],
-            ]
+            note = f"({before} earlier step{'s' * (before > 1)} left out)"
+            found = [Arrow(GRADER, GRADER, "note", note), *found[before:]]
         return (*found, *_end(found[-1], evidence))
 
     def _exchange_for(self, about: str = "", *, minor: bool = False) -> Exchange:

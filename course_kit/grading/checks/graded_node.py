@@ -356,7 +356,7 @@ class GradedNode:
             context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
             if missing := [end for end in self.endpoints if not end.is_there(context)]:
                 context.spoil()
-                evidence = replace(evidence, got="only a part of it")
+                evidence = replace(evidence, got=f"missing: {', '.join(end.name for end in missing)}")
                 raise Failed(evidence, *discovery.explain_missing(context, missing[0]))
             hangs.greet_node(context)
         context.memory[_MET] = True

@@ -9,7 +9,7 @@ import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import Approximation, differences, only_field
+from course_kit.grading.checks.answers import UNFILLED, Approximation, differences, only_field
 from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
@@ -198,7 +198,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
                 answer.within(hangs.ANSWER_S if within_s is None else within_s)
             code, why = _cause(node, fields, answer.response), ""
             if answer.response == type(answer.response)():
-                code, why = None, "The response still has its default values: your callback set none of its fields."
+                code, why = None, UNFILLED
             if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
                 code = None
                 why = "Your node sent the answer to another request: your callback mixes up values of two calls."

@@ -19,7 +19,7 @@ CHECKS = [
         "/bake",
         [{"order": 4}],
         check_id="feedback",
-        title="Each loaf is told while the goal runs",
+        title="Each loaf is published while the goal runs",
         points=1.0,
         after=["loaves"],
         proves=["feedback"],
