@@ -18,7 +18,7 @@ from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
 from course_kit.learner import progress
 from course_kit.ros import graph
-from course_kit.ros.names import is_hidden
+from course_kit.ros.names import is_hidden, short_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _APPEARS_S = 2.0  # within which what a step needs has to be on the graph
 _MOST_S = 20.0  # for all that one check asks
+_OF_OTHERS = "lab.stop_others() stops those of other notebooks."
 
 
 @dataclass(frozen=True)
@@ -37,11 +38,6 @@ class LessonStep:
     title: str  # what the node does once it is right
     needs: tuple[str, ...]  # what has to be on the graph, each "KIND NAME TYPE", or "node NAME"
     ask: Callable[[GradedNode], object]  # the check
-
-    @property
-    def key(self) -> str:
-        """Its name among the learner's records."""
-        return f"{self.lesson}/{self.name}"
 
 
 @dataclass(frozen=True)
@@ -81,7 +77,8 @@ def check_step(step: LessonStep) -> StepResult:
             result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
     finally:
         context.close()
-    trouble = progress.update_progress(step.key, partial(progress.count_try, passed=result.passed))
+    count = partial(progress.count_try, passed=result.passed)
+    trouble = progress.update_progress(f"{step.lesson}/{step.name}", count)
     return replace(result, text="\n".join(filter(None, (result.text, trouble))))
 
 
@@ -112,9 +109,11 @@ def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
     node = lab.current().engine.node  # which has known the graph for long
     count = partial(graph.count_servers, node, end.kind) if end.is_server else partial(graph.count_publishing, node)
     if not context.wait_until(lambda: count(end.name) < 2, _APPEARS_S):  # noqa: PLR2004 - two are one too many
-        what, many = f"the {end.kind} {end.name}", f"{count(end.name)} nodes"
-        why = f"{many} have {what}, and the check asks one. lab.stop_others() stops those of other notebooks."
-        raise Failed(Evidence("", f"one node with {what}", many), why)
+        uses = [use for live in lab.nodes() for use in graph.uses_of(node, live.name) if use.role.offers]
+        own = [short_name(use.node) for use in uses if use.channel == end.name]
+        way = f'Yours are {", ".join(own)}: lab.stop("{own[0]}") stops one.' if own[1:] else _OF_OTHERS
+        why = f"{count(end.name)} nodes have the {end.kind} {end.name}, and the check asks one. {way}"
+        raise Failed(Evidence(), why)
 
 
 def _await(

@@ -130,6 +130,11 @@ def test_a_callback_with_too_few_parameters_is_given_the_right_ones(kernel: Kern
     kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", execute))
     shown = kernel.run("await (await lab.send_goal('/f', Fibonacci, order=3)).result()")
     assert "rclpy calls it with goal_handle. Write: def execute(self, goal_handle):" in shown.stderr
+    result = "def execute(self, goal_handle):\n    goal_handle.succeed(Fibonacci.Result())"  # as from Lyrical on
+    kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", result))
+    shown = kernel.run("await (await lab.send_goal('/f', Fibonacci, order=3)).result()")
+    assert "succeed() takes 1 positional argument" in shown.stderr
+    assert "Write: def" not in shown.stderr
 
 
 @pytest.mark.parametrize(
@@ -242,6 +247,12 @@ def test_stop_between_two_statements_is_one_line(kernel: Kernel) -> None:
     kernel.run("lab.stop()")
 
 
+def test_a_node_that_nobody_runs_says_so(kernel: Kernel) -> None:
+    said = kernel.run(node("").replace("lab.start(Learner)", "Learner()")).result["text/plain"]
+    assert said.endswith("Nobody runs this node. lab.start(Learner) makes one and runs it.")
+    assert kernel.run(node("")).result["text/plain"] == "learner (Learner)"
+
+
 def test_spinning_a_class_is_named(kernel: Kernel) -> None:
     kernel.run(node("pass").rpartition("\n")[0])
     assert kernel.run("rclpy.spin(Learner)").error == (
@@ -287,6 +298,9 @@ RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value
         (node("").replace('"learner"', '"my node"'), 3, "must not contain characters other than alphanumerics"),
         ("point = Point()\npoint.x = 1", 2, "takes a float: write 1.0; it was given 1, an int"),
         ("THING = Thing()\nTHING.total = 'x'", 2, "has the type int64 and takes a whole number in its range"),
+        ("Point(1.0, 2.0)", 1, "A message takes its values by name: Point(x=..., y=..., z=...)."),
+        ("SetBool.Request(True)", 1, "A message takes its values by name: SetBool.Request(data=...)."),
+        ("Node('p').create_publisher(Point, 'p', 1).publish(1.0)", 1, "Make a message of it: Point(...)."),
         ("lab.start(Qwxyz)", 1, "No cell that has run defines it."),
         ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`."),
     ],

@@ -50,7 +50,10 @@ SLIPS = {
     "bumper": Slip("< 0.5", "<= 0.5", "is True; it has to be False."),
     "clock": Slip("1.0", "0.1", "data is 0.1; it has to be 1.0."),
     "clock, too slow": Slip("0.5", "2.0", "Your node published nothing on /ticks."),
-    "subtract": Slip("request.a - request.b", "request.b - request.a", "sum is -2; it has to be 2."),
+    "subtract": Slip("request.a - request.b", "request.b - request.a", "sum is -2; it has to be 2.", ("ca380b89",)),
+    "subtract, by the other's name": Slip(
+        '"subtractor"', '"minimal_service"', "No service /add_two_ints", ("ca380b89",)
+    ),
     "greet": Slip("response.success = True", "response.success = False", "success is False", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),
     "where": Slip("self.here = message", "pass", "The robot is at x=0.5, y=0.0, and the message does not say so."),
@@ -62,7 +65,7 @@ SLIPS = {
     "radio": Slip("108.0", "180.0", "accepted", OVEN),
     "greeter": Slip('self.get_parameter("word").value', '"hello"', "has to say 'moin'", OVEN),
     "kettle": Slip("> 100.0", "> 1000.0", "accepted", ("ab90d110",)),
-    "lamp": Slip("bad luck", "a curse", "does not contain the word luck", (*OVEN, "ab90d110")),
+    "lamp": Slip("Luck runs out", "Cursed", "does not contain the word luck", (*OVEN, "ab90d110")),
     "odometer": Slip('"odometer", 10', '"odometre", 10', "No node publishes /odometer."),
     "unload": Slip("goal.publish_feedback(", "print(", "No feedback says how far it is."),
     "belt": Slip("belt_speed", "speed", "Your node has not declared belt_speed."),
@@ -80,6 +83,9 @@ SLIPS = {
 
 def notebook_of(lesson: str) -> nbformat.NotebookNode:
     return nbformat.read(NOTEBOOKS / f"{lesson}.ipynb", as_version=4)
+
+
+ADDER = next(cell.source for cell in notebook_of("01_services").cells if cell.id == "ca380b89")
 
 
 def cells_of(lesson: str) -> dict[str, lesson_steps.StepCells]:
@@ -145,7 +151,7 @@ def test_a_slip_is_found(which: str, kernel: Kernel) -> None:
 
 
 def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel) -> None:
-    assert kernel.run(f"lab.stop()\n{cells_of('01_services')['subtract'].solution}").ok
+    assert kernel.run(f"lab.stop()\n{ADDER}\n{cells_of('01_services')['subtract'].solution}").ok
     assert kernel.run("%check subtract").result["text/plain"].splitlines()[:3] == [
         "Right: `/subtract_two_ints` answers with `a - b`.",
         "  -> request /subtract_two_ints: a=5, b=3",
@@ -182,10 +188,11 @@ def test_why_a_callback_answers_nothing_is_the_learners_to_read(kernel: Kernel) 
 def test_a_second_node_that_answers_is_named(kernel: Kernel) -> None:
     solution = cells_of("01_services")["subtract"].solution
     assert kernel.run(
-        f"lab.stop()\n{solution}\n{solution.replace('Subtractor', 'Other').replace('subtractor', 'other')}"
+        f"lab.stop()\n{ADDER}\n{solution}\n{solution.replace('Subtractor', 'Other').replace('subtractor', 'other')}"
     ).ok
     said = kernel.run("%check subtract").result["text/plain"]
     assert said.startswith("Not yet: 2 nodes have the service /subtract_two_ints")
+    assert 'Yours are other, subtractor: lab.stop("other") stops one.' in said
     assert kernel.run('lab.stop("other")').ok
     assert kernel.run("%check subtract").result["text/plain"].startswith("Right: ")
 

@@ -218,7 +218,10 @@ class Notebook:
         from course_kit.lab.runtime.describe import describe_node, is_alive
 
         def show(node: Any, printer: Any, _cycle: bool) -> None:
-            printer.text(describe_node(node) if is_alive(node) else f"{type(node).__name__} (stopped)")
+            kind = type(node).__name__
+            printer.text(describe_node(node) if is_alive(node) else f"{kind} (stopped)")
+            if is_alive(node) and node.executor is None:
+                printer.text(f"\nNobody runs this node. lab.start({kind}) makes one and runs it.")
 
         formatter = self._shell.display_formatter.formatters["text/plain"]
         formatter.for_type(Node, show)

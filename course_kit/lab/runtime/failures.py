@@ -45,7 +45,10 @@ _NOT_THE_LEARNERS = (
 )
 _SHOWN = "_shown_by_course_kit"  # on an exception: it has been
 _REPEATS = 3  # times the same error of the same callback is shown in a row
-_ARGUMENTS = re.compile(r"(?P<name>\w+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) ")
+_ARGUMENTS = re.compile(
+    r"(?:(?P<owner>\w+)\.)?(?P<name>\w+)\(\) takes (?P<takes>\d+) positional arguments? but (?P<given>\d+) "
+)
+_NO_MESSAGE = re.compile(r"Expected <class '[\w.]+\.(?P<type>\w+)'>, got ")
 _SUB_MESSAGE = re.compile(r"The '(?P<field>\w+)' field must be a sub message of type '(?P<type>\w+)'")
 _FIELD = re.compile(r"The '(?P<field>\w+)' ")
 _ELSEWHERE = re.compile(r"%%(?!submission\b|time\b|interface\b)")  # how a cell begins that is a program
@@ -223,6 +226,8 @@ def explain_error(error: BaseException, locate: Locate) -> str:
     last = frames[-1][0]
     if isinstance(error, NameError) and error.name and last is own[-1][0]:
         text, advice = failure_text(error), _on_name(error, error.name, last)
+    elif last is own[-1][0] and (advice := advice_on(error)) and isinstance(error, TypeError):
+        text = failure_text(error)
     elif last is not own[-1][0] and _IN_ROS.match(str(last.f_globals.get("__name__", ""))):
         refusal = _on_field(error, last)
         text = f"{type(error).__name__}: {refusal or error_text(error)}".rstrip()
@@ -272,11 +277,13 @@ def _has_cell_with(name: str, failed: str) -> bool:
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
     """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
-    if known := of_newer_ros(error) or _of_set_callback(text) or _of_feedback(error):
+    if known := of_newer_ros(error) or _of_set_callback(text) or _of_feedback(error) or _of_publish(text):
         return known
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
-        return _on_arguments(found["name"], node, entity)
+        owner = found["owner"] or ""
+        is_callback = not owner or owner in {kind.__name__ for kind in type(node).__mro__}
+        return _on_arguments(found["name"], node, entity) if is_callback else _on_unnamed_fields(error, owner)
     if isinstance(error, AssertionError) and (found := _SUB_MESSAGE.search(text)):
         return _on_sub_message(found["field"], found["type"])
     if isinstance(error, NameError) and callable(getattr(type(node), error.name or "", None)):
@@ -317,6 +324,12 @@ def _of_feedback(error: BaseException) -> str:
     return "publish_feedback() takes a message of this action's Feedback, made with parentheses: Feedback()."
 
 
+def _of_publish(text: str) -> str:
+    """What to write where rclpy was given something else than a message to send."""
+    found = _NO_MESSAGE.match(text)
+    return f"Make a message of it: {found['type'].replace('_', '.')}(...)." if found else ""
+
+
 def node_in(error: BaseException) -> Any:
     """The node whose method is the innermost in an error's traceback, or None."""
     found = None
@@ -336,6 +349,17 @@ def without_self(node_class: type, name: str) -> str:
     if parameters[:1] in {("self",), ("cls",)}:
         return ""
     return f"{name}() has no self. Write: def {name}({', '.join(('self', *parameters))}):"
+
+
+def _on_unnamed_fields(error: BaseException, owner: str) -> str:
+    """What to write where a message was given values without their names; empty for any other call."""
+    *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+    outer, _, part = owner.rpartition("_")  # AddTwoInts_Request is AddTwoInts.Request
+    kind: Any = getattr(frame.f_globals.get(outer), part, None) if outer else frame.f_globals.get(part)
+    if not hasattr(kind, "get_fields_and_field_types"):
+        return ""
+    fields = ", ".join(f"{name}=..." for name in kind.get_fields_and_field_types())
+    return f"A message takes its values by name: {owner.replace('_', '.')}({fields})."
 
 
 def _on_arguments(name: str, node: Any, entity: Any) -> str:
