@@ -45,7 +45,7 @@ def program_identity(source: str) -> str:
 
 
 def token_shapes(source: str) -> tuple[str, ...]:
-    """Keywords and signs as they are, `v` for a name, `0` for a number, `s` for a text; comments count for nothing."""
+    """Keywords and signs as they are, `v` for a name, `0` for a number, `s` for a text; comments do not count."""
     tokens = _read_tokens(source)[:_MOST_TOKENS]
     return tuple(token if keyword.iskeyword(token) else _SHAPES.get(kind, token) for kind, token in tokens)
 
