@@ -243,7 +243,7 @@ def require_distance(move: Move) -> None:
     elif abs(travelled - math.dist(ORIGIN, end)) <= tolerance:
         why = f"distance_travelled is as long as the way from {ORIGIN}, but this goal's way began at {move.begin}."
     elif not arrived and abs(travelled - move.length) <= tolerance:
-        why = "distance_travelled is the whole way to the target, but the robot has stopped before."
+        why = "distance_travelled is the whole distance to the target, but the robot has stopped before."
     raise Failed(evidence, why)
 
 
@@ -287,7 +287,7 @@ def require_truth(move: Move) -> None:
         wanted = 1.0 - said.distance_remaining / move.length
         if not abs(said.progress - wanted) <= _FITS + _ROUNDING:
             got = f"progress={said.progress:.4g} with distance_remaining={said.distance_remaining:.4g}"
-            expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole way"
+            expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole distance"
             why = f"progress={said.progress:.4g} is not the part of this goal's own way that is done."
             raise HastyError(Evidence(move.goal.shown, expected, got), why)
 

@@ -253,7 +253,7 @@ def carrier_feedback(node: GradedNode) -> None:
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
         (often, f"phase={robot.DRIVING} five times a second on the way"),
-        (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole way to 0"),
+        (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole distance to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
         (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in early), f"battery={robot.CHARGE}, as {STATE} said"),
         (hears, f"battery={robot.LESS} at the end, as {STATE} said meanwhile"),

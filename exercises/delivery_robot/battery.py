@@ -3,8 +3,8 @@
 The names and types are right already; keep them. The rest is yours.
 
 - Full at the start. Then `percentage` is 1.0. It is never more, also at the dock.
-- It falls with each message on `/odometry_distance` by the metres driven since the message before / `capacity_m`, and
-  not below 0.0. The first message only says where the counting begins. A smaller number than the one before comes
+- It falls with each message on `/odometry_distance` by the metres driven since the previous message / `capacity_m`,
+  and not below 0.0. The first message only says where the counting begins. A smaller number than the one before comes
   from a carrier that was started again: nothing was driven. A change of `capacity_m` counts for what is driven
   afterwards.
 - It rises while `/docked` says true: by about 0.1 a second (0.05 to 0.2). `power_supply_status` is then CHARGING; it

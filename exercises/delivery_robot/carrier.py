@@ -6,13 +6,13 @@ The names and types are right already; keep them. The rest is yours.
   lies at 0.0 m.
 - First the door. Each delivery calls `/door/open` with `data` true, and drives only when the answer says `success`.
   More calls are allowed, also to close the door.
-- Then the way. The robot drives with `speed_mps`: a way takes at least its length / `speed_mps`, and at most twice
-  that plus 1 s.
+- Then the drive. The robot drives with `speed_mps`: a drive takes at least its distance / `speed_mps`, and at most
+  twice that plus 1 s.
 - There, the goal ends SUCCEEDED with `delivered` true, and `distance` is what the robot drove for it, within 0.05 m.
   The next goal starts from there.
 - Feedback: at least one message with the `phase` `door` before the door answers; while the robot drives at least five
-  a second with `driving`. `distance_remaining` begins with the whole way, never grows, and is at most 0.1 m in the
-  last message. `battery` is the last `percentage` on `/battery`.
+  a second with `driving`. `distance_remaining` begins with the whole distance, never grows, and is at most 0.1 m in
+  the last message. `battery` is the last `percentage` on `/battery`.
 - When a goal has ended, `/odometry_distance` and `/docked` are right within 0.5 s.
 - No. A room that is not in `room_names` is rejected. While `/battery` says DEAD every goal but `dock` is rejected;
   this holds from 0.5 s after the message. While a goal runs, others are rejected; of two that come at the same
