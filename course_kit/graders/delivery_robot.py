@@ -263,7 +263,7 @@ def carrier_feedback(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
 def carrier_rejects(node: GradedNode) -> None:
-    """carrier.py alone: unknown rooms are rejected; while the battery is low, so is every room but the dock."""
+    """carrier.py alone: unknown rooms are rejected, and while the battery is low, every room but the dock."""
     robot.enter(node)
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
@@ -276,7 +276,7 @@ def carrier_rejects(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
 def carrier_one_goal(node: GradedNode) -> None:
-    """carrier.py alone: one goal at a time; of two at the same instant, only one is accepted."""
+    """carrier.py alone: one goal at a time, and of two at the same instant only one is accepted."""
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
     node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing
@@ -309,7 +309,7 @@ def carrier_refused(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])
 def carrier_cancel(node: GradedNode) -> None:
-    """carrier.py alone: a delivery is cancelled at the door and on the way; the next one works."""
+    """carrier.py alone: a delivery can be cancelled at the door and on the way, and the next one works."""
     door, memory = robot.enter(node), node.context.memory
     goal = robot.ask_for_delivery(node, "tower", door)
     node.wait(2 * CALM_S)
@@ -393,7 +393,7 @@ def delivery_follows(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["delivery_whole"], proves=["cancel_together"])
 def delivery_cancel(node: GradedNode) -> None:
-    """All together: a delivery is cancelled while the door opens."""
+    """All together: a delivery can be cancelled while the door opens."""
     robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 10.0}, of="/carrier").accepted()  # what is given up is not cancelled
     robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
@@ -403,7 +403,7 @@ def delivery_cancel(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
 def delivery_killed(node: GradedNode) -> None:
-    """All together: the door dies while it opens; the delivery is given up, and the carrier keeps running."""
+    """All together: if the door dies while it opens, the delivery is given up, and the carrier keeps running."""
     robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     goal = robot.deliver_at_door(node)
