@@ -7,96 +7,17 @@ from statistics import fmean as mean
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     Size = tuple[float, float]
     Point = tuple[float, float]
     Box = tuple[str, str]
     Arrow = tuple[Box, Box]
 
-WAYPOINT = "waypoint"  # the first half of a box that is only the place of a line in a column it crosses
-_SWEEPS = 12
-
-
-class Layers(NamedTuple):
-    """Columns of boxes."""
-
-    columns: list[list[Box]]
-    chains: dict[Arrow, list[Box]]
-    turned: frozenset[Arrow]
-
-
-def layers(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> Layers:
-    """The columns of boxes that hang together."""
-    turned = frozenset(_find_back_arrows(boxes, arrows))
-    forward = [(end, begin) if (begin, end) in turned else (begin, end) for begin, end in arrows]
-    column_of = _columns(boxes, forward, least)
-    columns: list[list[Box]] = [[] for _ in range(max(column_of.values()) + 1)]
-    for box in boxes:
-        columns[column_of[box]].append(box)
-    chains = {}
-    for arrow, (begin, end) in zip(arrows, forward, strict=True):
-        between = range(column_of[begin] + 1, column_of[end])
-        way = [(WAYPOINT, f"{number} {begin} {end} {arrow in turned}") for number in between]
-        for number, waypoint in zip(between, way, strict=True):
-            columns[number].append(waypoint)
-        chains[arrow] = [begin, *way, end]
-    return Layers(_order_columns([column for column in columns if column], chains.values()), chains, turned)
-
-
-def _find_back_arrows(boxes: Sequence[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
-    """Arrows that close a circle with those before them."""
-    reached = {box: {box} for box in boxes}  # from each, along the arrows so far
-    turned: set[Arrow] = set()
-    for begin, end in arrows:
-        if begin in reached[end]:
-            turned.add((begin, end))
-            continue
-        for found in reached.values():
-            if begin in found:
-                found.update(reached[end])
-    return turned
-
-
-def _columns(boxes: Sequence[Box], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> dict[Box, int]:
-    """Each box one column behind the last that leads to it; what nothing leads to stands right before its next."""
-    column = {box: least[box] for box in boxes}
-    for _ in boxes:  # the longest way has no more steps than there are boxes
-        before = dict(column)
-        for begin, end in arrows:
-            column[end] = max(column[end], column[begin] + 1)
-        if column == before:
-            break
-    ends = {end for _, end in arrows}
-    for box in boxes:
-        following = [column[end] for begin, end in arrows if begin == box]
-        if box not in ends and following:
-            column[box] = min(following) - 1
-    return column
-
-
-def _order_columns(columns: list[list[Box]], chains: Iterable[list[Box]]) -> list[list[Box]]:
-    """The columns, each in the order of its neighbours in the column before or behind, after some sweeps."""
-    left: dict[Box, list[Box]] = {}
-    right: dict[Box, list[Box]] = {}
-    for chain in chains:
-        for begin, end in itertools.pairwise(chain):
-            left.setdefault(end, []).append(begin)
-            right.setdefault(begin, []).append(end)
-    for sweep in range(_SWEEPS):
-        order = range(1, len(columns)) if sweep % 2 == 0 else range(len(columns) - 2, -1, -1)
-        neighbours, step = (left, -1) if sweep % 2 == 0 else (right, 1)
-        for number in order:
-            places = {box: place for place, box in enumerate(columns[number + step])}
-            own = {box: place for place, box in enumerate(columns[number])}
-            columns[number].sort(key=lambda box: mean([places[end] for end in neighbours.get(box, ())] or [own[box]]))
-    return columns
-
-
 BETWEEN_COLUMNS = 56  # room for the bends of lines, and for what runs along them
 BETWEEN_ROWS = 14
 _LINE = 6  # height that a line takes where it crosses a column
-_PASSES = 8
+_SWEEPS, _ORDERING = 12, 8  # over the columns, to and fro; the first ones look only at the column they come from
 _WIDEST = 630  # parts that do not hang together stand side by side up to this width: that of a docked panel
 
 
@@ -113,8 +34,8 @@ def lay_out(sizes: Mapping[Box, Size], arrows: Sequence[Arrow], least: Mapping[B
     places: dict[Box, Point] = {}
     ways: dict[Arrow, list[Point]] = {}
     x = y = row = widest = 0.0
-    for boxes, own in _parts(list(sizes), arrows):
-        part = _place(sizes, layers(boxes, own, least))
+    for boxes in _find_parts(sizes, arrows):
+        part = _lay_out_part({box: sizes[box] for box in boxes}, [each for each in arrows if each[0] in boxes], least)
         width, height = part.size
         if x and x + width > _WIDEST:
             x, y, row = 0.0, y + row + 2 * BETWEEN_ROWS, 0.0
@@ -125,59 +46,96 @@ def lay_out(sizes: Mapping[Box, Size], arrows: Sequence[Arrow], least: Mapping[B
     return FlowLayout(places, ways, (widest, y + row))
 
 
-def _parts(boxes: list[Box], arrows: Sequence[Arrow]) -> list[tuple[list[Box], list[Arrow]]]:
+def _find_parts(boxes: Iterable[Box], arrows: Sequence[Arrow]) -> list[list[Box]]:
     """What hangs together, the largest first."""
-    part = {box: number for number, box in enumerate(boxes)}
-    for _ in boxes:
-        before = dict(part)
-        for begin, end in arrows:
-            part[begin] = part[end] = min(part[begin], part[end])
-        if part == before:
-            break
-    found = [[box for box in boxes if part[box] == number] for number in sorted(set(part.values()))]
-    found.sort(key=len, reverse=True)
-    return [(boxes, [arrow for arrow in arrows if arrow[0] in boxes]) for boxes in found]
+    part = {box: {box} for box in boxes}
+    for begin, end in arrows:
+        joined = part[begin] | part[end]
+        part.update(dict.fromkeys(joined, joined))
+    found = {id(joined): [box for box in part if box in joined] for joined in part.values()}
+    return sorted(found.values(), key=len, reverse=True)
 
 
-def _place(sizes: Mapping[Box, Size], found: Layers) -> FlowLayout:
-    sizes = {**{box: (0.0, _LINE) for column in found.columns for box in column if box[0] == WAYPOINT}, **sizes}
-    middles = _heights(sizes, found)
-    lefts, left = [], 0.0
-    widths = [max(sizes[box][0] for box in column) for column in found.columns]
-    for width in widths:
-        lefts.append(left)
-        left += width + BETWEEN_COLUMNS
-    column_of = {box: number for number, column in enumerate(found.columns) for box in column}
+def _lay_out_part(sizes: dict[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> FlowLayout:
+    """Place what hangs together; where a line crosses a column, it has a place there as a box has."""
+    boxes, turned = list(sizes), _find_back_arrows(sizes, arrows)
+    forward = {arrow: arrow[::-1] if arrow in turned else arrow for arrow in arrows}
+    column_of = _choose_columns(boxes, forward.values(), least)
+    chains = {}
+    for arrow, (begin, end) in forward.items():
+        crossed = {(str(arrow), str(number)): number for number in range(column_of[begin] + 1, column_of[end])}
+        column_of |= crossed
+        chains[arrow] = [begin, *crossed, end]
+    columns = [[box for box in column_of if column_of[box] == number] for number in sorted(set(column_of.values()))]
+    widths = [max(sizes[box][0] for box in column if box in sizes) for column in columns]
+    for column, width in zip(columns, widths, strict=True):
+        sizes |= {box: (width, _LINE) for box in column if box not in sizes}
+    middle = _choose_heights(columns, chains.values(), sizes)
+    lefts = [sum(widths[:number]) + BETWEEN_COLUMNS * number for number in range(len(columns))]
     places = {
-        box: (lefts[column_of[box]] + (widths[column_of[box]] - sizes[box][0]) / 2, middles[box] - sizes[box][1] / 2)
-        for box in column_of
-        if box[0] != WAYPOINT
+        box: (left + (width - sizes[box][0]) / 2, middle[box] - sizes[box][1] / 2)
+        for column, left, width in zip(columns, lefts, widths, strict=True)
+        for box in column
     }
-    bands = {box: (lefts[number], lefts[number] + widths[number]) for box, number in column_of.items()}
-    ways = {arrow: _draw_way(arrow, found, places, sizes, (middles, bands)) for arrow in found.chains}
-    height = max(places[box][1] + sizes[box][1] for box in places)
-    height = max([height, *(point[1] for way in ways.values() for point in way)])
-    return FlowLayout(places, ways, (left - BETWEEN_COLUMNS, height))
+
+    def end_at(chain: list[Box], side: int, behind: int) -> float:
+        """The height at which a line meets a box: there the lines stand in the order of where they lead."""
+        lines = [each for each in chains.values() if each[side] == chain[side]]
+        lines.sort(key=lambda each: middle[each[behind]])
+        top, height = places[chain[side]][1], sizes[chain[side]][1]
+        return top + height * (lines.index(chain) + 1) / (len(lines) + 1)
+
+    ways = {}
+    for arrow, chain in chains.items():
+        passed = [(places[box][0] + x, middle[box]) for box in chain for x in (0, sizes[box][0])]
+        way = [(passed[1][0], end_at(chain, 0, 1)), *passed[2:-2], (passed[-2][0], end_at(chain, -1, -2))]
+        ways[arrow] = way[::-1] if arrow in turned else way
+    height = max(middle[box] + sizes[box][1] / 2 for box in places)
+    return FlowLayout({box: places[box] for box in boxes}, ways, (lefts[-1] + widths[-1], height))
 
 
-def _heights(sizes: Mapping[Box, Size], found: Layers) -> dict[Box, float]:
-    """The middle of each box: near the middle of its neighbours, and never upon another box."""
-    middle: dict[Box, float] = {}
-    for column in found.columns:
-        top = 0.0
-        for box in column:
-            middle[box] = top + sizes[box][1] / 2
-            top += sizes[box][1] + BETWEEN_ROWS
-    near: dict[Box, list[Box]] = {}
-    for chain in found.chains.values():
-        for begin, end in itertools.pairwise(chain):
-            near.setdefault(begin, []).append(end)
-            near.setdefault(end, []).append(begin)
-    for number in range(_PASSES):
-        for column in found.columns if number % 2 == 0 else reversed(found.columns):
-            wanted = [mean([middle[other] for other in near.get(box, ())] or [middle[box]]) for box in column]
+def _find_back_arrows(boxes: Iterable[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
+    """Arrows that close a circle with those before them."""
+    reached = {box: {box} for box in boxes}  # from each, along the arrows so far
+    turned = set()
+    for begin, end in arrows:
+        if begin in reached[end]:
+            turned.add((begin, end))
+        else:
+            for found in reached.values():
+                if begin in found:
+                    found.update(reached[end])
+    return turned
+
+
+def _choose_columns(boxes: Collection[Box], arrows: Collection[Arrow], least: Mapping[Box, int]) -> dict[Box, int]:
+    """Each box one column behind the last that leads to it; what nothing leads to stands right before its next."""
+    column = {box: least[box] for box in boxes}
+    for begin, end in [*arrows] * len(boxes):  # the longest way has no more steps than there are boxes
+        column[end] = max(column[end], column[begin] + 1)
+    for box in set(boxes).difference(end for _, end in arrows):
+        column[box] = min((column[end] - 1 for begin, end in arrows if begin == box), default=column[box])
+    return column
+
+
+def _choose_heights(
+    columns: list[list[Box]], chains: Iterable[list[Box]], sizes: Mapping[Box, Size]
+) -> dict[Box, float]:
+    """The middle of each box: near the middle of its neighbours, in the order of these, and never upon another box."""
+    pairs = [pair for chain in chains for pair in itertools.pairwise(chain)]
+    before = {box: [begin for begin, end in pairs if end == box] for box in sizes}
+    behind = {box: [end for begin, end in pairs if begin == box] for box in sizes}
+    middle = {box: float(place) for column in columns for place, box in enumerate(column)}
+    for sweep in range(_SWEEPS):
+        rightwards = sweep % 2 == 0
+        for column in columns if rightwards else reversed(columns):
+            wanted = {}
+            for box in column:
+                near = before[box] + behind[box] if sweep >= _ORDERING else before[box] if rightwards else behind[box]
+                wanted[box] = mean([middle[other] for other in near or [box]])
+            column.sort(key=lambda box: wanted[box])
             heights = [sizes[box][1] for box in column]
-            middle.update(zip(column, _spread_apart(wanted, heights), strict=True))
+            middle.update(zip(column, _spread_apart([wanted[box] for box in column], heights), strict=True))
     top = min(middle[box] - sizes[box][1] / 2 for box in middle)
     return {box: value - top for box, value in middle.items()}
 
@@ -192,28 +150,3 @@ def _spread_apart(wanted: list[float], heights: list[float]) -> list[float]:
     for number in range(len(wanted) - 2, -1, -1):
         up[number] = min(up[number], up[number + 1] - distances[number])
     return [(place + other) / 2 for place, other in zip(down, up, strict=True)]
-
-
-def _draw_way(
-    arrow: Arrow,
-    found: Layers,
-    places: Mapping[Box, Point],
-    sizes: Mapping[Box, Size],
-    lines: tuple[Mapping[Box, float], Mapping[Box, tuple[float, float]]],
-) -> list[Point]:
-    """The points an arrow passes; it ends on a box at its own place."""
-    middles, bands = lines
-    chain = found.chains[arrow]
-    begin, end = chain[0], chain[-1]
-    leaving = [chain for chain in found.chains.values() if chain[0] == begin]
-    coming = [chain for chain in found.chains.values() if chain[-1] == end]
-    leaving.sort(key=lambda chain: middles[chain[1]])
-    coming.sort(key=lambda chain: middles[chain[-2]])
-    start = (
-        places[begin][0] + sizes[begin][0],
-        places[begin][1] + sizes[begin][1] * (leaving.index(chain) + 1) / (len(leaving) + 1),
-    )
-    stop = (places[end][0], places[end][1] + sizes[end][1] * (coming.index(chain) + 1) / (len(coming) + 1))
-    crossed = [(x, middles[box]) for box in chain[1:-1] for x in bands[box]]
-    way = [start, *crossed, stop]
-    return way[::-1] if arrow in found.turned else way
