@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import re
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.lab.api import call, call_blocking, current
 from course_kit.lab.awaiting import to_be_awaited
@@ -21,9 +22,9 @@ from course_kit.lab.errors import (
 )
 from course_kit.ros import graph, names, parameters
 from course_kit.ros.messages import BadFieldError
-from course_kit.ros.parameters import Descriptor
 
 if TYPE_CHECKING:
+    from rcl_interfaces.msg import ParameterDescriptor
     from rclpy.node import Node
 
     from course_kit.lab.topics import DeliveryWait
@@ -135,7 +136,7 @@ def full_name(node: str | Node) -> str:
 
 
 def _ask_for_values(node: str, wanted: tuple[str, ...]) -> Steps[Values]:
-    asked = list(wanted) or parameters.own_first((yield from parameters.ask_names()))
+    asked = list(wanted) or (yield from _ask_own_first())
     found = yield from parameters.ask_values(asked)
     if any(value.type == 0 for value in found):
         known = yield from parameters.ask_names()
@@ -173,8 +174,13 @@ def _find_undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:
 
 
 def _ask_for_descriptors() -> Steps[Descriptors]:
-    known = parameters.own_first((yield from parameters.ask_names()))
-    return Descriptors(map(parameters.read_descriptor, (yield from parameters.ask_descriptors(known))))
+    known = yield from _ask_own_first()
+    return Descriptors(map(Descriptor.from_message, (yield from parameters.ask_descriptors(known))))
+
+
+def _ask_own_first() -> Steps[list[str]]:
+    """The node's own parameters in its order, then those that ROS 2 declares in every node."""
+    return sorted((yield from parameters.ask_names()), key=parameters.is_of_every_node)
 
 
 def _list_declared(node: str, name: str, known: list[str]) -> str:
@@ -185,10 +191,14 @@ def _list_declared(node: str, name: str, known: list[str]) -> str:
 
 
 async def _ask(node: str, steps: Steps[T], timeout: float) -> T:
+    response = None
     try:
-        return await parameters.await_steps(
-            steps, lambda asked: call(f"{node}/{asked.service}", asked.interface, timeout=timeout, **asked.fields)
-        )
+        while True:
+            asked = steps.send(response)
+            response = await call(f"{node}/{asked.service}", asked.interface, timeout=timeout, **asked.fields)
+    except StopIteration as end:
+        result: T = end.value
+        return result
     except ServiceNotFoundError:
         raise _no_node(node) from None
 
@@ -270,6 +280,44 @@ class Outcome:
             return f"{name}: set to {value!r}"
         reason = self.reasons[name]
         return f"{name}: {value!r} was refused: {reason}{_hint(value, reason)}"
+
+
+class Range(NamedTuple):
+    """Limits of a number, both allowed; a step of 0 means any value between."""
+
+    lowest: float
+    highest: float
+    step: float
+
+    def __str__(self) -> str:
+        steps = f" in steps of {self.step!r}" if self.step else ""
+        return f"{self.lowest!r} to {self.highest!r}{steps}"
+
+
+@dataclass(frozen=True, repr=False)
+class Descriptor:
+    """What a node says about one of its parameters."""
+
+    name: str
+    type: str
+    description: str
+    range: Range | None
+    read_only: bool
+    constraints: str
+
+    def __repr__(self) -> str:
+        facts = [self.type, str(self.range) if self.range else "", "read-only" if self.read_only else ""]
+        words = [f"{self.name}: {', '.join(fact for fact in facts if fact)}"]
+        words += [f"    {text}" for text in (self.description, self.constraints) if text]
+        return "\n".join(words)
+
+    @classmethod
+    def from_message(cls, message: ParameterDescriptor) -> Descriptor:
+        """An rcl_interfaces/msg/ParameterDescriptor in plain values."""
+        limits = [*message.floating_point_range, *message.integer_range]
+        found = Range(limits[0].from_value, limits[0].to_value, limits[0].step) if limits else None
+        kind, constraints = parameters.type_of(message), message.additional_constraints
+        return cls(message.name, kind, message.description, found, message.read_only, constraints)
 
 
 class Descriptors(list[Descriptor]):

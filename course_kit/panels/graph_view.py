@@ -13,7 +13,7 @@ from course_kit import lab
 from course_kit.panels.base import RATE, LatestValue, Panel, of_files, still
 from course_kit.ros import graph
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, ChannelUse, Overview, Role
-from course_kit.ros.graph_drawing import STYLE_SHEET, graph_svg, in_lines
+from course_kit.ros.graph_drawing import STYLE_SHEET, graph_svg, how_many
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ _HOPS = {
 
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
+_EMPTY = "No node is on the ROS graph."
 _LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
 
 
@@ -184,3 +185,16 @@ def news(before: Overview, now: Overview) -> str:
     lines = [f"{short_name(node)} has joined the graph." for node in came]
     lines += [f"{short_name(node)} has left the graph." for node in left]
     return " ".join(lines)
+
+
+def in_lines(seen: Overview) -> str:
+    """The graph as text: each node and what it does, then what may be amiss."""
+    if not seen.nodes:
+        return _EMPTY
+    lines = []
+    for node in sorted(set(seen.nodes)):
+        lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
+        uses = seen.uses_of(node)
+        lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
+    remarks = [remark for texts in seen.remarks().values() for remark in texts]
+    return "\n".join(lines + remarks)

@@ -22,8 +22,8 @@ from course_kit.ros.parameters import from_message, is_of_every_node
 if TYPE_CHECKING:
     from rclpy.node import Node
 
+    from course_kit.lab.parameters import Descriptor, Range
     from course_kit.ros.messages import Message
-    from course_kit.ros.parameters import Descriptor, Range
 
 _STEPS = 100  # about, of a slider whose parameter has no step
 _READ_ONLY = "read-only: it keeps the value it got at the start"

@@ -36,9 +36,9 @@ ROLES = (SERVES, CALLS, RUNS, SENDS_GOALS, PUBLISHES, LISTENS)
 KINDS = ("service", "action", "topic")
 _MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
 _UNUSED = "No node listens to"
-# How many of the first bytes of an endpoint's identifier are the same within one participant (DDSI-RTPS, 9.3.1), and
-# within one process, at least with Fast DDS (GuidUtils.hpp).
-_PARTICIPANT, _PROCESS = 12, 8
+# So many of the first bytes of an endpoint's identifier are the same within one process, at least with Fast DDS
+# (GuidUtils.hpp).
+_PROCESS = 8
 _FEEDBACK, _FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 
 
@@ -103,11 +103,6 @@ def is_plumbing(use: ChannelUse) -> bool:
     if use.role.kind == "service" and names.is_of_every_node(use.channel):
         return True
     return names.is_hidden(use.channel) or names.is_of_ros(use.channel)
-
-
-def participant_of(end: TopicEndpointInfo) -> bytes:
-    """What tells apart in which participant an endpoint is."""
-    return bytes(end.endpoint_gid[:_PARTICIPANT])
 
 
 def process_of(end: TopicEndpointInfo) -> bytes:

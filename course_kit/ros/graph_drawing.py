@@ -25,7 +25,6 @@ _COLUMNS = 24  # characters of a line; longer names are broken
 _TURNED_LAST = ("topic", "action", "service")
 _LINE, _PADDING = 17, 12
 _LEAST_WIDTH = 90.0
-_EMPTY = "No node is on the ROS graph."
 _NOWHERE: Mapping[str, Sequence[str]] = {}
 _TEMPLATES = Path(__file__).with_name("templates")
 STYLE_SHEET = _TEMPLATES / "graph.css"  # for the page that shows a drawing
@@ -152,16 +151,3 @@ def in_sentences(seen: Overview) -> list[str]:
     """Each node and what it does, then what may be amiss."""
     nodes = [box.words for (kind, _), box in boxes_of(seen).items() if kind == NODE]
     return nodes + [remark for texts in seen.remarks().values() for remark in texts]
-
-
-def in_lines(seen: Overview) -> str:
-    """The graph as text: each node and what it does, then what may be amiss."""
-    if not seen.nodes:
-        return _EMPTY
-    lines = []
-    for node in sorted(set(seen.nodes)):
-        lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
-        uses = seen.uses_of(node)
-        lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
-    remarks = [remark for texts in seen.remarks().values() for remark in texts]
-    return "\n".join(lines + remarks)

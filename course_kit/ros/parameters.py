@@ -1,19 +1,18 @@
 """Parameters of a node: their values, and what is asked of the services every node has for them.
 
 Each verb is a generator that yields a `Question` for a service and is sent the response. How one waits for that is
-the caller's: `driven` has a function that waits, `awaited` one that is awaited.
+the caller's: `run_steps` has a function that waits, and whoever awaits sends the responses by themselves.
 """
 
 from __future__ import annotations
 
 import textwrap
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from course_kit.ros.messages import BadFieldError, with_article
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Generator, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 
     from rcl_interfaces.msg import Parameter, ParameterDescriptor, ParameterValue, SetParametersResult
 
@@ -63,25 +62,12 @@ if TYPE_CHECKING:
 def run_steps(steps: Steps[T], ask: Callable[[Question], Message]) -> T:
     """What a verb returns, each of its questions answered by `ask`."""
     response = None
-    while True:
-        try:
-            question = steps.send(response)
-        except StopIteration as end:
-            result: T = end.value
-            return result
-        response = ask(question)
-
-
-async def await_steps(steps: Steps[T], ask: Callable[[Question], Awaitable[Message]]) -> T:
-    """The same for an `ask` that is awaited."""
-    response = None
-    while True:
-        try:
-            question = steps.send(response)
-        except StopIteration as end:
-            result: T = end.value
-            return result
-        response = await ask(question)
+    try:
+        while True:
+            response = ask(steps.send(response))
+    except StopIteration as end:
+        result: T = end.value
+        return result
 
 
 def ask_names(prefixes: Iterable[str] = ()) -> Steps[list[str]]:
@@ -157,49 +143,6 @@ def raw_value(value: ParameterValue) -> Any:
 def type_of(value: ParameterValue) -> str:
     """The type of an rcl_interfaces/msg/ParameterValue, also of one whose number has no name."""
     return TYPES[value.type] if value.type < len(TYPES) else f"of the unknown type {value.type}"
-
-
-class Range(NamedTuple):
-    """Limits of a number, both allowed; a step of 0 means any value between."""
-
-    lowest: float
-    highest: float
-    step: float
-
-    def __str__(self) -> str:
-        steps = f" in steps of {self.step!r}" if self.step else ""
-        return f"{self.lowest!r} to {self.highest!r}{steps}"
-
-
-@dataclass(frozen=True, repr=False)
-class Descriptor:
-    """What a node says about one of its parameters."""
-
-    name: str
-    type: str
-    description: str
-    range: Range | None
-    read_only: bool
-    constraints: str
-
-    def __repr__(self) -> str:
-        facts = [self.type, str(self.range) if self.range else "", "read-only" if self.read_only else ""]
-        words = [f"{self.name}: {', '.join(fact for fact in facts if fact)}"]
-        words += [f"    {text}" for text in (self.description, self.constraints) if text]
-        return "\n".join(words)
-
-
-def read_descriptor(message: ParameterDescriptor) -> Descriptor:
-    """An rcl_interfaces/msg/ParameterDescriptor in plain values."""
-    limits = [*message.floating_point_range, *message.integer_range]
-    found = Range(limits[0].from_value, limits[0].to_value, limits[0].step) if limits else None
-    constraints = message.additional_constraints
-    return Descriptor(message.name, type_of(message), message.description, found, message.read_only, constraints)
-
-
-def own_first(found: Iterable[str]) -> list[str]:
-    """The node's own parameters in its order, then those that ROS 2 declares in every node."""
-    return sorted(found, key=is_of_every_node)
 
 
 def is_of_every_node(name: str) -> bool:

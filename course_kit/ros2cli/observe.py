@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from course_kit.ros2cli.graph import EndpointFacts
 
 _DISCOVERY_TOPIC = "ros_discovery_info"  # each participant publishes its nodes here (rmw_dds_common)
+_PARTICIPANT = 12  # first bytes of an endpoint's identifier, the same within one participant (DDSI-RTPS, 9.3.1)
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 _LOOK_EVERY = 0.002
 _QUIET = 0.02  # endpoints of one node arrive in one or two bursts, less than a millisecond apart
@@ -109,7 +110,7 @@ class Observer:
 
     def _participants(self) -> frozenset[bytes]:
         infos = self._node.get_publishers_info_by_topic(_DISCOVERY_TOPIC, no_mangle=True)
-        return frozenset(graph.participant_of(info) for info in infos)
+        return frozenset(bytes(info.endpoint_gid[:_PARTICIPANT]) for info in infos)
 
     def _all_named(self) -> bool:
         """Whether each participant has named its nodes: names arrive after the endpoints."""
@@ -119,7 +120,7 @@ class Observer:
         for topic, _ in self._node.get_topic_names_and_types(no_demangle=True):
             if topic != _DISCOVERY_TOPIC:
                 for info in self._both_ends(topic):
-                    named[info.node_name != _UNKNOWN].add(graph.participant_of(info))
+                    named[info.node_name != _UNKNOWN].add(bytes(info.endpoint_gid[:_PARTICIPANT]))
         return named[False] <= named[True]
 
     def _both_ends(self, topic: str) -> Iterator[TopicEndpointInfo]:

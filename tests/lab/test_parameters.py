@@ -19,7 +19,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 
 from course_kit import lab
-from course_kit.ros.parameters import Descriptor, Range
+from course_kit.lab.parameters import Descriptor, Range
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab

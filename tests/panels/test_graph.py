@@ -18,9 +18,9 @@ from std_msgs.msg import Bool, Float64
 from course_kit import lab, panels
 from course_kit.lab.runtime.neighbours import OtherNotebook
 from course_kit.panels.base import RATE
-from course_kit.panels.graph_view import GraphView, news, notebooks_by_node
+from course_kit.panels.graph_view import GraphView, in_lines, news, notebooks_by_node
 from course_kit.ros import graph as overview
-from course_kit.ros.graph_drawing import boxes_of, graph_svg, in_lines
+from course_kit.ros.graph_drawing import boxes_of, graph_svg
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from course_kit import lab, panels
+from course_kit.lab.parameters import Range
 from course_kit.panels.sliders import format_value, slider_step
-from course_kit.ros.parameters import Range
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
