@@ -1,20 +1,12 @@
-"""For courses that run on Otter-Grader: each check of an exercise as a test case of Otter, with its points.
-
-All test cases of a notebook read one grading. `course-kit otter EXERCISE` prints the test file.
-"""
+"""`course-kit otter EXERCISE`: a test file for Otter-Grader, in which each check is a test case with its points."""
 
 from __future__ import annotations
 
 import sys
 from typing import TYPE_CHECKING
 
-from course_kit.grading.errors import GradingError
-from course_kit.text.console import WIDTH
-
 if TYPE_CHECKING:
     import argparse
-
-    from course_kit.grading import Report
 
 _HEAD = """\
 # Made by: course-kit otter {command}
@@ -30,32 +22,6 @@ _CASE = """
 def test_{check.id}():
     check({exercise!r}, {check.id!r}{more})
 """
-
-
-def check(exercise: str, name: str, *, seed: int | None = None) -> None:
-    """Return when this notebook's submission passes a check of the exercise, and raise when it does not."""
-    from course_kit.integrations.grade_magics import magics_of_notebook, nothing_from
-
-    report = magics_of_notebook("otter.check").report(exercise, seed)
-    if report is None:
-        raise AssertionError(nothing_from(exercise))
-    if text := feedback(report, name):
-        raise AssertionError(text)
-
-
-def feedback(report: Report, name: str) -> str:
-    """What to tell about a check; empty when it was passed."""
-    from course_kit.grading.render.text import check_lines
-
-    if report.status == "error":
-        raise GradingError(f"{report.problem} This is not the submission's fault: grade it again.")
-    if report.status == "unreadable":
-        return report.problem
-    found = next((check for check in report.checks if check.id == name), None)
-    if found is None:
-        known = ", ".join(check.id for check in report.checks)
-        raise GradingError(f"There is no check '{name}' in {report.exercise}. Its checks: {known}.")
-    return "" if found.status == "passed" else "\n".join(check_lines(found, WIDTH))
 
 
 def case_file(exercise_id: str, seed: int | None = None) -> str:

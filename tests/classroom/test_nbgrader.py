@@ -11,8 +11,7 @@ from typing import Any
 import nbformat
 import pytest
 
-from course_kit import environment, grading
-from course_kit.integrations import grade_magics
+from course_kit import environment, grading, nbgrader
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "temperature_service"
@@ -159,4 +158,4 @@ def test_a_node_that_was_left_running_costs_nothing(course: Path) -> None:
     [(10.0, 10.0, "10"), (8.5, 10.0, "8.5"), (8.5, 4, "3.4"), (0.0, 4, "0"), (1.0, 3, "0.3")],
 )
 def test_points_are_those_of_the_cell_and_print_as_a_number(score: float, most: float, points: str) -> None:
-    assert repr(grade_magics.scale_score(score, 10.0, most)) == points
+    assert repr(nbgrader.scale_score(score, 10.0, most)) == points

@@ -15,6 +15,7 @@ from course_kit.cli import main
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.model.exercise import list_exercise_ids, load_exercise
 from course_kit.integrations import otter
+from course_kit.otter import feedback
 from tests.lab.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -149,7 +150,7 @@ def report(status: str, problem: str = "", checks: tuple[CheckReport, ...] = ())
 
 
 def test_a_submission_that_cannot_be_read_gets_the_reason() -> None:
-    assert otter.feedback(report("unreadable", "It is empty."), "offered") == "It is empty."
+    assert feedback(report("unreadable", "It is empty."), "offered") == "It is empty."
 
 
 def test_the_command_prints_the_file_and_knows_its_seed(capsys: pytest.CaptureFixture[str]) -> None:
