@@ -21,33 +21,32 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
-    from course_kit.quiz import Half, MarkedAnswers, Scenario
+    from course_kit.quiz import MarkedAnswers, Scenario
 
 INTERFACES = ()
-_READ = "answers"  # the id of the check all others need
 _SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
-_PATTERN_WANTED = "the pattern that fits: topic, service or action"
 _DEADLINE_S = 5.0
 _PROVES = {"pattern": ("pattern", "others_count"), "reason": ("reason", "decides", "own_reason", "others_count")}
 _MOST_NAMED = 20  # entries that belong to no scenario
+_FOUND = ("too_large", "value", "entries")  # what is said of a variable that is set
+_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
+_LONGEST = 500  # characters of an answer or its id, as text
 
 
 def checks_for(job: Job) -> list[Check]:
     """The checks of the scenarios that the job's seed draws: two for each, after one that reads the answers."""
-    scenarios = quiz.draw(job.seed)
-    sheet, after = _Sheet(scenarios), (_READ,)
+    sheet, after = _Sheet(quiz.draw(job.seed)), ("answers",)
     # Worth nothing by themselves: all points go to the halves.
     checks = [
-        Check(_READ, "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read, ("dictionary",)),
+        Check("answers", "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read, ("dictionary",)),
         Check(
             "known_ids", "Every entry belongs to a scenario", 0.0, after, _DEADLINE_S, sheet.known_ids, ("no_scenario",)
         ),
     ]
-    for place, scenario in enumerate(scenarios):
-        for half, run in (("pattern", sheet.pattern), ("reason", sheet.reason)):
-            title = f"{half.capitalize()}: {scenario.title}"
-            mark = partial(run, place)
-            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, after, _DEADLINE_S, mark, _PROVES[half]))
+    for place, scenario in enumerate(sheet.scenarios):
+        for half, proves in _PROVES.items():
+            title, mark = f"{half.capitalize()}: {scenario.title}", partial(sheet.mark, place, half)
+            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, after, _DEADLINE_S, mark, proves))
     return checks
 
 
@@ -55,12 +54,12 @@ class _Sheet:
     """The answers of one submission, read by the first check and marked for the others."""
 
     def __init__(self, scenarios: tuple[Scenario, ...]) -> None:
-        self._scenarios = scenarios
+        self.scenarios = scenarios
         self._result: MarkedAnswers  # from the first check on
 
     def read(self, context: CheckContext) -> Evidence:
         entries = _read(context)
-        self._result = quiz.mark(self._scenarios, entries)
+        self._result = quiz.mark(self.scenarios, entries)
         if not self._result.is_final:
             raise GradingError(_not_here(self._result))
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
@@ -71,7 +70,7 @@ class _Sheet:
         expected = "ids of scenarios only"
         if not strangers:
             return Evidence("", expected, expected)
-        drawn = [scenario.id for scenario in self._scenarios]
+        drawn = [scenario.id for scenario in self.scenarios]
         meant = {name: quiz.nearest(name, drawn) for name in strangers[:_MOST_NAMED]}
         named = [f"'{name}' (did you mean '{near}'?)" if near else f"'{name}'" for name, near in meant.items()]
         if (others := len(strangers) - len(named)) > 0:
@@ -79,18 +78,19 @@ class _Sheet:
         message = f"These entries belong to no scenario: {'; '.join(named)}. They do not change your points."
         raise Failed(Evidence("", expected, ", ".join(strangers)), message, "quiz.unknown")
 
-    def pattern(self, place: int, context: CheckContext) -> Evidence:
-        del context
-        marks = self._result.marks[place]
-        sent = f"{marks.scenario.id}: {marks.scenario.text}"
-        return _verdict(marks.pattern, sent, _PATTERN_WANTED)
-
-    def reason(self, place: int, context: CheckContext) -> Evidence:
-        marks = self._result.marks[place]
-        listed = [name for name, _ in quiz.reasons_as_shown(marks.scenario, context.job.seed)]
-        given = marks.scenario.reasons.get(marks.reason.got)
-        got = f"{marks.reason.got}: {given}" if given else marks.reason.got
-        return _verdict(marks.reason, "", f"the reason that decides, out of {', '.join(listed)}", got)
+    def mark(self, place: int, half: str, context: CheckContext) -> Evidence:
+        scenario, marked = self._result.marks[place].scenario, getattr(self._result.marks[place], half)
+        if half == "pattern":
+            sent, expected = f"{scenario.id}: {scenario.text}", "the pattern that fits: topic, service or action"
+            got = marked.got
+        else:
+            listed = ", ".join(name for name, _ in quiz.reasons_as_shown(scenario, context.job.seed))
+            sent, expected = "", f"the reason that decides, out of {listed}"
+            got = ": ".join(filter(None, (marked.got, scenario.reasons.get(marked.got))))
+        evidence = Evidence(sent, expected, got or "nothing")
+        if not marked.right:
+            raise Failed(evidence, marked.explanation, marked.code)
+        return evidence
 
 
 def _not_here(result: MarkedAnswers) -> str:
@@ -109,24 +109,22 @@ def _not_here(result: MarkedAnswers) -> str:
     )
 
 
-def _verdict(half: Half, sent: str, expected: str, got: str | None = None) -> Evidence:
-    evidence = Evidence(sent, expected, (half.got if got is None else got) or "nothing")
-    if not half.right:
-        raise Failed(evidence, half.explanation, half.code)
-    return evidence
-
-
 def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    told, variable = context.job.literal or _run(context), context.job.variable
+    told, variable, code = context.job.literal or _run(context), context.job.variable, "quiz.malformed"
     if told.get("too_large"):
-        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", "quiz.malformed")
+        raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", code)
     if "value" in told:
         message = f"{variable} is not a dictionary, so no answer can be found under a scenario's id."
-        raise Failed(Evidence("", _SHAPE, told["value"][:80]), message, "quiz.malformed")
-    if "entries" not in told:
-        raise _not_set([name for name in told.get("set_names", ()) if name != variable], variable)
-    return read_entries(told)
+        raise Failed(Evidence("", _SHAPE, told["value"][:80]), message, code)
+    if "entries" in told:
+        return read_entries(told)
+    others = [name for name in told.get("set_names", ()) if name != variable]
+    names, meant = ", ".join(others) or "nothing", quiz.nearest(variable, others)
+    message = f"Your program does not set a variable called {variable}; it sets {names}."
+    if meant:
+        message += f" Did you mean {meant}?"
+    raise Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
 
 
 def _run(context: CheckContext) -> Record:
@@ -139,37 +137,19 @@ def _run(context: CheckContext) -> Record:
     raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
 
 
-def _not_set(set_names: list[str], variable: str) -> Failed:
-    names = ", ".join(set_names) or "nothing"
-    meant = quiz.nearest(variable, set_names)
-    message = f"Your program does not set a variable called {variable}; it sets {names}."
-    if meant:
-        message += f" Did you mean {meant}?"
-    return Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
-
-
-_FOUND = ("too_large", "value", "entries")  # what is said of a variable that is set
-_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
-_LONGEST = 500  # characters of an answer or its id, as text
-
-
 def read_entries(told: Record) -> dict[object, object]:
     """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`)."""
     entries: dict[object, object] = {}
     for key, text, *problem in told["entries"]:
-        _put(entries, key, text, "".join(problem))
+        try:
+            value = Unusable(text, problem[0]) if any(problem) else _literal(text)
+        except _NO_LITERAL:
+            value = Unusable(text, "An answer has to be plain texts, but this is something else.")
+        try:
+            entries[_literal(key)] = value
+        except _NO_LITERAL:
+            entries[key] = value
     return entries
-
-
-def _put(entries: dict[object, object], key: str, text: str, problem: str) -> None:
-    try:
-        value = Unusable(text, problem) if problem else _literal(text)
-    except _NO_LITERAL:
-        value = Unusable(text, "An answer has to be plain texts, but this is something else.")
-    try:
-        entries[_literal(key)] = value
-    except _NO_LITERAL:
-        entries[key] = value
 
 
 def _literal(text: str) -> object:
