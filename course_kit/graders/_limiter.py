@@ -10,10 +10,11 @@ import math
 import re
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry_msgs.msg import Twist
 
+from course_kit.grading.checks.answers import differences
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     from std_msgs.msg import Float64
 
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-9
 # Of an end, as a share: rclpy's own text has the smallest number above 0 for a range that excludes 0, and who has the
 # end itself wrong loses no points here.
 _NEAR = 0.15
@@ -72,8 +72,7 @@ def is_valid(name: str, value: Any) -> bool:
     return bool(low <= value <= high and value > 0.0 if name in BOUNDS else value != "")
 
 
-@dataclass(frozen=True)
-class Reaction:
+class Reaction(NamedTuple):
     """What comes out for one command: the fields of /cmd_vel in the order of geometry_msgs/Twist, and /wheel_speed."""
 
     fields: tuple[float, ...]
@@ -103,33 +102,35 @@ def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reacti
     return Reaction((limited, *fields[1:]), _ratio(limited, settings.wheel_diameter / 2.0))
 
 
-def same_reaction(mine: Reaction, two: Reaction) -> bool:
-    """Whether two reactions are the same, but for digits that do not count."""
-    return all(_is_close(a, b) for a, b in zip((*mine.fields, mine.wheel), (*two.fields, two.wheel), strict=True))
+def are_same(mine: object, other: object) -> bool:
+    """Whether two numbers or reactions are the same, but for digits that do not count."""
+    return not any(differences(mine, other))
 
 
 def cause_of(
     settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
-) -> tuple[bool, str | None, str]:
-    """What is wrong with a reaction to a command: whether /wheel_speed alone is, the diagnosis, and a sentence."""
+) -> tuple[str, str | None, str]:
+    """What is wrong with a reaction to a command: the sentence that is broken, the diagnosis, and what to say."""
     right = right_reaction(settings, fields)
-    names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not _is_close(mine, two)]
+    names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
     if not settings.enabled:
         if names:
-            why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
-            return False, None, why
-        return True, "math.formula", "With enabled=False the robot stands still, and so do its wheels."
-    others = [name for name in names if name != _NAMES[0]]
-    if others:
+            return (
+                "disabled",
+                None,
+                "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still.",
+            )
+        return "disabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
+    if others := [name for name in names if name != _NAMES[0]]:
         hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
-        return False, None, hint
+        return "limited", None, hint
     if names:
         hint = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
-        if _is_close(got.fields[0], fields[0]):
+        if are_same(got.fields[0], fields[0]):
             hint = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
-        elif _is_close(got.fields[0], -right.fields[0]):
+        elif are_same(got.fields[0], -right.fields[0]):
             hint = "The size is right but the sign is wrong: a command to drive backwards must still drive backwards."
-        return False, "math.formula", hint
+        return "limited", "math.formula", hint
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     slips = (
         (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
@@ -139,12 +140,11 @@ def cause_of(
         (_ratio(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
         (speed, "This is the speed itself, in m/s; the topic wants rad/s."),
     )
-    usual = [hint for value, hint in slips if _is_close(got.wheel, value)]
+    usual = [hint for value, hint in slips if are_same(got.wheel, value)]
     if not usual and abs(got.wheel - right.wheel) <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        hint = "Digits were lost in the calculation: look for //, int() and round()."
-        return True, "math.integer_division", hint
+        return "wheels", "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
     none = "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
-    return True, "math.formula", (usual or [none])[0]
+    return "wheels", "math.formula", (usual or [none])[0]
 
 
 def read_status(text: str) -> tuple[str, float] | None:
@@ -178,10 +178,6 @@ def missing_in_reason(name: str, value: Any, reason: str) -> str:
 def _ratio(number: float, other: float) -> float:
     """A quotient, or NaN: the settings are a stranger's."""
     return number / other if other else math.nan
-
-
-def _is_close(mine: float, other: float) -> bool:
-    return math.isclose(mine, other, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE) or (math.isnan(mine) and math.isnan(other))
 
 
 def twist_of(fields: list[float]) -> Twist:
@@ -296,7 +292,7 @@ class LimiterSteps(Model):
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
         right = right_reaction(self.settings, fields)
-        if same_reaction(right, got) or ("wheel_speed" in self.lost and all(map(_is_close, right.fields, got.fields))):
+        if are_same(right, got) or ("wheel_speed" in self.lost and are_same(right.fields, got.fields)):
             self.seen = self.settings
             self.past.append((fields, False))
             return
@@ -314,28 +310,28 @@ class LimiterSteps(Model):
         for values in itertools.product(*zip(*states, strict=True)):
             old = LimiterSettings(*values)
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
-            if names and same_reaction(got, right_reaction(old, fields)):
+            if names and are_same(right_reaction(old, fields), got):
                 why = "Your node accepted the change, but the output is the same as before."
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
                 return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
-        of_wheel, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.facts.floor_divides)
-        breaks = "disabled" if not now.enabled else "wheels" if of_wheel else "limited"
+        breaks, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.facts.floor_divides)
         return Failed(evidence, why, diagnosis, breaks=breaks)
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
-        refused = [done for done, was_refused in self.past if was_refused]
-        plain = [done for done, was_refused in self.past if not was_refused]
+        several = any(refused and len(done) > 1 for done, refused in self.past)
+        if not any(refused for _, refused in self.past) or not self._goes_right(
+            node, act, [done for done, refused in self.past if not refused]
+        ):
+            return failed
         alone: list[dict[str, Any] | list[float]] = []  # of what was refused only the wrong values, one at a time
-        for done, was_refused in self.past:
-            if isinstance(done, dict) and was_refused and len(done) > 1:
+        for done, refused in self.past:
+            if refused and isinstance(done, dict) and len(done) > 1:
                 alone += [{name: value} for name, value in done.items() if not is_valid(name, value)]
             else:
                 alone.append(done)
-        if not refused or not self._goes_right(node, act, plain):
-            return failed
         why = "Your node refused the change, but since then it behaves differently. It must behave as before."
-        together = any(len(values) > 1 for values in refused) and self._goes_right(node, act, alone)
+        together = several and self._goes_right(node, act, alone)
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
 
     def _goes_right(

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
-from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, SUCCEEDED
+from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
@@ -35,7 +35,6 @@ _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 _SLOWEST_S, _EXTRA_S = 3.0, 2.0  # seconds that a move may take for each metre, and in addition
-_PROMPT_S = 1.0  # within which the statuses of two goals have come
 OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 
@@ -179,11 +178,8 @@ def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoa
     return goal
 
 
-def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> None:
-    """A valid goal is accepted; else find out what the server minds: this goal, all goals, or what was before."""
-    goal.wait_for_answer("the goal accepted")
-    if goal.accepted:
-        return
+def explain_rejection(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float, breaks: str) -> Failed:
+    """A valid goal was rejected: find out what the server minds: this goal, all goals, or what was before."""
     evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr
     if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
         if _accepts(node, target, z, afresh=True):
@@ -191,14 +187,14 @@ def require_accepted(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: 
                 "No goal was running, but your node rejected this goal. After a fresh start it accepts the same goal. "
                 "So it still believes that an earlier goal is running."
             )
-            raise Failed(evidence, why, breaks="succeeds")
+            return Failed(evidence, why, breaks="succeeds")
         if not _accepts(node, CENTRE, afresh=True):
             why = f"This goal was rejected, and one to {CENTRE} as well."
             if _NO_RESPONSE in stderr:
                 why += " Your goal callback did not return a GoalResponse; rclpy takes that as a rejection."
-            raise Failed(evidence, why, "action.rejects_all", breaks="accepted")
+            return Failed(evidence, why, "action.rejects_all", breaks="accepted")
     why = f"One to {CENTRE} is accepted. This one lies in the arena, too: its edges belong to it, and z is ignored."
-    raise Failed(evidence, why, "validation.overzealous", breaks=breaks or "accepted")
+    return Failed(evidence, why, "validation.overzealous", breaks=breaks or "accepted")
 
 
 def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bool = False) -> bool:
@@ -263,15 +259,14 @@ def require_enough(move: Move) -> None:
 
 def require_truth(move: Move) -> None:
     """What feedback says of a move is true; feedback of a long one that has arrived covers all of it."""
-    long, arrived = move.length >= LONG_M, move.ended.status == SUCCEEDED
-
-    def is_complete(messages: Sequence[ReceivedFeedback]) -> bool:
-        return not (long and arrived) or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
-
-    heard = move.goal.wait_for_last_feedback(is_complete)
+    long = move.length >= LONG_M
+    whole = long and move.ended.status == SUCCEEDED
+    heard = move.goal.wait_for_last_feedback(
+        lambda messages: not whole or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
+    )
     expected = f"progress 0 to 1, distance_remaining down to 0, positions on the line {move.begin} to {move.target}"
     if not heard:
-        if long and arrived:
+        if whole:
             why = "There was no feedback during this move."
             raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), why)
         return
@@ -281,7 +276,7 @@ def require_truth(move: Move) -> None:
         raise Failed(evidence, why, "action.feedback_not_monotonic")
     for state in heard:
         _require_on_the_way(move, state.feedback)
-    if long and arrived:
+    if whole:
         _require_from_begin_to_end(move, heard, expected)
     for said in [state.feedback for state in heard] if long else ():
         wanted = 1.0 - said.distance_remaining / move.length
@@ -353,7 +348,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
         return failed
     if code == "action.cancel_refused" and left > CANCEL_UNTIL_M and (slow or goal.feedback):
         return failed
-    if slow and not (code == "action.cancel_blocked" and waited_s > _PROMPT_S):
+    if slow and not (code == "action.cancel_blocked" and waited_s > PROMPT_S):
         return OverError(failed.evidence, failed.message, breaks=failed.breaks)
     return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
 
@@ -362,7 +357,10 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
     evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", describe_end(ended))
-    stopped, seen = place_of(ended.result.final_position), _last_seen(move)
+    places = (place_of(message.feedback.position) for message in reversed(goal.feedback))
+    # Where it was last on its way; what lies beside it is another check's matter.
+    seen = next((place for place in places if distance_beside(move.begin, target, place) <= BESIDE), None)
+    stopped = place_of(ended.result.final_position)
     if math.dist(stopped, target) <= TOLERANCE and ended.status in (SUCCEEDED, CANCELED):
         if ended.status == CANCELED if seen is None else math.dist(seen, target) > _NEAR_M:
             where = "it was cancelled at once" if seen is None else f"the last feedback said that it was at {seen}"
@@ -384,33 +382,6 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
         raise Failed(evidence, why, breaks="progress")
 
 
-def _last_seen(move: Move) -> ArenaPoint | None:
-    """Where feedback last said that the robot was on its way; what lies beside it is another check's matter."""
-    seen = [place_of(message.feedback.position) for message in move.goal.feedback]
-    on_the_way = (place for place in reversed(seen) if distance_beside(move.begin, move.target, place) <= BESIDE)
-    return next(on_the_way, None)
-
-
 def _is_blank(result: Any) -> bool:
     """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
     return bool(result == MoveRobot.Result())
-
-
-# --- two goals
-
-
-def require_one_at_a_time(
-    first: GradedGoal, second: GradedGoal, evidence: Evidence, wait_until: Callable[[Callable[[], bool], float], bool]
-) -> None:
-    """Of two goals that were accepted the server's own statuses say whether both ran at the same time."""
-    wait_until(lambda: bool(first.began_at and second.began_at), _PROMPT_S)
-    later = max(first.began_at, second.began_at)
-    if any(goal.over_at is not None and goal.over_at <= later for goal in (first, second)):
-        raise OverError(evidence, "One goal was over before the other began.")
-    wait_until(lambda: first.over_at is not None, _PROMPT_S)
-    if first.over_at is not None and first.statuses[-1][1] in (ABORTED, CANCELED):
-        why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
-        raise Failed(evidence, why, breaks="second_goal")
-    both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
-    why = "Your server accepted a second goal while the first was still running."
-    raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")

@@ -17,7 +17,7 @@ from course_interfaces.action import MoveRobot
 from course_kit.graders import _moves, charge_to
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
 from course_kit.grading.checks.evidence import UnseenError
-from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
+from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
     Evidence,
@@ -231,12 +231,10 @@ class RobotModel(Model):
         """Send a goal, which is accepted; what rejects just this one costs the check that is named."""
         self.targets.append(target)
         goal = _moves.send_goal(node, target, z)
-        try:
-            _moves.require_accepted(node, goal, target, z, breaks)
-        except Failed as failed:
-            if not goal.answered:
-                failed.breaks = "succeeds" if self.targets[:-1] else "accepted"  # or it has accepted goals before
-            raise
+        with charge_to("succeeds" if self.targets[:-1] else "accepted"):  # it has accepted goals before, or not
+            goal.wait_for_answer("the goal accepted")
+        if not goal.accepted:
+            raise _moves.explain_rejection(node, goal, target, z, breaks)
         return goal
 
     def finish(self, begin: ArenaPoint, target: ArenaPoint, goal: GradedGoal, within_s: float = 0.0) -> Move:
@@ -267,13 +265,19 @@ class RobotModel(Model):
             self.see_one_at_a_time(node, first, second, Evidence(first.shown, expected, "both goals accepted"))
 
     def see_one_at_a_time(self, node: GradedNode, first: GradedGoal, second: GradedGoal, evidence: Evidence) -> None:
-        """Both goals were accepted: did they run at the same time, or was the machine too busy to say?"""
-        try:
-            _moves.require_one_at_a_time(first, second, evidence, node.context.wait_until)
-        except OverError:
-            later = max(first, second, key=lambda goal: goal.began_at)
+        """Both goals were accepted: the server's own statuses say whether they ran at the same time."""
+        node.context.wait_until(lambda: bool(first.began_at and second.began_at), PROMPT_S)
+        later = max(first, second, key=lambda goal: goal.began_at)
+        if any(goal.over_at is not None and goal.over_at <= later.began_at for goal in (first, second)):
             self.note_arrival(Move(self.at, self.at, later, later.wait_for_end(_moves.allowed_s(3.0), "SUCCEEDED")))
-            raise
+            raise OverError(evidence, "One goal was over before the other began.")
+        node.context.wait_until(lambda: first.over_at is not None, PROMPT_S)
+        if first.over_at is not None and first.statuses[-1][1] in (ABORTED, CANCELED):
+            why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
+            raise Failed(evidence, why, breaks="second_goal")
+        both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
+        why = "Your server accepted a second goal while the first was still running."
+        raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")
 
     def note_arrival(self, move: Move) -> Move:
         """The robot is then where the result says, unless that is nowhere in the arena."""
@@ -389,8 +393,7 @@ class RobotModel(Model):
                 with node.context.record.looking_away():
                     self.start_afresh(node)
                     for target in targets:
-                        move = self.finish(self.at, target, self.start(node, target))
-                        self.judge(move, failed.breaks)
+                        self.judge(self.finish(self.at, target, self.start(node, target)), failed.breaks)
             except Failed:
                 return
         if failed.breaks in _moves.ASPECTS:

@@ -8,7 +8,7 @@ import re
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
@@ -48,9 +48,6 @@ from course_kit.grading.checks.vocabulary import (
     step_rule,
 )  # fmt: skip
 
-if TYPE_CHECKING:
-    import random
-
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
@@ -86,14 +83,8 @@ _WITH_NAMES = (
     {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
-_COMMANDS = (("m/s", 0.0, [0.0] * 5), ("m/s", 0.05, [0.0] * 5), ("m/s", 8.0, [0.0] * 5), ("m/s", -8.0, [0.5] * 5))
-
-
-def command_of(rng: random.Random) -> tuple[str, float, list[float]]:
-    """A command: its linear.x, by itself or as a share of max_velocity, and the other fields."""
-    kind = rng.choice(("m/s", "of the limit"))
-    size = rng.choice((1.0, -1.0, rng.uniform(0.2, 0.95), -rng.uniform(0.2, 0.95), 1.3, -1.3))
-    return kind, size * (1.0 if kind == "of the limit" else BEYOND), [rng.uniform(-3, 3) for _ in FIELDS[1:]]
+_COMMANDS = ([0.0] * 6, [0.05, *[0.0] * 5], [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
+_ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in FIELDS[1:])])
 
 
 class Limiter(LimiterSteps):
@@ -115,12 +106,11 @@ class Limiter(LimiterSteps):
         if node.context.job.mode == "attach":
             node.set(vars(self.start), of=NODE)
 
-    @step_rule("reacts", command=draw_one_of(*_COMMANDS, draw_by(command_of)))
-    def look_at_command(self, node: GradedNode, command: tuple[str, float, list[float]]) -> None:
+    @step_rule("reacts", fields=draw_one_of(*_COMMANDS, _ANY))
+    def look_at_command(self, node: GradedNode, fields: list[float]) -> None:
         """A command, when all changes act; and the parameters have their values."""
         self.require_values(node)
-        kind, size, others = command
-        self.drive(node, [size * self.settings.max_velocity if kind != "m/s" else size, *others])
+        self.drive(node, fields)
 
     @step_rule("change_velocity", values=draw_one_of((5.0, 0.01), (0.001, 1.0), (1.23456789, 0.35)))
     def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
@@ -283,11 +273,10 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
             why = f"Your program ended when it was started with valid values. {failed.message}"
             raise Failed(evidence, why, "validation.overzealous") from None
         raise Failed(evidence, failed.message, failed.diagnosis) from None
-    model = Limiter(replace(LimiterSettings(**node.get(*TYPES, of=NODE)), **given))
-    held = context.conversations.get(Limiter)
-    model.lost = held.failed_checks if held is not None else frozenset()
-    read = node.get(*given, of=NODE)
-    if read != given:
+    started = node.get(*TYPES, of=NODE)
+    model = Limiter(LimiterSettings(**{**started, **given}))
+    model.lost = context.conversations[Limiter].failed_checks
+    if (read := {name: started[name] for name in given}) != given:
         why = "The program was started with these values, but its parameters have others."
         raise Failed(Evidence(sent, describe_values(given), describe_values(read)), why, "parameter.override_ignored")
     off = not model.settings.enabled
