@@ -18,7 +18,6 @@ from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICE
 from course_kit.grading.checks.ready_made import expect_rate
 from course_kit.grading.checks.vocabulary import (
     Approximation,
-    Check,
     Evidence,
     GradedNode,
     check,
@@ -423,7 +422,7 @@ def delivery_back(node: GradedNode) -> None:
     node.context.spoil()
 
 
-CHECKS: list[Check] = [
+CHECKS = [
     battery_up, battery_rate, battery_falls, battery_charges, battery_refuses,
     door_up, door_opens, door_locked, door_free,
     carrier_up, carrier_delivers, carrier_feedback, carrier_rejects,

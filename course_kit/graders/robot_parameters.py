@@ -13,28 +13,13 @@ from typing import Any
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
-from course_kit.graders import charge_to
-from course_kit.graders._limiter import (
-    ANSWER_S,
-    BEYOND,
-    CHANGES,
-    COMMAND,
-    DEFAULTS,
-    FIELDS,
-    LATE_S,
-    NODE,
-    RANGES,
-    STATUS,
-    TYPES,
-    LimiterSettings,
-    LimiterSteps,
-)  # fmt: skip
+from course_kit.graders import _limiter, charge_to
+from course_kit.graders._limiter import BEYOND, CHANGES, DEFAULTS, NODE, STATUS, TYPES, LimiterSettings, LimiterSteps
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import describe_values, start_arguments
-from course_kit.grading.checks.ready_made import expect_rate
+from course_kit.grading.checks.ready_made import expect_rate, make_check
 from course_kit.grading.checks.ready_made_parameters import expect_declared, expect_defaults, expect_types
 from course_kit.grading.checks.vocabulary import (
-    Check,
     CheckPart,
     Evidence,
     Failed,
@@ -46,7 +31,7 @@ from course_kit.grading.checks.vocabulary import (
     draw_one_of,
     endpoints_offered,
     step_rule,
-)  # fmt: skip
+)
 
 INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
@@ -84,7 +69,7 @@ _WITH_NAMES = (
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _COMMANDS = ([0.0] * 6, [0.05, *[0.0] * 5], [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
-_ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in FIELDS[1:])])
+_ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.FIELDS[1:])])
 
 
 class Limiter(LimiterSteps):
@@ -100,7 +85,7 @@ class Limiter(LimiterSteps):
             self.watch_status(node)
             self.accept(node, {"robot_name": "the name alone"}, "change_status")
             self.watch_status(node)
-        self.require_quiet(node, self.sent_at + LATE_S - time.monotonic(), enabled=True)
+        self.require_quiet(node, self.sent_at + _limiter.LATE_S - time.monotonic(), enabled=True)
         self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
         if node.context.job.mode == "attach":
@@ -170,10 +155,10 @@ class Limiter(LimiterSteps):
         """An invalid value."""
         name = next(iter(values))
         change = node.set(values, of=NODE)
-        change.refused(expected=f"refused: {RANGES[name]}")
+        change.refused(expected=f"refused: {_limiter.RANGES[name]}")
         self.past.append((values, True))
         if "change_status" not in self.lost:
-            change.within(ANSWER_S, breaks="change_answered")
+            change.within(_limiter.ANSWER_S, breaks="change_answered")
         self.require_reason(change, name, values[name])
 
     def refuse_both(self, node: GradedNode) -> None:
@@ -219,18 +204,6 @@ def node_up(node: GradedNode) -> Evidence:
     return node.parameters(NODE).expect_served()
 
 
-@check(points=0.5, after=["node_up"], proves=list(TYPES))
-def declared(node: GradedNode) -> Evidence:
-    """The four parameters are declared."""
-    return expect_declared(node.parameters(NODE), vars(DEFAULTS))
-
-
-@check(points=0.5, after=["declared"], proves=list(TYPES))
-def types(node: GradedNode) -> Evidence:
-    """Each parameter has its type."""
-    return expect_types(node.parameters(NODE), vars(DEFAULTS))
-
-
 @check(points=0.5, after=["types"], proves=list(TYPES))
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
@@ -254,7 +227,7 @@ def status_rate(node: GradedNode) -> Evidence:
         if clock.has_passed(2 * _LINES * _RATE[1]):
             evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
             raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
-        node.send(COMMAND, Twist())
+        node.send(_limiter.COMMAND, Twist())
     return expect_rate(node, STATUS, 0.5, _RATE)
 
 
@@ -371,13 +344,15 @@ def _require_words(node: GradedNode, words: tuple[str, ...], evidence: Evidence)
     return evidence
 
 
-CHECKS: list[Check] = [
+CHECKS = [
     node_up,
     endpoints_offered(check_id="topics", points=0.5, after=["node_up"],
                       title="The four topics exist, and a publisher or subscription with default QoS connects to each",
                       proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]),
-    declared,
-    types,
+    make_check(lambda node: expect_declared(node.parameters(NODE), vars(DEFAULTS)), check_id="declared", points=0.5,
+               title="The four parameters are declared", after=["node_up"], proves=list(TYPES)),
+    make_check(lambda node: expect_types(node.parameters(NODE), vars(DEFAULTS)), check_id="types", points=0.5,
+               title="Each parameter has its type", after=["declared"], proves=list(TYPES)),
     defaults,
     *conversation(
         Limiter,
