@@ -16,10 +16,10 @@ from geometry_msgs.msg import Twist
 
 from course_kit.grading.checks.answers import differences
 from course_kit.grading.checks.parameters import describe_values
-from course_kit.grading.checks.vocabulary import Change, Evidence, Failed, GradedNode, Model
+from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from std_msgs.msg import Float64
 
@@ -202,15 +202,25 @@ class LimiterSteps(Model):
         self.settings = self.start = self.seen = LimiterSettings(**node.get(*TYPES, of=NODE))
 
     def accept(self, node: GradedNode, values: dict[str, Any], breaks: str) -> None:
-        """Valid values are accepted."""
-        self.settle_status(node, values)
+        """Valid values are accepted; of several that are not, one that is refused alone costs its own check."""
+        if self.lines is not None and "robot_name" in values:  # what was to be seen on /status
+            self.require_status(node)
         if values.get("enabled") and not self.settings.enabled:
             self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic())
         change = node.set(values, of=NODE)
+        for name in values if len(values) > 1 and not change.result.successful else ():
+            self.accept(node, {name: values[name]}, CHANGES[name])
         change.accepted(breaks=breaks)
         if "change_status" not in self.lost:
             change.within(ANSWER_S, breaks="change_answered")
         self.keep_values(values)
+
+    def keep_values(self, values: dict[str, Any]) -> None:
+        """The node has accepted these values."""
+        self.settings = replace(self.settings, **values)
+        self.past.append((values, False))
+        if set(values) != {"robot_name"}:
+            self.quiet_until = time.monotonic() + _ACTS_S
 
     def set_numbers(self, node: GradedNode, velocity: float, diameter: float) -> None:
         """Valid numbers are accepted, one after the other."""
@@ -218,25 +228,23 @@ class LimiterSteps(Model):
             if CHANGES[name] not in self.lost:
                 self.accept(node, {name: float(value)}, CHANGES[name])
 
-    def refuse_set(self, node: GradedNode, values: dict[str, Any]) -> None:
-        """Valid and invalid values at once are refused."""
-        wrong = {name: value for name, value in values.items() if not is_valid(name, value)}
-        change = node.set(values, of=NODE)
-        if change.result.successful:
-            alone = node.set(wrong, of=NODE)
-            alone.refused(expected="refused", breaks="refused")
-            why = f"Your node refuses {describe_values(wrong)} by itself, and accepts it beside others: judge all."
+    def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
+        """An invalid value, by itself or beside valid ones, is refused with a reason that names it and its range."""
+        wrong = [name for name, value in values.items() if not is_valid(name, value)]
+        name, several, change = wrong[0], len(values) > 1, node.set(values, of=NODE)
+        if several and change.result.successful:
+            invalid = {name: values[name] for name in wrong}
+            node.set(invalid, of=NODE).refused(breaks="refused")
+            why = f"Your node refuses {describe_values(invalid)} by itself, and accepts it beside others: judge all."
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
-        change.refused(expected=f"refused, and nothing changed: {describe_values(wrong)} is not valid")
+        change.refused(expected=f"refused{', and nothing changed' * several}: {RANGES[name]}")
         self.past.append((values, True))
-        if not any(name in change.result.reason for name in wrong):
-            for name in values.keys() - wrong.keys():  # whoever minds this one has named it rightly
-                self.accept(node, {name: values[name]}, CHANGES[name])
-            self.require_reason(change, *next(iter(wrong.items())))
-
-    def require_reason(self, change: Change, name: str, value: Any) -> None:
-        """The reason of a refusal names the parameter and its range."""
-        if lacks := missing_in_reason(name, value, change.result.reason):
+        if "change_status" not in self.lost:
+            change.within(ANSWER_S, breaks="change_answered")
+        if several and not any(name in change.result.reason for name in wrong):
+            for other in values.keys() - wrong:  # whoever minds this one has named it rightly
+                self.accept(node, {other: values[other]}, CHANGES[other])
+        if lacks := missing_in_reason(name, values[name], change.result.reason):
             why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
             change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
@@ -249,13 +257,6 @@ class LimiterSteps(Model):
             return
         breaks, why = ("one_each", _ONCE) if on else ("one_each_disabled", f"{_ONCE} With enabled=False, too.")
         node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=breaks)
-
-    def keep_values(self, values: dict[str, Any]) -> None:
-        """The node has accepted these values."""
-        self.settings = replace(self.settings, **values)
-        self.past.append((values, False))
-        if set(values) != {"robot_name"}:
-            self.quiet_until = time.monotonic() + _ACTS_S
 
     def require_values(self, node: GradedNode, sent: str = "") -> None:
         """The parameters have the values that the model has."""
@@ -365,11 +366,6 @@ class LimiterSteps(Model):
         """From now on a line of /status has to tell the settings; that is seen while other things are asked."""
         self.lines = node.inbox(STATUS).count
 
-    def settle_status(self, node: GradedNode, values: Mapping[str, Any]) -> None:
-        """Before the name is changed: what was to be seen on /status has been."""
-        if self.lines is not None and "robot_name" in values:
-            self.require_status(node)
-
     def require_status(self, node: GradedNode, sent: str = "") -> None:
         """A line of /status tells the settings, within a second of a change."""
         context, inbox = node.context, node.inbox(STATUS)
@@ -385,17 +381,14 @@ class LimiterSteps(Model):
         if context.wait_until(fits, _LINE_S + _ACTS_S):
             context.record.add_unasked(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
             return
-        evidence = Evidence(sent, f"on {STATUS}: '{self.settings.robot_name}: {self.settings.max_velocity!r} m/s'")
-        if inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall_s()):
-            evidence = replace(evidence, got=f"nothing within {SILENT_S:g} s")
-            why = "/status has to be published twice a second, by a timer."
-            failed = Failed(evidence, why, "topic.silent", breaks="" if inbox.count else "status")
-            raise self.blame(node, failed, lambda model: model.require_status(node))
-        line = str(inbox.messages[-1].data)
-        evidence = replace(evidence, got=f"on {STATUS}: {line!r}")
-        read = read_status(line)
+        silent = inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall_s())
+        line = str(inbox.messages[-1].data) if inbox.count else ""
+        got, read = f"on {STATUS}: {line!r}", read_status(line)
         breaks, code = "change_status" if changed and read is not None else "status", None
-        if read is None:
+        if silent:
+            got, why = f"nothing within {SILENT_S:g} s", "/status has to be published twice a second, by a timer."
+            breaks, code = "" if inbox.count else "status", "topic.silent"
+        elif read is None:
             why = "The line has to have the form <name>: <max_velocity> m/s, with a number in place of <max_velocity>."
         elif read[0] != self.settings.robot_name:
             why = f"The line begins with {read[0]!r}; robot_name is {self.settings.robot_name!r}."
@@ -403,5 +396,6 @@ class LimiterSteps(Model):
         else:
             why = f"The line says {read[1]!r} m/s; max_velocity is {self.settings.max_velocity!r}, unrounded."
             code = "parameter.read_once" if changed and read[1] == self.start.max_velocity else None
-        failed = Failed(evidence, why, code, breaks=breaks)
+        wanted = f"on {STATUS}: '{self.settings.robot_name}: {self.settings.max_velocity!r} m/s'"
+        failed = Failed(Evidence(sent, wanted, got), why, code, breaks=breaks)
         raise self.blame(node, failed, lambda model: model.require_status(node))

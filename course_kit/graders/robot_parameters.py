@@ -128,7 +128,7 @@ class Limiter(LimiterSteps):
         self.accept(node, {"robot_name": value}, "change_status")
         for values in _WITH_NAMES if not self.lost & {"atomic", "refuses", "reason"} else ():
             with charge_to("atomic"):
-                self.refuse_set(node, values)
+                self.refuse(node, values)
         if value != " ":
             self.watch_status(node)
 
@@ -142,24 +142,12 @@ class Limiter(LimiterSteps):
     )
     def set_several(self, node: GradedNode, values: dict[str, Any]) -> None:
         """Several valid values at once."""
-        self.settle_status(node, values)
-        change = node.set(values, of=NODE)
-        if not change.result.successful:
-            for name, value in values.items():
-                self.accept(node, {name: value}, CHANGES[name])
-        change.accepted(breaks="atomic")
-        self.keep_values(values)
+        self.accept(node, values, "atomic")
 
     @step_rule("refuses", often=2 * len(_INVALID), values=draw_one_of(*_INVALID))
-    def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
+    def refuse_invalid(self, node: GradedNode, values: dict[str, Any]) -> None:
         """An invalid value."""
-        name = next(iter(values))
-        change = node.set(values, of=NODE)
-        change.refused(expected=f"refused: {_limiter.RANGES[name]}")
-        self.past.append((values, True))
-        if "change_status" not in self.lost:
-            change.within(_limiter.ANSWER_S, breaks="change_answered")
-        self.require_reason(change, name, values[name])
+        self.refuse(node, values)
 
     def refuse_both(self, node: GradedNode) -> None:
         """What is refused neither stops the robot nor lets it drive again, as is seen afterwards."""
@@ -173,7 +161,7 @@ class Limiter(LimiterSteps):
         if not self.settings.enabled and "change_enabled" not in self.lost:
             self.accept(node, {"enabled": True}, "change_enabled")
         for values in sets:
-            self.refuse_set(node, values)
+            self.refuse(node, values)
         for _ in range(2):  # the same command twice running
             self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
 
@@ -231,7 +219,7 @@ def status_rate(node: GradedNode) -> Evidence:
     return expect_rate(node, STATUS, 0.5, _RATE)
 
 
-def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Limiter:
+def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Evidence:
     """Start with these values; they act."""
     context = node.context
     try:
@@ -239,22 +227,22 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         node.parameters(NODE).expect_served()
         node.ensure_running()
     except Failed as failed:
-        evidence = replace(failed.evidence, sent=sent)
-        process = context.program.status()
+        failed.evidence, process = replace(failed.evidence, sent=sent), context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
         if failed.diagnosis in _ENDED and any(name in text for name in TYPES for text in last):
             why = f"Your program ended when it was started with valid values. {failed.message}"
-            raise Failed(evidence, why, "validation.overzealous") from None
-        raise Failed(evidence, failed.message, failed.diagnosis) from None
+            failed.message, failed.diagnosis = why, "validation.overzealous"
+        raise
     started = node.get(*TYPES, of=NODE)
     model = Limiter(LimiterSettings(**{**started, **given}))
     model.lost = context.conversations[Limiter].failed_checks
-    if (read := {name: started[name] for name in given}) != given:
+    evidence = Evidence(sent, describe_values(given), describe_values({name: started[name] for name in given}))
+    if evidence.got != evidence.expected:
         why = "The program was started with these values, but its parameters have others."
-        raise Failed(Evidence(sent, describe_values(given), describe_values(read)), why, "parameter.override_ignored")
+        raise Failed(evidence, why, "parameter.override_ignored")
     off = not model.settings.enabled
     if off and "change_enabled" in model.lost:
-        return model
+        return evidence
     try:
         model.watch_status(node)
         model.drive(node, [BEYOND, 0.1, 0.2, 0.3, 0.4, 0.5], sent)
@@ -264,11 +252,11 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         if "robot_name" in given:
             model.require_status(node, sent)
     except Failed as failed:
-        if failed.diagnosis not in (None, "math.formula", "parameter.read_once"):
-            raise
-        why = f"The parameter has the value given at the start, but the node acts on another. {failed.message}"
-        raise Failed(failed.evidence, why, "parameter.override_ignored") from None
-    return model
+        if failed.diagnosis in (None, "math.formula", "parameter.read_once"):
+            why = f"The parameter has the value given at the start, but the node acts on another. {failed.message}"
+            failed.message, failed.diagnosis = why, "parameter.override_ignored"
+        raise
+    return evidence
 
 
 @check(points=1.0, after=["limits", "wheel_speed"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"])
@@ -277,9 +265,7 @@ def start_arguments_count(node: GradedNode) -> Evidence:
     rng = node.context.random
     highest = 4.9 if "change_velocity" in node.context.conversations[Limiter].failed_checks else 5.0
     given = {"max_velocity": highest, "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
-    sent = " ".join(start_arguments(given))
-    _start(node, given, sent, parameters=given)
-    return Evidence(sent, describe_values(given), describe_values(given))
+    return _start(node, given, " ".join(start_arguments(given)), parameters=given)
 
 
 @check(points=0.5, after=["limits", "status"], deadline_s=25.0, proves=["start_file"])
@@ -289,9 +275,9 @@ def start_file(node: GradedNode) -> Evidence:
     name, velocity = f"rover {rng.randrange(100, 1000)}", round(rng.uniform(0.2, 0.9), 1)
     given = {"robot_name": name, "enabled": False, "max_velocity": velocity}
     sent = f"--params-file parameters.yaml, in which {describe_values(given)}"
-    _start(node, given, sent, file=given, of=NODE)
+    seen = _start(node, given, sent, file=given, of=NODE)
     node.context.spoil()
-    return Evidence(sent, describe_values(given), describe_values(given))
+    return seen
 
 
 @check(points=1.0, after=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
@@ -314,7 +300,8 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
             node.ensure_running()
         except Failed as failed:
             if context.program.status(fresh=True).running:
-                raise Failed(replace(failed.evidence, sent=sent), failed.message, failed.diagnosis) from None
+                failed.evidence = replace(failed.evidence, sent=sent)
+                raise
             return _require_words(node, (name,), replace(evidence, got="the program ended"))
         try:
             model = Limiter()
