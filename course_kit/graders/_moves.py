@@ -181,7 +181,8 @@ def send_goal(node: GradedNode, target: ArenaPoint, z: float = 0.0) -> GradedGoa
 def explain_rejection(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z: float, breaks: str) -> Failed:
     """A valid goal was rejected: find out what the server minds: this goal, all goals, or what was before."""
     evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr
-    if not _accepts(node, CENTRE) and node.context.job.mode != "attach":
+    starts = node.context.job.mode != "attach"
+    if not _accepts(node, CENTRE) and starts:
         if _accepts(node, target, z, afresh=True):
             why = (
                 "No goal was running, but your node rejected this goal. After a fresh start it accepts the same goal. "
@@ -193,6 +194,9 @@ def explain_rejection(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z:
             if _NO_RESPONSE in stderr:
                 why += " Your goal callback did not return a GoalResponse; rclpy takes that as a rejection."
             return Failed(evidence, why, "action.rejects_all", breaks="accepted")
+    inside = ArenaPoint(*(min(max(value, BESIDE), ARENA - BESIDE) for value in target))
+    if starts and inside != target and not _accepts(node, inside, afresh=True):
+        breaks = "accepted"  # it is not the edge that the server minds
     why = f"One to {CENTRE} is accepted. This one lies in the arena, too: its edges belong to it, and z is ignored."
     return Failed(evidence, why, "validation.overzealous", breaks=breaks or "accepted")
 

@@ -311,13 +311,13 @@ def carrier_cancel(node: GradedNode) -> None:
     """carrier.py alone: a delivery can be cancelled at the door and on the way, and the next one works."""
     door, memory = robot.enter(node), node.context.memory
     goal = robot.ask_for_delivery(node, "tower", door)
-    node.wait(2 * CALM_S)
+    node.wait(CALM_S)
     robot.require_stop(node, goal, 0.0)
     robot.open_door(node)
     goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - memory["at"] - 0.5
     node.context.wait_until(lambda: any(seen.feedback.distance_remaining < far for seen in goal.feedback), PATIENCE_S)
     node.set({"speed_mps": robot.FAST_MPS}, of="/carrier").accepted()
-    node.wait(2 * CALM_S)
+    node.wait(CALM_S)
     memory["at"] += robot.require_stop(node, goal, robot.ALONE_MPS)
     node.set({"speed_mps": robot.CREEP_MPS}, of="/carrier").accepted()
     goal = node.goal(DELIVER, room="gate").accepted_by()

@@ -172,7 +172,6 @@ class RobotModel(Model):
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
-        slow = _moves.is_slow(node.context)
         for _ in range(2):  # what is seen is a matter of milliseconds
             begin, target = self.at, self.target_of(way)
             first = self.set_off(node, target, 0.1)
@@ -187,7 +186,7 @@ class RobotModel(Model):
             if not second.answered:
                 self.start_afresh(node)
                 raise OverError(evidence, "Here it does not matter what keeps the server from answering.")
-            if second.accepted and not slow:
+            if second.accepted and not _moves.is_slow(node.context):
                 raise _moves.TooFastError(evidence, "With the robot at its own speed, this can be seen.")
             ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
             self.note_arrival(Move(begin, target, first, ended))
@@ -246,13 +245,13 @@ class RobotModel(Model):
         """Begin a move, and wait until feedback says that a share of it is done, or for as long as that may take."""
         length = math.dist(self.at, target)
         goal = self.start(node, target, breaks=breaks)
-        seconds = 1.3 * share * length / (1.0 if _moves.is_slow(node.context) else 10.0) + 0.05
-
-        def is_there() -> bool:
-            return goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length
-
         if share:
-            node.context.wait_until(is_there, seconds, step_s=0.005)
+            seconds = 1.3 * share * length / (1.0 if _moves.is_slow(node.context) else 10.0) + 0.05
+            node.context.wait_until(
+                lambda: goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length,
+                seconds,
+                step_s=0.005,
+            )
         return goal
 
     def reject_second(self, node: GradedNode, first: GradedGoal, target: ArenaPoint) -> None:
@@ -282,10 +281,9 @@ class RobotModel(Model):
     def note_arrival(self, move: Move) -> Move:
         """The robot is then where the result says, unless that is nowhere in the arena."""
         place = _moves.place_of(move.ended.result.final_position)
+        self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         if all(-1.0 <= value <= ARENA + 1.0 for value in place):
             self.at = place
-        else:
-            self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         return move
 
     def make_plain_move(self, node: GradedNode, check: str = "") -> None:
@@ -406,8 +404,7 @@ class RobotModel(Model):
         if node.context.job.mode != "attach":
             node.context.launch(variables=OWN_SPEED if _moves.speed_of(node.context).own else None)
             node.ensure_running()
-            self.at, self.special, self.cancelled, self.targets = ORIGIN, "", False, []
-            self._recent, self._judged = {}, None
+            vars(self).update(vars(RobotModel()))
 
     def target_of(self, way: Way) -> ArenaPoint:
         """Where a drawn way leads; not too near to (0, 0), which stands in a result that nobody fills in."""
