@@ -287,7 +287,8 @@ class LimiterSteps(Model):
         try:
             got = Reaction.from_messages(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
         except Failed as silence:
-            silence.diagnosis = None if heard else silence.diagnosis  # which is about names
+            if heard and silence.diagnosis == "topic.silent":  # which is about names
+                silence.diagnosis = None
             if "reacts" in self.lost:
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None

@@ -69,8 +69,6 @@ class RobotModel(Model):
         elif _moves.speed_of(node.context).own:
             self.start_afresh(node)
 
-    # --- the rules
-
     @step_rule("succeeds", way=draw_one_of(*[_moves.draw_way(draw_between(*ends)) for ends in LENGTHS]))
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
@@ -188,7 +186,8 @@ class RobotModel(Model):
                 raise OverError(evidence, "Here it does not matter what keeps the server from answering.")
             if second.accepted and not _moves.is_slow(node.context):
                 raise _moves.TooFastError(evidence, "With the robot at its own speed, this can be seen.")
-            ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
+            with charge_to("cancel"):
+                ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
             self.note_arrival(Move(begin, target, first, ended))
             self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
             if second.accepted:

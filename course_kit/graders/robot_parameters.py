@@ -211,10 +211,9 @@ def status_rate(node: GradedNode) -> Evidence:
     with suppress(Failed):
         node.set({**_LONG, "max_velocity": 0.7}, of=NODE)
     inbox, clock = node.inbox(STATUS), node.context.clock()
-    while "reacts" not in held.failed_checks and not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
-        if clock.has_passed(2 * _LINES * _RATE[1]):
-            evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
-            raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
+    while "reacts" not in held.failed_checks and not clock.has_passed(2 * _LINES * _RATE[1]):
+        if node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
+            break
         node.send(_limiter.COMMAND, Twist())
     return expect_rate(node, STATUS, 0.5, _RATE)
 
