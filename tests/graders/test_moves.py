@@ -77,12 +77,12 @@ def heard(*values: tuple[float, float]) -> list[Any]:
     ("values", "fact"),
     [
         ([(0.0, 2.0), (0.5, 1.0), (0.5, 1.0), (1.0, 0.0)], ""),
-        ([(0.0, 2.0), (0.5, 1.0), (0.4, 0.9)], "progress=0.5, then 0.4"),
-        ([(0.0, 2.0), (0.5, 1.0), (0.6, 1.2)], "distance_remaining=1.0, then 1.2"),
+        ([(0.0, 2.0), (0.5, 1.0), (0.42345678901, 0.9)], "progress=0.5, then 0.4234568"),
+        ([(0.0, 2.0), (0.5, 1.0), (0.6, 1.2)], "distance_remaining=1, then 1.2"),
         ([(0.0, 2.0), (1.2, 0.0)], "progress=1.2, which"),
         ([(-0.1, 2.0)], "progress=-0.1, which"),
         ([(math.nan, 2.0)], "progress=nan, which"),
-        ([(0.1, math.nan), (0.2, 1.0)], "distance_remaining=nan, then 1.0"),
+        ([(0.1, math.nan), (0.2, 1.0)], "distance_remaining=nan, then 1"),
         ([(0.1, 1.0), (0.2, 1.0 + 1e-9)], ""),
     ],
 )

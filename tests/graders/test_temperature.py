@@ -22,7 +22,9 @@ from course_kit.graders.temperature_service import (
     has_right_formula,
     right_value,
 )
+from course_kit.grading.checks.answers import Answer
 from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.exchange_log import ExchangeLog
 from course_kit.grading.checks.steps import Step, Steps, rules_of
 
 if TYPE_CHECKING:
@@ -129,3 +131,15 @@ def test_what_fails_at_absolute_zero_is_not_replaced_by_what_fails_after_it(monk
     monkeypatch.setattr(model, "expect_conversion", fail)
     with pytest.raises(Failed, match="first"):
         model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))
+
+
+def test_where_the_last_digit_is_wrong_it_is_shown() -> None:
+    value = 15977377.402510555
+    sample, got = Sample(value, FAHRENHEIT, FAHRENHEIT), math.nextafter(value, 0.0)
+    answer = Answer("value=15977377.4", "value=15977377.4", response=SimpleNamespace(success=True, value=got))
+    job = SimpleNamespace(facts=SimpleNamespace(floor_divides=False))
+    node = SimpleNamespace(call=lambda *_, **__: answer, context=SimpleNamespace(job=job, record=ExchangeLog()))
+    with pytest.raises(Failed) as failed:
+        Temperatures().expect_conversion(node, sample, right=has_every_digit)
+    evidence = failed.value.evidence
+    assert [repr(number) in text for number, text in ((value, evidence.sent), (got, evidence.got))] == [True, True]

@@ -126,6 +126,12 @@ def test_text_fits_and_says_all(width: int) -> None:
     assert "\x1b" not in text
 
 
+def test_printed_lines_are_cut_at_spaces() -> None:
+    text = render_text(replace(REPORT, stderr="    " + "reason " * 20), 80)
+    assert "\n  |     reason reason" in text
+    assert "reaso\n" not in text
+
+
 def test_what_failed_comes_first_and_what_waits_for_one_check_is_one_line() -> None:
     report = replace(REPORT, checks=(PASSED, SKIPPED, FAILED, ALSO_SKIPPED))
     text, html = render_text(report, 200), render_html(report).rpartition("</style>")[2]
