@@ -153,6 +153,22 @@ def test_interrupting_an_await_a_blocking_call_and_a_spin(kernel: Kernel) -> Non
     assert kernel.run("answer = await lab.call('/ask', SetBool, data=True)").ok
 
 
+def test_what_stop_interrupts_leaves_the_graph(kernel: Kernel) -> None:
+    names = "print(lab.current().engine.node.get_node_names())"
+    ticker = "ticker = rclpy.create_node('ticker')\nticker.create_timer(0.01, lambda: print('tick'))\n"
+    kernel.run("import rclpy.experimental")
+    message = kernel.send(f"{ticker}rclpy.spin(ticker, rclpy.experimental.EventsExecutor())")
+    kernel.finish(message, until="tick")
+    kernel.manager.interrupt_kernel()
+    assert "ticker, which the lab did not run, is gone" in kernel.finish(message).stdout
+    assert "ticker" not in kernel.run(names).stdout
+
+    made_last = "rclpy.node.TypeDescriptionService"  # so without it a node is made by half
+    half = f"kept = {made_last}\ndel {made_last}\nrclpy.create_node('half')"
+    assert "half, which the lab did not run, is gone" in kernel.run(half).stdout
+    assert kernel.run(f"{made_last} = kept\n1 / 0").stdout == ""  # it said so for ever
+
+
 def test_shutdown_and_restart_are_clean(fresh_kernel: Kernel) -> None:
     for _ in range(3):
         fresh_kernel.run("%load_ext course_kit")

@@ -201,8 +201,9 @@ def end_strays(is_stray: Callable[[Node], bool]) -> list[str]:
     for node in [found for found in gc.get_objects() if issubclass(type(found), Node)]:
         if is_alive(node) and not (name := node.get_name()).startswith(HIDDEN_NAME) and is_stray(node):
             _destroy_actions(node)
-            with contextlib.suppress(Exception):  # a part of it was destroyed by hand
+            with contextlib.suppress(Exception):  # destroyed by hand in part, or made by half when Stop came
                 node.destroy_node()
+            node.handle.destroy_when_not_in_use()
             ended.append(name)
     return sorted(ended)
 
