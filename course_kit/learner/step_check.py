@@ -16,6 +16,7 @@ from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.learner import progress
 from course_kit.ros import graph
 from course_kit.ros.names import is_hidden, short_name
@@ -82,9 +83,8 @@ def check_step(step: LessonStep) -> StepResult:
     return replace(result, text="\n".join(filter(None, (result.text, trouble))))
 
 
-def _endpoint(need: str) -> dict[str, str]:
-    kind, name, interface = need.split()
-    return {"kind": kind, "name": name, "type": interface}
+def _endpoint(need: str) -> WantedEndpoint:
+    return convert_record(dict(zip(("kind", "name", "type"), need.split(), strict=True)), WantedEndpoint)
 
 
 def _require(need: str, context: CheckContext) -> None:
@@ -94,7 +94,7 @@ def _require(need: str, context: CheckContext) -> None:
         remote = RemoteParameters(context, name)
         _await(context, remote.is_ready, need, lambda: [name for name in node.nodes() if not is_hidden(name)])
         return
-    end = WantedEndpoint.from_record(_endpoint(need))
+    end = _endpoint(need)
     if end.is_server:
         ready = partial(end.is_ready, node)
         _await(context, ready, need, lambda: [f"{offer.name} [{offer.type}]" for offer in node.offers(kind)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from rclpy.duration import Infinite
@@ -21,8 +21,8 @@ from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.grader_node import DEPTH, ActionChannels
 from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import causes
+from course_kit.grading.model.job import Endpoint
 from course_kit.interfaces import get_type
-from course_kit.ros.messages import type_name
 from course_kit.ros.names import is_hidden, nearest_name
 
 if TYPE_CHECKING:
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.grading.checks.grader_node import GraderNode
-    from course_kit.grading.model.plain_data import Record
 
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
 _OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 _MOST = 200  # names that are compared
+_get_type = lru_cache(get_type)
 _VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
 # The default profile as the graph reports it: with its unlimited times written out.
 _DEFAULT = QoSProfile(
@@ -51,24 +51,13 @@ _DEFAULT = QoSProfile(
 )
 
 
-@dataclass(frozen=True)
-class WantedEndpoint:
+class WantedEndpoint(Endpoint):
     """One of them."""
 
-    kind: str  # what the program has: "service", "action", "publisher" or "subscription"
-    name: str  # its full name
-    interface: Any  # its class
-    program: str = ""  # the file whose node has it, of several programs
-
-    @classmethod
-    def from_record(cls, record: Record) -> WantedEndpoint:
-        """As exercise.toml names it."""
-        return cls(record["kind"], record["name"], get_type(record["type"]), record.get("program", ""))
-
     @property
-    def type(self) -> str:
-        """The interface's name, `package/srv/Name`."""
-        return type_name(self.interface)
+    def interface(self) -> Any:
+        """The class of its interface."""
+        return _get_type(self.type)
 
     @property
     def is_server(self) -> bool:

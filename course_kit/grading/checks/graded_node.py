@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from msgspec.structs import astuple
+
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
 from course_kit.grading.checks.discovery import WantedEndpoint
@@ -378,7 +380,7 @@ class GradedNode:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
         memory = self.context.memory  # empty after each launch, which may be of another program
         if "endpoints" not in memory:
-            memory["endpoints"] = [WantedEndpoint.from_record(end) for end in self.context.job.running_endpoints]
+            memory["endpoints"] = [WantedEndpoint(*astuple(end)) for end in self.context.job.running_endpoints]
         return memory["endpoints"]  # type: ignore[no-any-return] # what a memory holds is known to who keeps it
 
     # --- inside

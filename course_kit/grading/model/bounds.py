@@ -6,7 +6,7 @@ A message of 8 MB would otherwise stand in every check, in every report and on e
 from __future__ import annotations
 
 import json
-from functools import lru_cache
+from array import array
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -28,48 +28,22 @@ _DOTS = "..."
 
 def bound_message(message: Message) -> Message:
     """A ROS message in which no text and no sequence is too long; it is changed, not copied."""
-    for name in _fields_without_bound(_kind(message)):
+    for name in message.get_fields_and_field_types():
         value = getattr(message, name)
-        if isinstance(value, str):
-            if len(value) > LONGEST_TEXT:
-                setattr(message, name, value[:LONGEST_TEXT])
-        elif hasattr(value, "get_fields_and_field_types"):
-            bound_message(value)
-        else:
-            if len(value) > MOST_ELEMENTS:
-                setattr(message, name, value[-MOST_ELEMENTS:])
-            _bound_elements(message, name)
+        bounded = _bound_value(value)
+        if bounded is not value:
+            setattr(message, name, bounded)
     return message
 
 
-def _bound_elements(message: Message, name: str) -> None:
-    elements = getattr(message, name)
-    if isinstance(elements, list) and elements:
-        if isinstance(elements[0], str):
-            setattr(message, name, [text[:LONGEST_TEXT] for text in elements])
-        elif hasattr(elements[0], "get_fields_and_field_types") and _fields_without_bound(_kind(elements[0])):
-            for element in elements:
-                bound_message(element)
-
-
-def _kind(message: Message) -> Any:
-    return type(message)  # which mypy takes for something that cannot be hashed
-
-
-@lru_cache(maxsize=256)
-def _fields_without_bound(kind: Message) -> tuple[str, ...]:
-    """The fields of a message class that can hold texts or sequences of any length."""
-    made = kind()
-    names = []
-    for name, described in kind.get_fields_and_field_types().items():
-        value = getattr(made, name)
-        if hasattr(value, "get_fields_and_field_types"):
-            grows = bool(_fields_without_bound(_kind(value)))
-        else:
-            grows = "string" in described or "sequence" in described or ("/" in described and "[" in described)
-        if grows:
-            names.append(name)
-    return tuple(names)
+def _bound_value(value: Any) -> Any:
+    if isinstance(value, str):
+        return value[:LONGEST_TEXT]
+    if hasattr(value, "get_fields_and_field_types"):
+        return bound_message(value)
+    if isinstance(value, (list, array)) and len(value) > MOST_ELEMENTS:
+        value = value[-MOST_ELEMENTS:]
+    return list(map(_bound_value, value)) if isinstance(value, list) else value
 
 
 def cut_text(text: str, longest: int = _LONGEST) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path  # noqa: TC003 - msgspec looks it up
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
 from msgspec import structs
@@ -14,9 +14,10 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.catalogue import DiagnosisWords, catalogue
 from course_kit.grading.model.exercise_folders import FoundExercises
+from course_kit.grading.model.job import Endpoint  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
-from course_kit.ros.names import did_you_mean, from_root
+from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
@@ -58,16 +59,6 @@ class Sentence(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return self.text.startswith("|")
 
 
-class _Endpoint(msgspec.Struct, forbid_unknown_fields=True):
-    kind: Literal["service", "action", "publisher", "subscription"]
-    name: str
-    type: str
-    program: str = ""  # the one of the exercise's files whose node has it; empty where there is one program
-
-    def __post_init__(self) -> None:
-        self.name = from_root(self.name)
-
-
 class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     """One exercise: what stands in its exercise.toml, and where that lies."""
 
@@ -91,7 +82,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     hints: tuple[Hint, ...] = ()  # the ladder, from a nudge to a push
     diagnoses: dict[str, DiagnosisWords] = {}  # by code, those that it words in its own way or links elsewhere
     sentences: tuple[Sentence, ...] = ()  # its task, sentence by sentence
-    endpoints: tuple[_Endpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
+    endpoints: tuple[Endpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
     practice: bool = False  # whether it has no points: a drill
     symptom: str = ""  # of a drill, what somebody who uses its program sees
 

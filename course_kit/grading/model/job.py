@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
 from dataclasses import dataclass, field, replace
-from typing import TypedDict
+from typing import Annotated, Literal, TypedDict
+
+import msgspec
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
 from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
+from course_kit.ros.names import from_root
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,19 @@ class Isolation:
         return text
 
 
+class Endpoint(msgspec.Struct, forbid_unknown_fields=True):
+    """What a program has, as exercise.toml names it."""
+
+    kind: Literal["service", "action", "publisher", "subscription"]
+    name: str
+    type: Annotated[str, msgspec.Meta(pattern=r"\A\w+/(?:msg|srv|action)/\w+\Z")]  # `package/srv/Name`
+    program: str = ""  # the one of the exercise's files whose node has it; empty where there is one program
+
+    def __post_init__(self) -> None:
+        """Name it from the root."""
+        self.name = from_root(self.name)
+
+
 @dataclass(frozen=True)
 class Job:
     """One grading."""
@@ -99,7 +115,7 @@ class Job:
     first_failure: bool = False
     only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
-    endpoints: tuple[Record, ...] = ()
+    endpoints: tuple[Endpoint, ...] = ()
     # by name, of a submission of several files: `name` is the one that was started last, and what is said above of one
     # program is said of that
     files: Mapping[str, Submission] = field(default_factory=dict)
@@ -122,9 +138,9 @@ class Job:
         return bool(self.launch_file) and self.name == self.launch_file
 
     @property
-    def running_endpoints(self) -> list[Record]:
+    def running_endpoints(self) -> list[Endpoint]:
         """Those of the program that runs; where several run, all."""
-        return [end for end in self.endpoints if self.launches or end.get("program", "") in ("", self.name)]
+        return [end for end in self.endpoints if self.launches or end.program in ("", self.name)]
 
     @property
     def start_cpu_s(self) -> float:

@@ -29,8 +29,8 @@ _IDLE, _WAITING_FOR_DISKS = 3, 4  # columns of /proc/stat
 _COLUMNS = 8  # those that follow are counted in the first ones as well
 _CGROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
-_MEMORY = Path("/proc/meminfo")
-_BESIDE_PAGES = ("VmPTE:", "VmSwap:")  # the tables of pages, and what was swapped out
+_MEMORY, _DEFAULTS = Path("/proc/meminfo"), Path("/proc/sys/net/core")
+_BESIDE_PAGES = ("\nVmPTE:", "\nVmSwap:")  # the tables of pages, and what was swapped out
 _USUAL = 212992  # bytes: the usual buffer of a socket in one direction (net.core.rmem_default and wmem_default)
 _MOST = 4 * _USUAL  # where somebody has given all sockets of a machine larger ones, a few sockets are no offence
 _TCP = ("/proc/sys/net/ipv4/tcp_rmem", "/proc/sys/net/ipv4/tcp_wmem")
@@ -57,14 +57,12 @@ def processor_share() -> float:
 
 def free_memory() -> int:
     """Bytes that new programs may take, as the kernel estimates it, or a control group allows it; 0 if unknown."""
-    rooms = []
-    with suppress(OSError, ValueError, IndexError):
-        rooms.append(int(_MEMORY.read_text(encoding="ascii").partition("MemAvailable:")[2].split()[0]) * 1024)
+    rooms = [_read_number(_MEMORY, "MemAvailable:") * 1024]
     for group in own_groups():
         with suppress(OSError, ValueError):  # "max"
             bound, taken = (int((group / f"memory.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
             rooms.append(bound - taken)
-    return max(0, min(rooms, default=0))
+    return max(0, min(rooms))
 
 
 def own_groups() -> list[Path]:
@@ -88,42 +86,37 @@ def measure_memory(process_ids: Sequence[int], patience_s: float) -> int:
     deadline = time.monotonic() + patience_s
     total = 0
     for process_id in random.sample(process_ids, len(process_ids)):  # no process is always last
-        total += _proportional(process_id) + _beside_pages(process_id)
+        total += _memory_of(process_id)
         if time.monotonic() > deadline:
             break
     return total
 
 
-def _proportional(process_id: int) -> int:
-    """Resident bytes, shared ones divided by their users; all of them for a process that hides the figures."""
-    with suppress(OSError, ValueError, LookupError, StopIteration):
-        text = Path(f"/proc/{tree.speaking_task(process_id)}/smaps_rollup").read_text(encoding="utf-8")
-        return next(int(row.split()[1]) * 1024 for row in text.splitlines() if row.startswith("Pss:"))
-    return tree.measure_usage([process_id]).memory
-
-
-def _beside_pages(process_id: int) -> int:
-    with suppress(OSError, ValueError, LookupError):
-        text = Path(f"/proc/{tree.speaking_task(process_id)}/status").read_text(encoding="utf-8", errors="replace")
-        return sum(int(line.split()[1]) * 1024 for line in text.splitlines() if line.startswith(_BESIDE_PAGES))
+def _memory_of(process_id: int) -> int:
+    """Resident bytes, shared ones divided by their users, or all where it hides the figures; and those beside pages."""
+    with suppress(OSError):
+        folder = Path(f"/proc/{tree.speaking_task(process_id)}")
+        shared = _read_number(folder / "smaps_rollup", "\nPss:", unknown=-1)
+        resident = shared * 1024 if shared >= 0 else tree.measure_usage([process_id]).memory
+        return resident + sum(_read_number(folder / "status", name) * 1024 for name in _BESIDE_PAGES)
     return 0
 
 
 def count_oom_kills() -> int:
     """How many processes this machine has killed because its memory was used up, since it was started; 0 if unknown."""
-    return _read_number("/proc/vmstat", "oom_kill ")
+    return _read_number(Path("/proc/vmstat"), "oom_kill ")
 
 
-def _read_number(path: str, words: str = "", unknown: int = 0) -> int:
+def _read_number(path: Path, words: str = "", unknown: int = 0) -> int:
     """The number behind these words in a file of the kernel's."""
     with suppress(OSError, ValueError, IndexError):
-        text = Path(path).read_text(encoding="ascii")
+        text = path.read_text(encoding="ascii", errors="replace")
         return int(text[text.index(words) + len(words) :].split()[0])
     return unknown
 
 
 # Read at first: not every kernel shows it in a network namespace.
-_BUFFERS = [_read_number(f"/proc/sys/net/core/{name}_default", unknown=_USUAL) for name in ("rmem", "wmem")]
+_BUFFERS = [_read_number(_DEFAULTS / f"{name}_default", unknown=_USUAL) for name in ("rmem", "wmem")]
 _OF_A_SOCKET = 2 * min(max(_USUAL, *_BUFFERS), _MOST)
 
 
@@ -135,7 +128,7 @@ def bound_tcp_buffers() -> None:
 
 def bytes_of_sockets(sockets: int | None = None) -> int:
     """Bytes that so many sockets can hold, or those of this network namespace, closed ones that are not empty, too."""
-    return _OF_A_SOCKET * (_read_number("/proc/net/sockstat", "sockets: used ") if sockets is None else sockets)
+    return _OF_A_SOCKET * (_read_number(Path("/proc/net/sockstat"), "sockets: used ") if sockets is None else sockets)
 
 
 class _Times(NamedTuple):

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Isolation  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits  # noqa: TC001 - as above
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
@@ -98,18 +99,9 @@ def make_start_order(
 ) -> StartOrder:
     """The order to start a job's program as a message of the grader process wants it, in an empty directory."""
     user = _user(job)
-    program = Program(
-        name=job.name,
-        source=job.source,
-        class_name=job.class_name,
-        own_start=job.own_start,
-        arguments=tuple(message["arguments"]),
-        files={**{name: file.source for name, file in job.files.items() if name != job.name}, **message["files"]},
-        command=job.command,
-        folder=job.folder,
-        variable=job.variable,
-        launches=job.launches,
-    )
+    beside = {name: file.source for name, file in job.files.items() if name != job.name}
+    words = {"launches": job.launches, "arguments": message["arguments"], "files": beside | message["files"]}
+    program = convert_record({**vars(job), **words}, Program)  # of the job no more than that has fields for
     hidden = job.hidden
     if job.command:
         view = file_view.view_of_command(job.command, job.folder)

@@ -20,8 +20,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-import msgspec
-
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.job import Job
@@ -68,7 +66,7 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         hidden=hidden_files_of(exercise),
         interfaces=exercise.interfaces,
         points=exercise.points,
-        endpoints=tuple(msgspec.to_builtins(exercise.endpoints)),
+        endpoints=exercise.endpoints,
         launch_file=exercise.launch_file,
     )
     if command is None:
@@ -105,7 +103,7 @@ def load_grader(job: Job) -> Any:
 
 def interfaces_of(grader: Any, job: Job) -> list[Any]:
     """The classes of all interfaces that the checks of a job use."""
-    return [*getattr(grader, "INTERFACES", ()), *(get_type(end["type"]) for end in job.endpoints)]
+    return [*getattr(grader, "INTERFACES", ()), *(get_type(end.type) for end in job.endpoints)]
 
 
 def checks_of_grader(grader: Any, job: Job) -> list[Check]:

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from course_interfaces.action import MoveRobot
 from course_interfaces.srv import ConvertTemperature
-from geometry_msgs.msg import Twist
-from std_msgs.msg import Bool
 
 from course_kit import environment
 from course_kit.grading.checks import hangs
@@ -31,9 +29,9 @@ if TYPE_CHECKING:
 
 DEADLINE_S = 0.4
 START_S = PATIENCE_S = 200.0  # against hanging only
-SERVICE = WantedEndpoint("service", "/convert_temperature", ConvertTemperature)
-MISSING = WantedEndpoint("service", "/not_there", ConvertTemperature)
-OTHER = WantedEndpoint("publisher", "/other", Twist)
+SERVICE = WantedEndpoint("service", "/convert_temperature", "course_interfaces/srv/ConvertTemperature")
+MISSING = WantedEndpoint("service", "/not_there", SERVICE.type)
+OTHER = WantedEndpoint("publisher", "/other", "geometry_msgs/msg/Twist")
 NODE = "/silent"
 REQUEST = ConvertTemperature.Request()
 EVIDENCE = Evidence("something", "an answer")
@@ -72,8 +70,8 @@ def silent_domain() -> Iterator[int]:
 def context(silent_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[CheckContext]:
     """A context on that graph."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(silent_domain))
-    ends = [{"kind": "service", "name": SERVICE.name, "type": SERVICE.type}]
-    job = Job("course_kit.graders.temperature_service", "attach", "", 3, limits=Limits(start_s=START_S), endpoints=ends)
+    grader, limits = "course_kit.graders.temperature_service", Limits(start_s=START_S)
+    job = Job(grader, "attach", "", 3, limits=limits, endpoints=(SERVICE,))
     made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
     made.launch()
     assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)
@@ -110,7 +108,7 @@ def test_names_may_come_after_topics(context: CheckContext, monkeypatch: pytest.
     names, early = context.grader_node.nodes, [True] * 3
     monkeypatch.setattr(context.grader_node, "nodes", lambda: [] if early and early.pop() else names())
     with pytest.raises(Failed, match="geometry_msgs/msg/Twist"):
-        expect_endpoints(context, [WantedEndpoint("publisher", "/cmd_vel", Bool)])
+        expect_endpoints(context, [WantedEndpoint("publisher", "/cmd_vel", "std_msgs/msg/Bool")])
 
 
 @pytest.mark.parametrize("verb", VERBS)
