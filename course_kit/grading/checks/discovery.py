@@ -21,7 +21,7 @@ from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.grader_node import DEPTH, ActionChannels
 from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import causes
-from course_kit.grading.model.job import Endpoint
+from course_kit.grading.model.job import ExerciseEndpoint
 from course_kit.interfaces import get_type
 from course_kit.ros.names import is_hidden, nearest_name
 
@@ -51,7 +51,7 @@ _DEFAULT = QoSProfile(
 )
 
 
-class WantedEndpoint(Endpoint):
+class WantedEndpoint(ExerciseEndpoint):
     """One of them."""
 
     @property

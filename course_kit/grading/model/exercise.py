@@ -14,7 +14,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.catalogue import DiagnosisWords, catalogue
 from course_kit.grading.model.exercise_folders import FoundExercises
-from course_kit.grading.model.job import Endpoint  # noqa: TC001 - as above
+from course_kit.grading.model.job import ExerciseEndpoint  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
 from course_kit.ros.names import did_you_mean
@@ -82,7 +82,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     hints: tuple[Hint, ...] = ()  # the ladder, from a nudge to a push
     diagnoses: dict[str, DiagnosisWords] = {}  # by code, those that it words in its own way or links elsewhere
     sentences: tuple[Sentence, ...] = ()  # its task, sentence by sentence
-    endpoints: tuple[Endpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
+    endpoints: tuple[ExerciseEndpoint, ...] = ()  # what a submission's node offers, publishes and subscribes to
     practice: bool = False  # whether it has no points: a drill
     symptom: str = ""  # of a drill, what somebody who uses its program sees
 

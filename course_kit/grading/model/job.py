@@ -67,7 +67,7 @@ class Isolation:
         return text
 
 
-class Endpoint(msgspec.Struct, forbid_unknown_fields=True):
+class ExerciseEndpoint(msgspec.Struct, forbid_unknown_fields=True):
     """What a program has, as exercise.toml names it."""
 
     kind: Literal["service", "action", "publisher", "subscription"]
@@ -115,7 +115,7 @@ class Job:
     first_failure: bool = False
     only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
-    endpoints: tuple[Endpoint, ...] = ()
+    endpoints: tuple[ExerciseEndpoint, ...] = ()
     # by name, of a submission of several files: `name` is the one that was started last, and what is said above of one
     # program is said of that
     files: Mapping[str, Submission] = field(default_factory=dict)
@@ -138,7 +138,7 @@ class Job:
         return bool(self.launch_file) and self.name == self.launch_file
 
     @property
-    def running_endpoints(self) -> list[Endpoint]:
+    def running_endpoints(self) -> list[ExerciseEndpoint]:
         """Those of the program that runs; where several run, all."""
         return [end for end in self.endpoints if self.launches or end.program in ("", self.name)]
 

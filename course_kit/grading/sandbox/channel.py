@@ -1,7 +1,6 @@
 """Messages between the grader's own processes: JSON, each after its length, over a pair of sockets.
 
-Only processes of the kit hold an end. JSON carries data and nothing else, so that even a peer gone wrong
-cannot make the receiver run anything.
+Only processes of the kit hold an end. JSON carries data and nothing else: no peer makes the receiver run anything.
 """
 
 from __future__ import annotations
@@ -23,12 +22,11 @@ if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
 
 _LENGTH = struct.Struct("!I")
-_LARGEST = 64 * 1024 * 1024  # bytes; a report is a few kB, a submission at most 1 MiB
 _STALLED_S = 30.0  # a peer that neither reads nor goes on writing for so long has stopped
 
 
 class ChannelClosedError(ConnectionError):
-    """The process at the other end has gone, or no longer speaks our language."""
+    """The process at the other end has gone."""
 
 
 class Channel(Closable):
@@ -63,12 +61,7 @@ class Channel(Closable):
         if not poll.poll(None if timeout is None else timeout * 1000):
             raise TimeoutError(f"no message from the other process within {timeout:g} s")
         (length,) = _LENGTH.unpack(self._receive_exactly(_LENGTH.size))
-        try:
-            message = json.loads(self._receive_exactly(length)) if length <= _LARGEST else None
-        except (ValueError, RecursionError):
-            message = None
-        if not isinstance(message, dict):
-            raise ChannelClosedError("the other process sent something that is not a message")
+        message: Record = json.loads(self._receive_exactly(length))
         return message
 
     def is_closed(self) -> bool:

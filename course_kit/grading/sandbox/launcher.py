@@ -38,12 +38,8 @@ _REQUEST, _STREAMS, _NAMESPACES = 0, slice(1, 6), slice(6, 8)  # of the descript
 _ENDING_S = 30.0  # killing is quick, also of hundreds of processes
 
 
-class SandboxStartError(RuntimeError):
-    """Submissions can no longer be started, by a fault of ours or of the machine; the text says why."""
-
-
 class Launcher(Closable):
-    """The process, seen from the supervisor of a grading. One submission at a time."""
+    """The process, seen from the supervisor of a grading. One submission at a time; OSError when it has gone."""
 
     def __init__(self, line: socket.socket) -> None:
         self._line = line
@@ -61,23 +57,16 @@ class Launcher(Closable):
 
     def start(self, order: StartOrder, inside: Streams, network: Sequence[int]) -> None:
         """Start a program; returns when it has been handed over."""
-        try:
-            with open(make_memory_file("start order"), "w+b", buffering=0) as request:  # noqa: PTH123 - a descriptor
-                request.write(json.dumps(order, default=msgspec.to_builtins).encode())
-                socket.send_fds(self._line, [_START], [request.fileno(), *inside.descriptors(), *network])
-        except OSError as problem:
-            raise SandboxStartError(f"a program cannot be started: {problem}") from problem
+        with open(make_memory_file("start order"), "w+b", buffering=0) as request:  # noqa: PTH123 - a descriptor
+            request.write(json.dumps(order, default=msgspec.to_builtins).encode())
+            socket.send_fds(self._line, [_START], [request.fileno(), *inside.descriptors(), *network])
 
     def end(self) -> None:
         """Kill all that was started; returns when it is dead."""
-        try:
-            self._line.settimeout(_ENDING_S)
-            self._line.send(_END)
-            answer = self._line.recv(len(_ENDED))
-        except OSError as problem:
-            raise SandboxStartError(f"a program cannot be ended: {problem}") from problem
-        if answer != _ENDED:
-            raise SandboxStartError("the process that starts programs was killed")
+        self._line.settimeout(_ENDING_S)
+        self._line.send(_END)
+        if self._line.recv(len(_ENDED)) != _ENDED:
+            raise ConnectionError("the process that starts programs was killed")
 
     def close(self) -> None:
         """Close this end; the process ends, with all it has started, when every copy is closed."""

@@ -58,13 +58,8 @@ def _unshare_with_guest(kinds: int, guest: int) -> None:
     maps = [f"{number} {number} 1\n{guest} {guest} 1" for number in (os.geteuid(), os.getegid())]
     ready, tell = os.pipe()
     stdin = [(os.POSIX_SPAWN_DUP2, ready, 0)]
-    try:
-        helper = os.posix_spawn(_SHELL, [_SHELL, "-c", _MAP_WHEN_TOLD, _SHELL, own, *maps], {}, file_actions=stdin)
-    except OSError:
-        os.close(tell)
-        raise
-    finally:
-        os.close(ready)
+    helper = os.posix_spawn(_SHELL, [_SHELL, "-c", _MAP_WHEN_TOLD, _SHELL, own, *maps], {}, file_actions=stdin)
+    os.close(ready)
     try:
         libc.call_libc("unshare", CLONE_NEWUSER | kinds)
         os.write(tell, b"now\n")

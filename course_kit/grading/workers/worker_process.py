@@ -23,7 +23,7 @@ from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, launcher, machine, namespaces, needs
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
-from course_kit.grading.sandbox.launcher import Launcher, SandboxStartError
+from course_kit.grading.sandbox.launcher import Launcher
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job
 from course_kit.process.child import forget_binding, fork_child, freeze_memory
@@ -126,7 +126,7 @@ def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, networ
     try:
         if not problem:
             return Supervisor(job, starter, view, network, channel).run(run_checks)
-    except (SandboxStartError, OSError) as failure:  # the machine has run out of something
+    except OSError as failure:  # the machine has run out of something
         problem = f"the submission could not be run: {failure}"
     return {"results": [], "stdout": "", "stderr": "", "problem": problem, "again": False}
 
