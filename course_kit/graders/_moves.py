@@ -269,10 +269,7 @@ def require_truth(move: Move) -> None:
         lambda messages: not whole or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
     )
     expected = f"progress 0 to 1, distance_remaining down to 0, positions on the line {move.begin} to {move.target}"
-    if not heard:
-        if whole:
-            why = "There was no feedback during this move."
-            raise HastyError(Evidence(move.goal.shown, expected, "no feedback"), why)
+    if not heard:  # another check's matter
         return
     if found := find_jump(heard):
         evidence = Evidence(move.goal.shown, expected, found)

@@ -102,8 +102,6 @@ class RobotModel(Model):
         """The edges belong to the arena."""
         for target in [ArenaPoint(*place) for edge in (0.0, ARENA) for place in ((at, edge), (edge, at))]:
             self.make_plain_move(node, "outside")
-            if self.at == target:
-                self.drive(node, place_inside(target, 1.0, 0.5))
             far = math.dist(self.at, target) > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M)
             if far and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")

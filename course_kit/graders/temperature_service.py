@@ -42,7 +42,6 @@ _TOGETHER, _AT_A_TIME, _TOGETHER_S = 50, 10, 5.0
 _FEWEST = 10  # right answers of the fifty: a wrong formula for one direction is for its own check to say
 _EDGE = {CELSIUS: 0.001, FAHRENHEIT: 0.01}  # degrees; how near to absolute zero we test
 _ORDINARY = 1e4  # who refuses what is hotter refuses only that
-_LARGEST = 1e9  # up to which every digit counts
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
 _EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
 _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
@@ -88,8 +87,6 @@ def has_every_digit(sample: Sample, value: float) -> bool:
     """Whether `value` has every digit that counts; the same number where nothing is converted."""
     if sample.from_unit == sample.to_unit:
         return value.hex() == sample.value.hex()  # bit for bit: the sign of zero, too
-    if abs(sample.value) > _LARGEST:
-        return has_right_formula(sample, value)
     right = _exact_value(sample)
     return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
 
