@@ -14,13 +14,11 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import bounds, catalogue, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.model.report import CheckReport, Report
+from course_kit.grading.model.report import CheckReport, CheckResult, Report
 from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
 from course_kit.grading.workers.worker import Worker
-from course_kit.ros.graph import Overview
-from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from course_kit.grading.model.job import GradingOutcome, Job
@@ -170,39 +168,28 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: 
     crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
     status = "error" if problem else "crashed" if crashed else "graded"
     score = 0.0 if problem else sum(check.points for check in checks)
-    return Report(
-        exercise=exercise.id,
-        title=exercise.title,
-        submission=shown,
-        status=status,
+    return replace(
+        report_unreadable(exercise, shown, problem, status),
         passed=status != "error" and score >= exercise.pass_mark,
         score=score,
-        max_score=exercise.points,
-        practice=exercise.practice,
         duration_s=time.monotonic() - began,
         checks=checks,
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
-        problem=problem,
         isolation=isolation,
     )
 
 
-def _check(exercise: Exercise, result: Record) -> CheckReport:
-    failed = result["status"] == "failed"
-    found = exercise.diagnosis(result["diagnosis"]) if failed else None
-    hints = exercise.hints_for(result["id"], found) if failed else ()
-    more = {
-        "message": catalogue.complete_message(result["message"], found),
-        "steps": tuple(Arrow(**step) for step in result["steps"]),
-        "proves": tuple(result["proves"]),
-        "graph": result["graph"] and convert_record(result["graph"], Overview),
-    }
+def _check(exercise: Exercise, record: Record) -> CheckReport:
+    result = convert_record(record, CheckResult)
+    failed = result.status == "failed"
+    found = exercise.diagnosis(result.diagnosis) if failed else None
+    hints = exercise.hints_for(result.id, found) if failed else ()
     return CheckReport(
-        **{**result, **more},
-        points=result["max_points"] if result["status"] == "passed" else 0.0,
+        **{**vars(result), "message": catalogue.complete_message(result.message, found)},
+        points=result.max_points if result.status == "passed" else 0.0,
         hint=hints[0] if hints else None,
-        told=result["message"],
+        told=result.message,
         more_hints=hints[1:],
         known=found,
     )

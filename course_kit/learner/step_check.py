@@ -97,7 +97,7 @@ def _require(need: str, context: CheckContext) -> None:
     end = _endpoint(need)
     if end.is_server:
         ready = partial(end.is_ready, node)
-        _await(context, ready, need, lambda: [f"{offer.name} [{offer.type}]" for offer in node.offers(kind)])
+        _await(context, ready, need, lambda: [f"{name} [{found}]" for name, found in node.offers(kind)])
     else:
         discovery.expect_endpoints(context, [end])
     if kind != "subscription":

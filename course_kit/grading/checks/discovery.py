@@ -90,7 +90,7 @@ class WantedEndpoint(ExerciseEndpoint):
     def types(self, node: GraderNode) -> list[str]:
         """The types with which the name is there."""
         if self.is_server:
-            return [offer.type for offer in node.offers(self.kind) if offer.name == self.name]
+            return [kind for name, kind in node.offers(self.kind) if name == self.name]
         return [end.type for end in node.ends(self.kind, self.name)]
 
 
@@ -217,7 +217,7 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
     offers, types = context.grader_node.offers(wanted.kind), wanted.types(context.grader_node)
     nodes = context.grader_node.nodes()
     context.spoil()
-    got = "; ".join(f"{offer.name} [{offer.type}]" for offer in offers) or list_names(nodes, "node")
+    got = "; ".join(f"{name} [{kind}]" for name, kind in offers) or list_names(nodes, "node")
     evidence = Evidence("", wanted.describe(), f"on the graph: {got}")
     if wanted.type in types:
         message = f"{wanted.kind} {wanted.name} exists with the right type, but a client cannot connect to all of it."
@@ -226,7 +226,7 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
         message = f"The {wanted.kind} {wanted.name} has type {types[0]}, expected {wanted.type}."
         return Failed(evidence, message, "type.interface")
     if offers:
-        alike = [offer.name for offer in offers if offer.type == wanted.type] or [offer.name for offer in offers]
+        alike = [name for name, kind in offers if kind == wanted.type] or [name for name, _ in offers]
         message = f"No {wanted.kind} is called {wanted.name}.{name_nearest(wanted.name, alike)}"
         return Failed(evidence, message, f"name.{wanted.kind}")
     return Failed(evidence, f"Your node {nodes[0]} is running, but it offers no {wanted.kind}.", None)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -53,13 +53,6 @@ _MOST_CHANGES = 20  # of the status of one goal
 _ENTRIES, _IDENTIFIER, _STATUS_AT = 8, 16, 24  # bytes of a serialized status message: before, and in, an entry
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
-
-
-class Offer(NamedTuple):
-    """A service or an action somebody on the graph offers."""
-
-    name: str
-    type: str
 
 
 class BoundedInbox(Inbox):
@@ -207,12 +200,12 @@ class GraderNode:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
         return [name for name in graph.node_names(self.node) if not name.endswith(f"/{NAME}")]
 
-    def offers(self, kind: str) -> list[Offer]:
-        """What other nodes offer as a "service" or an "action", but for what it has for its parameters or actions."""
+    def offers(self, kind: str) -> list[tuple[str, str]]:
+        """Name and type of each "service" or "action" of other nodes, but for those of parameters and of actions."""
         role: graph.Role = graph.SERVES if kind == "service" else graph.RUNS
         uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
-        offers = [Offer(use.channel, interface) for use in uses for interface in use.types]
-        return [offer for offer in offers if not (offer.type.startswith(_FOR_PARAMETERS) or is_hidden(offer.name))]
+        offers = [(use.channel, interface) for use in uses for interface in use.types]
+        return [(name, kind) for name, kind in offers if not (kind.startswith(_FOR_PARAMETERS) or is_hidden(name))]
 
     def close(self) -> None:
         """Leave the graph. Safe to call twice."""

@@ -6,14 +6,14 @@ import json
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from course_kit.ros.graph import Overview  # noqa: TC001 - msgspec looks it up
+from course_kit.ros.sequence import Arrow  # noqa: TC001 - as above
 from course_kit.text.console import in_points
 from course_kit.text.sanitize import make_encodable
 
 if TYPE_CHECKING:
     from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.plain_data import Record
-    from course_kit.ros.graph import Overview
-    from course_kit.ros.sequence import Arrow
 
 FORMAT_VERSION = 1
 _DIGITS = 6
