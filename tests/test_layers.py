@@ -44,7 +44,7 @@ BUDGETS = {
     "course_kit/launch": 2000,
     "course_kit/panels": 2900,
     "course_kit/ros2cli": 3600,
-    "course_kit/grading": 9849,
+    "course_kit/grading": 8800,
     "course_kit/graders": 2200,
     "course_kit/classroom": 6300,
     "course_kit/learner": 1000,
