@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from std_msgs.msg import Float64
 
+    Done = dict[str, Any] | list[float]  # values that were set, or the fields of a command
+
 # Of an end, as a share: rclpy's own text has the smallest number above 0 for a range that excludes 0, and who has the
 # end itself wrong loses no points here.
 _NEAR = 0.15
@@ -115,11 +117,8 @@ def cause_of(
     names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
     if not settings.enabled:
         if names:
-            return (
-                "disabled",
-                None,
-                "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still.",
-            )
+            why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
+            return "disabled", None, why
         return "disabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     if others := [name for name in names if name != _NAMES[0]]:
         hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
@@ -192,7 +191,7 @@ class LimiterSteps(Model):
 
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings
-        self.past: list[tuple[dict[str, Any] | list[float], bool]] = []  # what was done, and whether it was refused
+        self.past: list[tuple[Done, bool]] = []  # what was done, and whether it was refused
         self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
         self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
@@ -321,24 +320,21 @@ class LimiterSteps(Model):
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
-        several = any(refused and len(done) > 1 for done, refused in self.past)
-        if not any(refused for _, refused in self.past) or not self._goes_right(
-            node, act, [done for done, refused in self.past if not refused]
-        ):
+        refused = [done for done, was_refused in self.past if was_refused]
+        plain = [done for done, was_refused in self.past if not was_refused]
+        if not refused or not self._goes_right(node, act, plain):
             return failed
-        alone: list[dict[str, Any] | list[float]] = []  # of what was refused only the wrong values, one at a time
-        for done, refused in self.past:
-            if refused and isinstance(done, dict) and len(done) > 1:
+        alone: list[Done] = []  # of what was refused only the wrong values, one at a time
+        for done, was_refused in self.past:
+            if was_refused and isinstance(done, dict) and len(done) > 1:
                 alone += [{name: value} for name, value in done.items() if not is_valid(name, value)]
             else:
                 alone.append(done)
         why = "Your node refused the change, but since then it behaves differently. It must behave as before."
-        together = several and self._goes_right(node, act, alone)
+        together = any(len(done) > 1 for done in refused) and self._goes_right(node, act, alone)
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
 
-    def _goes_right(
-        self, node: GradedNode, act: Callable[[LimiterSteps], None], past: Sequence[dict[str, Any] | list[float]]
-    ) -> bool:
+    def _goes_right(self, node: GradedNode, act: Callable[[LimiterSteps], None], past: Sequence[Done]) -> bool:
         """Whether an act is right on a fresh start after these changes and commands; a stranger's node has none."""
         if node.context.job.mode == "attach":
             return False

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     import random
     from collections.abc import Callable, Sequence
 
+    Judge = Callable[["Sample", float], bool]
+
 INTERFACES = (ConvertTemperature,)
 SERVICE = "/convert_temperature"
 CELSIUS, FAHRENHEIT = UNITS = ("celsius", "fahrenheit")
@@ -210,11 +212,7 @@ class Temperatures(Model):
             answer.fail(why, expected=f"success=True, value={right_value(sample)!r}", breaks="own_value")
 
     def expect_conversion(
-        self,
-        node: GradedNode,
-        sample: Sample,
-        right: Callable[[Sample, float], bool] = has_right_formula,
-        refused: str = "",
+        self, node: GradedNode, sample: Sample, right: Judge = has_right_formula, refused: str = ""
     ) -> None:
         """The answer to a valid request comes in time and is `right`; refusing it breaks the sentence `refused`."""
         answer = node.call(SERVICE, vars(sample), breaks="answers")
