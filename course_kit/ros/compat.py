@@ -13,7 +13,7 @@ from types import FunctionType
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Mapping
 
 
 class Feature(NamedTuple):
@@ -157,19 +157,12 @@ def is_there(name: str) -> bool:
 
 
 def _names_in(found: object) -> set[str]:
-    """What the code of a function names and calls its variables; of a class, what its methods do."""
+    """What the code of a function names and calls its variables; of a class, what its methods and properties name."""
     if isinstance(found, FunctionType):
         return {*found.__code__.co_names, *found.__code__.co_varnames}
-    if not isinstance(found, type):
-        return set()
-    return {name for kind in found.__mro__ for value in vars(kind).values() for name in _names_in_method(value)}
-
-
-def _names_in_method(value: object) -> Iterator[str]:
-    parts = (value.fget, value.fset) if isinstance(value, property) else (value,)
-    for part in parts:
-        if isinstance(part, FunctionType):
-            yield from part.__code__.co_names
+    values = [value for kind in getattr(found, "__mro__", ()) for value in vars(kind).values()]
+    values += [part for value in values if isinstance(value, property) for part in (value.fget, value.fset)]
+    return {name for value in values if isinstance(value, FunctionType) for name in value.__code__.co_names}
 
 
 def _describe_absent(names: tuple[str, ...]) -> str:
