@@ -124,13 +124,13 @@ def _hint(kind: FieldType) -> str:
 
 
 def _parse_entry(kind: FieldType, typed: Any, path: str) -> Any:
-    field_type = str(kind).replace("octet", "uint8").replace("/msg/", "/")  # a byte is typed as a number
+    wanted = kind._replace(base="uint8") if kind.base == "octet" else kind  # a byte is typed as a number
     value = typed if kind.is_string or isinstance(typed, bool) else str(typed).strip()
     try:
         if kind.container:  # as on the command line: YAML; its brackets may be left out
             text = str(typed).strip()
             value = yaml.safe_load(text if text.startswith("[") else f"[{text}]")
-        fitted = fit_value(value, field_type, path)
+        fitted = fit_value(value, wanted, path)
     except (BadFieldError, yaml.YAMLError):
         limits = kind.primitive and kind.primitive.integer_range
         spelled = f"{type_in_words(kind)}, from {limits[0]} to {limits[1]}" if limits else type_in_words(kind)

@@ -11,6 +11,7 @@ import traitlets
 import yaml
 
 from course_kit import lab
+from course_kit.interfaces.definition import FieldType
 from course_kit.lab.errors import LabError
 from course_kit.lab.parameters import full_name
 from course_kit.lab.topics import Subscription
@@ -88,14 +89,14 @@ def convert_typed(kind: str, text: Any) -> Any:
     if kind in {"bool", "string"}:
         return text
     element, array, _ = kind.partition("_array")
-    field_type = _FIELD_TYPES.get(element, element)
+    field_type = FieldType(_FIELD_TYPES.get(element, element), "sequence" if array else "")
     try:
         if not array and kind in _EXAMPLES:
             return fit_value(text, field_type, kind)
         value = yaml.safe_load(text)
         if not array:  # a parameter whose type may change
             return value
-        fitted = fit_value(value, f"sequence<{field_type}>", kind)
+        fitted = fit_value(value, field_type, kind)
     except (yaml.YAMLError, BadFieldError):
         raise BadFieldError(f"{text!r} is not {_EXAMPLES.get(kind, 'a value')}.") from None
     return [bytes([number]) for number in fitted] if element == "byte" else fitted

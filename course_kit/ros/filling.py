@@ -11,17 +11,16 @@ import re
 import textwrap
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit.ros.messages import BadFieldError, Message, describe_type, is_message_type, ros_word, with_article
 from course_kit.ros.names import nearest_name
 
+if TYPE_CHECKING:
+    from course_kit.interfaces.definition import FieldType
+
 Fields = Mapping[str, object]
 
-_INTEGER = re.compile(r"(u?)int(\d+)")
-_ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d+)\]")
-_SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:, (?P<bound>\d+))?>")
-_BOUNDED_STRING = re.compile(r"w?string<(?P<bound>\d+)>")
 _FLOATS = {"float": 3.4028234663852886e38, "double": math.inf}
 _HINTS = {
     "double": "a float such as 20.0",
@@ -30,6 +29,7 @@ _HINTS = {
     "string": "a str such as 'text'",
     "wstring": "a str such as 'text'",
     "octet": "one byte such as b'a'",
+    **{f"{sign}int{bits}": "a whole number in its range" for sign in ("", "u") for bits in (8, 16, 32, 64)},
 }
 _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
 
@@ -60,6 +60,7 @@ def unknown_field(field: object, known: Fields, owner: str) -> str:
 
 def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: bool) -> None:
     known = message.get_fields_and_field_types()
+    kinds = _read_kinds(type(message)) if from_yaml else {}
     for name, value in fields.items():
         field = f"{path}{name}"
         if name not in known:
@@ -70,12 +71,18 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
             _put(inner, value, f"{field}, {with_article(known[name])}", f"{field}.", from_yaml=from_yaml)
             fitted = inner
         else:
-            fitted = fit_value(value, known[name], field, now) if from_yaml else value
+            fitted = fit_value(value, kinds[name], field, now) if from_yaml else value
         try:
             setattr(message, name, fitted)
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
             owner = owner or describe_type(type(message))
             raise BadFieldError(explain_refusal(name, value, known[name], owner)) from error
+
+
+def _read_kinds(message_type: type[Message]) -> dict[str, FieldType]:
+    from course_kit.interfaces.message_fields import message_fields
+
+    return {field.name: field.type for field in message_fields(message_type)}
 
 
 def explain_refusal(field: object, value: object, field_type: str, owner: str) -> str:
@@ -84,11 +91,9 @@ def explain_refusal(field: object, value: object, field_type: str, owner: str) -
         wanted = _HINTS[field_type]
         if field_type in _FLOATS and isinstance(value, int) and not isinstance(value, bool):
             wanted = f"a float: write {float(value)}"
-    elif _INTEGER.fullmatch(field_type):
-        wanted = "a whole number in its range"
     else:
         example = "one that fits"
-        if _list_type(field_type):
+        if field_type.startswith("sequence<") or field_type.endswith("]"):
             example = "a list"
         elif "/" in field_type:
             example = _example(value, field_type)
@@ -113,100 +118,91 @@ def _example(value: object, field_type: str) -> str:
     return f"{name}({', '.join(f'{field}={value!r}' for field, value in given.items())}) or {given!r}"
 
 
-def _list_type(field_type: str) -> re.Match[str] | None:
-    return _ARRAY.fullmatch(field_type) or _SEQUENCE.fullmatch(field_type)
-
-
-def fit_value(value: Any, field_type: str, field: str, now: Any = None) -> Any:  # noqa: PLR0911 - a table of types
+def fit_value(value: Any, kind: FieldType, field: str, now: Any = None) -> Any:  # noqa: PLR0911 - a table of types
     """What a field of this type holds for a value that was typed; `field` is its name."""
-    if listed := _list_type(field_type):
-        return _fit_list(value, listed, field_type, field)
-    if "/" in field_type:
-        return _fit_message(value, field_type, field, now)
-    if integer := _INTEGER.fullmatch(field_type):
-        return _fit_integer(value, int(integer[2]), field, signed=not integer[1])
-    if field_type in _FLOATS:
-        return _fit_float(value, field_type, field)
-    if field_type == "octet":
-        return _fit_byte(value, field)
-    if "string" in field_type:
-        return _fit_text(value, field_type, field)
+    if kind.container:
+        return _fit_list(value, kind, field)
+    if kind.is_nested:
+        return _fit_message(value, kind, field, now)
+    if kind.is_string:
+        return _fit_text(value, kind, field)
+    if kind.base in _FLOATS:
+        return _fit_float(value, kind, field)
+    if kind.base == "octet":
+        return _fit_byte(value, kind, field)
+    if kind.primitive and (limits := kind.primitive.integer_range):
+        return _fit_integer(value, kind, field, *limits)
     if value in (True, False) and not isinstance(value, float):  # a boolean
         return bool(value)
-    raise _explain_unfit(value, field_type, field)
+    raise _explain_unfit(value, kind, field)
 
 
-def _fit_byte(value: object, field: str) -> bytes:
+def _fit_byte(value: object, kind: FieldType, field: str) -> bytes:
     """One byte, as YAML has it; ROS 2 refuses numbers."""
     if isinstance(value, bytes) and len(value) == 1:
         return value
     hint = ""
     if type(value) is int and value in range(256):
         hint = f" Write !!binary {base64.b64encode(bytes([value])).decode()} in its place, as in ROS 2."
-    raise BadFieldError(f"{_explain_unfit(value, 'octet', field)}{hint}")
+    raise BadFieldError(f"{_explain_unfit(value, kind, field)}{hint}")
 
 
-def _fit_text(value: object, field_type: str, field: str) -> str:
+def _fit_text(value: object, kind: FieldType, field: str) -> str:
     if isinstance(value, (dict, list)) or value is None:
-        raise _explain_unfit(value, field_type, field)
-    bounded = _BOUNDED_STRING.fullmatch(field_type)
-    if bounded and len(str(value)) > int(bounded["bound"]):
-        raise BadFieldError(f"The field {field!r} takes at most {bounded['bound']} characters, not {len(str(value))}.")
+        raise _explain_unfit(value, kind, field)
+    if kind.string_bound and len(str(value)) > kind.string_bound:
+        raise BadFieldError(f"The field {field!r} takes at most {kind.string_bound} characters, not {len(str(value))}.")
     return str(value)
 
 
-def _fit_integer(value: object, bits: int, field: str, *, signed: bool) -> int:
-    field_type = f"{'' if signed else 'u'}int{bits}"
+def _fit_integer(value: object, kind: FieldType, field: str, lowest: int, highest: int) -> int:
     if isinstance(value, str) and re.fullmatch(r"[+-]?\d+", value):
         value = int(value)
     if isinstance(value, bool) or not isinstance(value, int):
-        raise _explain_unfit(value, field_type, field)
-    lowest, highest = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+        raise _explain_unfit(value, kind, field)
     if not lowest <= value <= highest:
-        limits = f"{with_article(field_type)}, from {lowest} to {highest}"
+        limits = f"{with_article(kind.base)}, from {lowest} to {highest}"
         raise BadFieldError(f"The field {field!r} is {limits}; {value} is out of range.")
     return value
 
 
-def _fit_float(value: object, field_type: str, field: str) -> float:
+def _fit_float(value: object, kind: FieldType, field: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise _explain_unfit(value, field_type, field)
+        raise _explain_unfit(value, kind, field)
     try:
         number = float(value)  # YAML 1.1 takes 1e3 for a string
     except (ValueError, OverflowError):
-        raise _explain_unfit(value, field_type, field) from None
-    if math.isfinite(number) and abs(number) > _FLOATS[field_type]:
-        raise BadFieldError(f"The field {field!r} is a {ros_word(field_type)}; {value} is out of range.")
+        raise _explain_unfit(value, kind, field) from None
+    if math.isfinite(number) and abs(number) > _FLOATS[kind.base]:
+        raise BadFieldError(f"The field {field!r} is a {ros_word(kind.base)}; {value} is out of range.")
     return number
 
 
-def _fit_list(value: object, listed: re.Match[str], field_type: str, field: str) -> list[object]:
-    parts = listed.groupdict()
-    if isinstance(value, bytes) and parts["element"] == "uint8":
+def _fit_list(value: object, kind: FieldType, field: str) -> list[object]:
+    if isinstance(value, bytes) and kind.base == "uint8":
         value = list(value)
     if not isinstance(value, list):
-        raise _explain_unfit(value, field_type, field)
-    if parts.get("length") and len(value) != int(parts["length"]):
-        raise BadFieldError(f"The field {field!r} takes exactly {parts['length']} values, not {len(value)}.")
-    if parts.get("bound") and len(value) > int(parts["bound"]):
-        raise BadFieldError(f"The field {field!r} takes at most {parts['bound']} values, not {len(value)}.")
-    return [fit_value(element, parts["element"], f"{field}[{index}]") for index, element in enumerate(value)]
+        raise _explain_unfit(value, kind, field)
+    if kind.container == "array" and len(value) != kind.size:
+        raise BadFieldError(f"The field {field!r} takes exactly {kind.size} values, not {len(value)}.")
+    if kind.size and len(value) > kind.size:
+        raise BadFieldError(f"The field {field!r} takes at most {kind.size} values, not {len(value)}.")
+    return [fit_value(element, kind.element, f"{field}[{index}]") for index, element in enumerate(value)]
 
 
-def _fit_message(value: object, field_type: str, field: str, now: Message) -> Message:
+def _fit_message(value: object, kind: FieldType, field: str, now: Message) -> Message:
     """A message that was not given by its fields; one in a list, by its fields."""
     from course_kit import interfaces
 
-    package, name = field_type.split("/")
-    message = type(now)() if now is not None else interfaces.get_type(f"{package}/msg/{name}")()
-    if value == "now" and field_type == "builtin_interfaces/Time":
+    message = type(now)() if now is not None else interfaces.get_type(kind.base)()
+    if value == "now" and str(kind) == "builtin_interfaces/Time":
         return _set_to_now(message)
-    if value == "auto" and field_type == "std_msgs/Header":
+    if value == "auto" and str(kind) == "std_msgs/Header":
         _set_to_now(message.stamp)
         return message
     if not isinstance(value, dict):
-        raise _explain_unfit(value, field_type, field)
-    _put(message, value, f"{field}, {with_article(field_type)}", f"{field}.", from_yaml=True)
+        raise _explain_unfit(value, kind, field)
+    _put(message, value, f"{field}, {with_article(str(kind))}", f"{field}.", from_yaml=True)
     return message
 
 
@@ -215,8 +211,7 @@ def _set_to_now(stamp: Message) -> Message:
     return stamp
 
 
-def _explain_unfit(value: object, field_type: str, field: str) -> BadFieldError:
-    listed = _list_type(field_type)
-    word = f"list of {ros_word(listed['element'])}" if listed else ros_word(field_type)
+def _explain_unfit(value: object, kind: FieldType, field: str) -> BadFieldError:
+    word = f"list of {ros_word(str(kind.element))}" if kind.container else ros_word(str(kind))
     given = _KINDS.get(type(value), "nothing" if value is None else type(value).__name__)
     return BadFieldError(f"The field {field!r} is {with_article(word)}; {value!r} is {given}.")
