@@ -102,7 +102,7 @@ def test_syntax_error_is_graded_without_running_anything(grade_source: Callable[
     report = grade_source("print('RUN')\ndef f(:\n    pass\n")
     assert report.status == "crashed"
     assert report.checks[0].diagnosis == "start.syntax"
-    assert "line 2: def f(:" in report.checks[0].message
+    assert "In line 2: invalid syntax. The line reads `def f(:`." in report.checks[0].message
     assert "RUN" not in report.stdout
     assert grading.exit_code(report) == 1
 
