@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from course_kit import environment
-from course_kit.grading.model.exercise import find_exercises_folder, list_exercise_ids
+from course_kit.grading.model.exercise import list_exercise_ids
 
 KIT = environment.PACKAGE
 # What one exercise is made of: the quiz and its panel, the robot, the panels that show it, the steps that drive it.
@@ -20,9 +20,7 @@ MADE_OF = (
     "panels/demo_robot.py",
     "panels/quiz_panel.py",
 )
-NAMES = re.compile(
-    rf"\b({'|'.join(list_exercise_ids(find_exercises_folder()))})\b|\bexercises? [1-9]\b|\bfour exercises\b"
-)
+NAMES = re.compile(rf"\b({'|'.join(list_exercise_ids())})\b|\bexercises? [1-9]\b|\bfour exercises\b")
 FILES = sorted(
     path.relative_to(KIT).as_posix()
     for path in KIT.rglob("*")

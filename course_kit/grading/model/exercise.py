@@ -145,21 +145,13 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
 
-def find_exercises_folder() -> Path:
-    """The course's folder of exercises."""
-    folder = exercise_folders.course_folder()
-    if folder is None:
-        raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
-    return folder
-
-
 def find_exercises(folder: Path | None = None) -> FoundExercises:
     """Where the exercises lie."""
     if folder is not None:
         return FoundExercises(exercise_folders.exercises_in_folder(folder))
     found = exercise_folders.find_exercises()
-    if not found.folders and not found.problems:
-        find_exercises_folder()
+    if not found.folders and not found.problems and exercise_folders.course_folder() is None:
+        raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
     return found
 
 

@@ -105,8 +105,6 @@ def add_exercise_folder(folders: Iterable[str]) -> None:
         folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept
         if not any(_exercises(folder)):
             raise GradingError(_explain_nothing_found(folder, _OPTION))
-        if os.pathsep in str(folder):
-            raise GradingError(f"The name {folder} has a '{os.pathsep}' in it, which divides folders. Rename it.")
         os.environ[VARIABLE] = os.pathsep.join(filter(None, [os.environ.get(VARIABLE, ""), str(folder)]))
 
 
