@@ -28,7 +28,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.plain_data import Record, convert_record
 from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
-from course_kit.process.child import INTO_STDOUT, Child, LastWords
+from course_kit.process.child import QuietChild
 from course_kit.process.libc import make_memory_file
 from course_kit.reader import files, fingerprints, process, text
 from course_kit.reader.files import ARCHIVE, YAML
@@ -183,7 +183,7 @@ class Reader(Closable):
     def __init__(self, stopped: Callable[[], bool] = lambda: False, *, memory: Memory | None = None) -> None:
         self._stopped = stopped
         self.memory: Memory = {} if memory is None else memory  # of what has been read
-        self._process: Child | None = None
+        self._process: QuietChild | None = None
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
@@ -206,23 +206,17 @@ class Reader(Closable):
         if self._process is not None:
             self._line.close()  # it notices, ends what it has under way, and stops
             self._process.wait_or_kill(_END_S)
-            self._said.file.close()
             self._process = None
 
-    def start(self) -> None:
+    def start(self) -> QuietChild:
         """Start the process; it gets ready while the caller goes on."""
         try:
             self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-            self._said = LastWords()
             with theirs:
                 root = Path(course_kit.__file__).resolve().parent.parent
-                self._process = Child(
-                    [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)],
-                    folder="/",
-                    stdout=self._said.file,
-                    stderr=INTO_STDOUT,
-                    descriptors=[theirs.fileno()],
-                )
+                command = [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)]
+                self._process = QuietChild(command, [theirs.fileno()])
+                return self._process
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
@@ -233,8 +227,7 @@ class Reader(Closable):
             raise ReadingStoppedError
         words = ""
         for _ in range(_TRIES):
-            if self._process is None:
-                self.start()
+            process = self._process or self.start()
             try:
                 ended, answer = self._exchange(request, copy)
             except (EOFError, ValueError, OSError):  # another program has ended it
@@ -242,7 +235,7 @@ class Reader(Closable):
             else:
                 if self._has_answer(copy, ended):
                     return _summary(copy, answer)
-            words = self._said.last_line()
+            words = process.last_line()
             self.close()
         raise GradingError(f"The process that reads submissions ended while it was reading. {words}".strip())
 

@@ -142,21 +142,32 @@ class LineReader:
         return [rest.decode(errors="replace")] if rest else []
 
 
-class LastWords:
-    """A file in memory for what a child prints that has nothing to say: as a rule, why it has failed."""
+class QuietChild(Child):
+    """A process of ours that has nothing to say; what it prints all the same is, as a rule, why it has failed."""
 
     _MOST = 2000  # bytes
 
-    def __init__(self) -> None:
-        self.file = open(make_memory_file("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
+    def __init__(
+        self, command: Sequence[str], descriptors: Sequence[int], environ: Mapping[str, str] | None = None
+    ) -> None:
+        self._said = open(make_memory_file("last words"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
+        super().__init__(
+            command, environ=environ, folder="/", stdout=self._said, stderr=INTO_STDOUT, descriptors=descriptors
+        )
 
     def last_line(self) -> str:
-        """What it has printed last; nothing when the file is closed."""
-        with suppress(ValueError, OSError):  # the latter where another thread closes it just now
-            descriptor = self.file.fileno()
+        """What it has printed last; nothing when it was waited for to the end."""
+        with suppress(ValueError, OSError):  # the latter where another thread closes the file just now
+            descriptor = self._said.fileno()
             end = os.pread(descriptor, self._MOST, max(os.fstat(descriptor).st_size - self._MOST, 0))
             return end.decode("utf-8", errors="replace").strip().rpartition("\n")[2]
         return ""
+
+    def wait_or_kill(self, seconds: float) -> int:
+        """See `Child`; its last words are forgotten."""
+        code = super().wait_or_kill(seconds)
+        self._said.close()
+        return code
 
 
 def fork_child(run: Callable[[], object]) -> int:

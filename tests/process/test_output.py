@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.process.child import LastWords, LineReader
+from course_kit.process.child import LineReader, QuietChild
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -42,18 +41,13 @@ def test_a_full_pipe_is_taken_in_at_once(ends: list[int]) -> None:
     assert len(lines.read()) == written // 5
 
 
-def test_the_last_line_of_much_is_kept_and_asking_disturbs_nothing() -> None:
-    words = LastWords()
-    assert words.last_line() == ""
-    program = "import sys\nprint('x\\n' * 10_000, flush=True)\nsys.stdin.read()\nprint('the reason\\n', flush=True)"
-    with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=words.file) as child:
-        while words.last_line() != "x":
-            assert child.poll() is None
-        assert child.stdin is not None
-        child.stdin.close()
-        assert child.wait(60) == 0
-    assert words.last_line() == "the reason"
-    words.file.seek(0)
-    assert words.file.read().count(b"x\n") == 10_000
-    words.file.close()
-    assert words.last_line() == ""
+def test_the_last_line_of_much_is_kept_and_asking_disturbs_nothing(ends: list[int]) -> None:
+    program = "import os, sys\nprint('x\\n' * 10_000, flush=True)\nos.read(int(sys.argv[1]), 1)\nprint('the reason\\n')"
+    child = QuietChild([sys.executable, "-c", program, str(ends[0])], [ends[0]])
+    while child.last_line() != "x":
+        assert child.exit_code() is None
+    os.write(ends[1], b"!")
+    assert child.wait(60) == 0
+    assert child.last_line() == "the reason"
+    assert child.wait_or_kill(60) == 0
+    assert child.last_line() == ""

@@ -15,7 +15,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.job import Isolation
 from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.process import Closable
-from course_kit.process.child import BOUND_AT_ONCE, INTO_STDOUT, Child, LastWords
+from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -44,7 +44,7 @@ _OTHER_GRAPHS = (
 )
 
 
-class WarmProcess:
+class WarmProcess(QuietChild):
     """The process, seen from the trusted parent."""
 
     def __init__(self, workers: int, variables: Mapping[str, str]) -> None:
@@ -52,18 +52,11 @@ class WarmProcess:
         pairs = [socket.socketpair() for _ in range(workers)]
         self.channels = [Channel(ours) for ours, _ in pairs]
         theirs = [end for _, end in pairs]
-        self._said = LastWords()
         descriptors = [end.fileno() for end in theirs]
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
-            self._process = Child(
-                [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors))],
-                folder="/",
-                environ=variables,
-                stdout=self._said.file,
-                stderr=INTO_STDOUT,
-                descriptors=descriptors,
-            )
+            command = [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors))]
+            super().__init__(command, descriptors, variables)
         finally:
             for end in theirs:
                 end.close()
@@ -76,17 +69,12 @@ class WarmProcess:
             self._using -= 1
             if self._using:
                 return
-        self._process.wait_or_kill(_STOP_S)  # the forks die with it
-        self._said.file.close()
+        self.wait_or_kill(_STOP_S)  # the forks die with it
 
     def last_words(self) -> str:
         """What was printed last, for a worker that no longer answers."""
-        self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
-        return self._said.last_line() or "It hung, or another program has ended it."
-
-    def has_ended(self) -> bool:
-        """Whether it has gone, and all workers with it."""
-        return self._process.exit_code() is not None
+        self.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
+        return self.last_line() or "It hung, or another program has ended it."
 
 
 def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
@@ -168,7 +156,7 @@ class Worker(Closable):
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""
-        return self._process.has_ended() or self._channel.is_closed()
+        return self._process.exit_code() is not None or self._channel.is_closed()
 
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""
