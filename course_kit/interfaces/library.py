@@ -180,8 +180,9 @@ def _bundle(
     """Make the class of a service or an action out of those of its parts."""
     what = "service" if isinstance(definition, ServiceDefinition) else "action"
 
-    def __init__(_: object) -> NoReturn:  # noqa: N807
-        raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated")
+    def __init__(_: object, *_values: object, **_fields: object) -> NoReturn:  # noqa: N807
+        way = f"Write {definition.name.name}.{next(iter(parts))}(...)."
+        raise NotImplementedError(f"{what.capitalize()} classes can not be instantiated. {way}")
 
     cls: type = make_metaclass(definition, what, {})(
         definition.name.name, (), {"__module__": python_module(definition), "__init__": __init__, **parts}

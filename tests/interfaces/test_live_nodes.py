@@ -92,8 +92,8 @@ def test_messages_can_be_copied_and_pickled() -> None:
     assert pickle.loads(pickle.dumps(goal)) == goal  # noqa: S301 - our own
     with pytest.raises(TypeError, match="unhashable"):
         hash(goal)
-    with pytest.raises(NotImplementedError, match="Action classes can not be instantiated"):
-        MoveRobot()
+    with pytest.raises(NotImplementedError, match=r"Write MoveRobot\.Goal"):
+        MoveRobot(target=Point(x=1.0))
     with pytest.raises(NotImplementedError, match="Service classes can not be instantiated"):
         AddTwoInts()
 
