@@ -7,7 +7,6 @@ itself, each socket counts with as much as it can hold.
 
 from __future__ import annotations
 
-import math
 import os
 import random
 import time
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from course_kit.process import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 _TICKS = os.sysconf("SC_CLK_TCK")
 _PROC = "/proc"
@@ -52,33 +51,24 @@ def processors_worked() -> float:
 @lru_cache(maxsize=1)
 def processor_share() -> float:
     """How much of one processor a single thread can get here: 1, or less in a container that is held to less."""
-    return min([1.0, *(limit for group in own_groups() if (limit := _limit(group)) > 0.0)])
+    return min([1.0, *(quota / period for quota, period in read_groups("cpu.max") if quota and period)])
 
 
 def free_memory() -> int:
     """Bytes that new programs may take, as the kernel estimates it, or a control group allows it; 0 if unknown."""
-    rooms = [_read_number(_MEMORY, "MemAvailable:") * 1024]
-    for group in own_groups():
-        with suppress(OSError, ValueError):  # "max"
-            bound, taken = (int((group / f"memory.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
-            rooms.append(bound - taken)
-    return max(0, min(rooms))
+    in_groups = (bound - taken for bound, taken in read_groups("memory.max", "memory.current"))
+    return max(0, min([_read_number(_MEMORY, "MemAvailable:") * 1024, *in_groups]))
 
 
-def own_groups() -> list[Path]:
-    """The folders of the control group this process is in, and of those around it, as far as they can be seen."""
+def read_groups(*names: str) -> Iterator[tuple[int, int]]:
+    """Two numbers of files of the control group this process is in, and of those around it; none where it is "max"."""
     with suppress(OSError):
-        path = _OWN_GROUPS.read_text(encoding="utf-8").rpartition("0::/")[2].strip()  # of version 2
-        return [cgroup for cgroup in (_CGROUPS / path, *(_CGROUPS / path).parents) if cgroup.is_relative_to(_CGROUPS)]
-    return []
-
-
-def _limit(group: Path) -> float:
-    """Processors that all processes of a control group get together; infinite without a limit."""
-    with suppress(OSError, ValueError, ZeroDivisionError):
-        quota, period = (group / "cpu.max").read_text(encoding="utf-8").split()
-        return math.inf if quota == "max" else int(quota) / int(period)
-    return math.inf
+        own = _CGROUPS / _OWN_GROUPS.read_text(encoding="utf-8").rpartition("0::/")[2].strip()  # of version 2
+        for group in (folder for folder in (own, *own.parents) if folder.is_relative_to(_CGROUPS)):
+            with suppress(OSError, ValueError):
+                texts = [(group / name).read_text(encoding="ascii") for name in names]
+                first, second = map(int, " ".join(texts).split())
+                yield first, second
 
 
 def measure_memory(process_ids: Sequence[int], patience_s: float) -> int:

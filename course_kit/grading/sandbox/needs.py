@@ -132,10 +132,7 @@ def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
         yield _TaskRoom(allowed, 0, _OF_A_USER)
     elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
         yield _TaskRoom(allowed, tree.tasks_of_user(os.getuid()), _OF_A_USER)
-    for group in machine.own_groups():
-        with suppress(OSError, ValueError):
-            allowed, used = (int((group / f"pids.{name}").read_text(encoding="ascii")) for name in ("max", "current"))
-            yield _TaskRoom(allowed, used, _OF_A_GROUP)
+    yield from (_TaskRoom(*numbers, _OF_A_GROUP) for numbers in machine.read_groups("pids.max", "pids.current"))
 
 
 def _tasks(promised: Limits) -> int:
