@@ -211,9 +211,10 @@ def status_rate(node: GradedNode) -> Evidence:
     with suppress(Failed):
         node.set({**_LONG, "max_velocity": 0.7}, of=NODE)
     inbox, clock = node.inbox(STATUS), node.context.clock()
-    while "reacts" not in held.failed_checks and not clock.has_passed(2 * _LINES * _RATE[1]):
-        if node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
-            break
+    while "reacts" not in held.failed_checks and not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
+        if clock.has_passed(2 * _LINES * _RATE[1]):  # a timer that waits for commands
+            evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
+            raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
         node.send(_limiter.COMMAND, Twist())
     return expect_rate(node, STATUS, 0.5, _RATE)
 
