@@ -194,7 +194,7 @@ class LimiterSteps(Model):
         self.past: list[tuple[Done, bool]] = []  # what was done, and whether it was refused
         self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
-        self.lines: int | None = None  # of /status that had come when it was to be looked at; None if it was since
+        self.lines: int | None = None  # of /status when a later one was to tell the settings; None if one has since
 
     def begin(self, node: GradedNode) -> None:
         """Wrong defaults cost the points of one check alone; with `--attach` somebody else has set the node."""
@@ -358,10 +358,6 @@ class LimiterSteps(Model):
             except Failed:
                 return False
         return True
-
-    def watch_status(self, node: GradedNode) -> None:
-        """From now on a line of /status has to tell the settings; that is seen while other things are asked."""
-        self.lines = node.inbox(STATUS).count
 
     def require_status(self, node: GradedNode, sent: str = "") -> None:
         """A line of /status tells the settings, within a second of a change."""

@@ -82,9 +82,9 @@ class Limiter(LimiterSteps):
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
             self.refuse_both(node)
-            self.watch_status(node)
+            self.lines = node.inbox(STATUS).count
             self.accept(node, {"robot_name": "the name alone"}, "change_status")
-            self.watch_status(node)
+            self.lines = node.inbox(STATUS).count
         self.require_quiet(node, self.sent_at + _limiter.LATE_S - time.monotonic(), enabled=True)
         self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
@@ -130,7 +130,7 @@ class Limiter(LimiterSteps):
             with charge_to("atomic"):
                 self.refuse(node, values)
         if value != " ":
-            self.watch_status(node)
+            self.lines = node.inbox(STATUS).count
 
     @step_rule(
         "atomic",
@@ -244,7 +244,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     if off and "change_enabled" in model.lost:
         return evidence
     try:
-        model.watch_status(node)
+        model.lines = node.inbox(STATUS).count
         model.drive(node, [BEYOND, 0.1, 0.2, 0.3, 0.4, 0.5], sent)
         if off:
             model.accept(node, {"enabled": True}, "")
