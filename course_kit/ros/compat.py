@@ -106,25 +106,23 @@ DIAGNOSES = Feature(
 )
 
 OF_SCRIPTS = (RECORDING, GOAL_RECORDING, EXECUTIONS)
-_OF_GOALS = (FEEDBACK, WAITING_FOR_GOALS)
 _OF_CELLS = (PENDING_CALLS, DEFAULT_CONTEXT, LOG_LINES, CELL_NAMES, ERRORS, OWN_TYPES)
-OF_THE_LAB = (*OF_SCRIPTS, *_OF_GOALS, *_OF_CELLS)
+OF_THE_LAB = (*OF_SCRIPTS, FEEDBACK, WAITING_FOR_GOALS, *_OF_CELLS)
 ALL = (*OF_THE_LAB, GRADING, DIAGNOSES)
 
 
-class Compatibility:
-    """What was found in this process."""
+class Compatibility(NamedTuple):
+    """What was found in this process: the features of which names are missing, with these."""
 
-    def __init__(self, missing: Mapping[Feature, tuple[str, ...]]) -> None:
-        self._missing = dict(missing)
+    missing: Mapping[Feature, tuple[str, ...]]
 
     def has(self, feature: Feature) -> bool:
         """Whether a feature has all its names."""
-        return feature not in self._missing
+        return feature not in self.missing
 
     def sentences(self) -> list[str]:
         """What is off and why, a sentence for each feature."""
-        return [f"{feature.lost}: {_describe_absent(names)}." for feature, names in self._missing.items()]
+        return [f"{feature.lost}: {_describe_absent(names)}." for feature, names in self.missing.items()]
 
 
 def check_features(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:

@@ -122,9 +122,11 @@ def _choose_heights(
     columns: list[list[Box]], chains: Iterable[list[Box]], sizes: Mapping[Box, Size]
 ) -> dict[Box, float]:
     """The middle of each box: near the middle of its neighbours, in the order of these, and never upon another box."""
-    pairs = [pair for chain in chains for pair in itertools.pairwise(chain)]
-    before = {box: [begin for begin, end in pairs if end == box] for box in sizes}
-    behind = {box: [end for begin, end in pairs if begin == box] for box in sizes}
+    before: dict[Box, list[Box]] = {box: [] for box in sizes}
+    behind: dict[Box, list[Box]] = {box: [] for box in sizes}
+    for begin, end in itertools.chain.from_iterable(map(itertools.pairwise, chains)):
+        before[end].append(begin)
+        behind[begin].append(end)
     middle = {box: float(place) for column in columns for place, box in enumerate(column)}
     for sweep in range(_SWEEPS):
         rightwards = sweep % 2 == 0
