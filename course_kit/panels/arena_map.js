@@ -57,9 +57,9 @@ function heading(corners) {
   return here ? (Math.atan2(here[1] - before[1], here[0] - before[0]) * 180) / Math.PI : 0;
 }
 
-function coordinateInput(form, name) {
+function coordinateInput(form, name, value = 2) {
   const label = html("label", { textContent: `${name} (m) ` }, form);
-  return html("input", { type: "number", step: "any", required: true, value: "2", name }, label);
+  return html("input", { type: "number", step: "any", required: true, value, name }, label);
 }
 
 function render({ model, el }) {
@@ -71,8 +71,9 @@ function render({ model, el }) {
   const things = drawThings(drawArena(picture, size));
 
   const form = html("form", { className: "ck-buttons" }, box);
-  const x = coordinateInput(form, "x");
-  const y = coordinateInput(form, "y");
+  const [lastX, lastY] = model.get("view").target; // of a page that has been loaded again
+  const x = coordinateInput(form, "x", lastX);
+  const y = coordinateInput(form, "y", lastY);
   const go = html("button", { type: "submit", textContent: "Go", className: "ck-main" }, form);
   const cancel = html("button", { type: "button", textContent: "Cancel goal" }, form);
   const outcome = html("p", { className: "ck-outcome" }, box);

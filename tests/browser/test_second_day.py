@@ -64,15 +64,22 @@ def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
     expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(1)
 
 
+def drive_and_guess(lab: JupyterLab) -> None:
+    arena = lab.scroll_to(lab.page.locator(".ck-map"))
+    arena.get_by_label("x (m)").fill("0.5")
+    arena.get_by_label("x (m)").press("Enter")
+    expect(arena).to_contain_text("The goal (0.5, 2.0) has succeeded")
+    question = lab.scroll_to(lab.page.locator("form:has(.ck-guess-send)"))
+    question.locator("input[type=radio]").first.check()
+    question.locator(".ck-guess-send").click()
+    expect(question.locator(".ck-guess-verdict")).not_to_be_empty()
+
+
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
     page = lab.page
     lab.open(LESSON)
     assert page.evaluate(HURRIES) is False  # a panel of a busy machine is given its time
     lab.run_all()
-    question = lab.scroll_to(page.locator("form:has(.ck-guess-send)"))
-    question.locator("input[type=radio]").first.check()
-    question.locator(".ck-guess-send").click()
-    expect(question.locator(".ck-guess-verdict")).not_to_be_empty()
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     graph.get_by_role("button", name="Dock beside the notebook").click()
     docked = page.locator(".jp-LinkedOutputView")
@@ -82,6 +89,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(docked.locator(".ck-dot").first).to_be_attached()
     assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
     lab.picture("graph_docked")
+    drive_and_guess(lab)
     page.wait_for_function(KEPT, polling=POLLING_MS)
     lab.save()
 
@@ -94,6 +102,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(docked).to_have_count(1)
     expect(page.get_by_role("button", name=WAKE)).to_have_count(0)
     require_no_dead_widget(lab)
+    expect(lab.scroll_to(page.locator(".ck-map")).get_by_label("x (m)")).to_have_value("0.5")
 
     restart_kernel(page)
     for place in (lab.scroll_to(lab.cell_that_begins(GRAPH)), docked):
@@ -123,3 +132,6 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     graph.get_by_role("button", name=WAKE).click()
     expect(page.get_by_text("The ROS graph", exact=True)).to_have_count(2)
     expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
+    lab.scroll_to(lab.cell_that_begins('panels.guess("00_welcome/misspelt')).get_by_role("button", name=WAKE).click()
+    # The cells between the two have run, too.
+    expect(docked.locator("[data-node='dashboard']").first).to_be_visible()

@@ -107,6 +107,8 @@
   const PATIENCE_MS = 120_000;
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
+  // The cells that the kernel has run since it began.
+  const HISTORY = { ran: "__import__('IPython').display.JSON(get_ipython().history_manager.input_hist_raw)" };
 
   const STYLE = `
     .ck-asleep { flex: 1; min-width: 0; }
@@ -123,7 +125,7 @@
   class Sleepers {
     constructor(app, panel) {
       // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
-      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap(), fresh: false });
+      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap() });
       for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
@@ -131,8 +133,7 @@
         if (oldValue) this.allFallAsleep();
         if (newValue) void this.askKernel();
       });
-      context.iopubMessage.connect((_, { header, content, parent_header: cause }) => {
-        if (header.msg_type === 'execute_input') this.fresh = false;
+      context.iopubMessage.connect((_, { content, parent_header: cause }) => {
         if (content.execution_state === 'idle' && cause.msg_id !== this.asked) this.keepSoon();
       });
       new MutationObserver(() => this.drawSoon()).observe(panel.node, { childList: true, subtree: true });
@@ -168,7 +169,6 @@
         this.waiting.delete(model);
         if (!(model.data[WIDGET].model_id in known)) this.asleep.add(model);
       }
-      if (reply) this.fresh = Object.keys(known).length === 0;
       for (const { content } of waiting.length ? this.views() : []) {
         // JupyterLab has opened it again before there was a kernel, and would say "Loading widget" for ever.
         for (const area of [...content.widgets]) area.dispose();
@@ -189,7 +189,6 @@
         this.waiting.delete(model);
         this.asleep.add(model);
       }
-      this.fresh = true;
       this.drawSoon();
     }
 
@@ -280,7 +279,7 @@
       }
       const button = document.createElement('button');
       button.textContent = 'Run this cell to bring it to life';
-      button.title = this.fresh ? 'Runs the cells above first: the kernel has just been started.' : '';
+      button.title = 'Runs first the cells above that this kernel has not run yet.';
       button.addEventListener('click', () => void this.wake(cell));
       bar.append('This is the last picture of a panel: its kernel has ended.', button);
       return bar;
@@ -289,11 +288,18 @@
     async wake(cell) {
       const { content } = this.panel;
       this.app.shell.activateById(this.panel.id);
-      content.deselectAll();
-      content.activeCellIndex = content.widgets.indexOf(cell);
-      if (this.fresh) await this.app.commands.execute('notebook:run-all-above');
-      content.activeCellIndex = content.widgets.indexOf(cell);
-      await this.app.commands.execute('notebook:run-cell');
+      const question = { code: '', silent: true, store_history: false, user_expressions: HISTORY };
+      const asked = await this.panel.sessionContext.session?.kernel?.requestExecute(question).done;
+      const ran = new Set(asked?.content.user_expressions?.ran?.data?.['application/json']);
+      const sourceOf = ({ model }) => model.sharedModel.getSource().replace(/\n+$/, ''); // as IPython keeps it
+      const above = content.widgets.slice(0, content.widgets.indexOf(cell));
+      const missing = above.filter(one => one.model.type === 'code' && sourceOf(one).trim() && !ran.has(sourceOf(one)));
+      for (const cells of [missing, [cell]]) {
+        content.deselectAll();
+        content.activeCellIndex = content.widgets.indexOf(cells[0] ?? cell);
+        for (const one of cells) content.select(one);
+        if (cells.length) await this.app.commands.execute('notebook:run-cell');
+      }
     }
   }
 
