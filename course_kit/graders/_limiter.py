@@ -9,6 +9,7 @@ import itertools
 import math
 import re
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -150,12 +151,10 @@ def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
     line = text.rstrip()
     name, colon, number = line.removesuffix(_UNIT).rpartition(":")
-    if not line.endswith(_UNIT) or not colon:
-        return None
-    try:
-        return name, float(number)
-    except ValueError:
-        return None
+    with suppress(ValueError):
+        if colon and line.endswith(_UNIT):
+            return name, float(number)
+    return None
 
 
 def missing_in_reason(name: str, value: Any, reason: str) -> str:

@@ -418,7 +418,8 @@ def delivery_killed(node: GradedNode) -> None:
 def delivery_back(node: GradedNode) -> None:
     """All together: when the door is back, the next delivery works."""
     offer_service(node, OPEN, SetBool, success=True, message="open")
-    robot.require_some_delivery(node, "dock", 5.0)
+    alone = node.context.memory["runs"][0] == "carrier.py"  # where no door could be killed by itself
+    robot.require_some_delivery(node, "attic" if alone else "lab", 5.0)
     node.context.spoil()
 
 
