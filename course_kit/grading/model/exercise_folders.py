@@ -131,10 +131,8 @@ def _exercises(folder: Path) -> Iterator[Path]:
     with suppress(OSError):  # a folder of somebody else's
         if (folder / TOML).is_file():
             yield folder
-            return
-        for exercise in sorted(folder.iterdir()):
-            if (exercise / TOML).is_file():
-                yield exercise
+        else:
+            yield from (place for (place,) in exercises_in_folder(folder).values())
 
 
 def _explain_nothing_found(folder: Path, named_by: str) -> str:

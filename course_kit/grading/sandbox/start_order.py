@@ -78,7 +78,7 @@ class Streams:
 
     def descriptors(self) -> tuple[int, ...]:
         """All of them, in the order of the arguments."""
-        return (self.stdout, self.stderr, self.status, self.evidence, self.control)
+        return tuple(vars(self).values())
 
     def tell(self, **what: object) -> None:
         """From the inside: tell the supervisor facts, on the stream for them."""
@@ -87,8 +87,7 @@ class Streams:
 
     def close(self) -> None:
         """Close all of them, once."""
-        for name in ("stdout", "stderr", "status", "evidence", "control"):
-            descriptor = getattr(self, name)
+        for name, descriptor in vars(self).items():
             if descriptor >= 0:
                 os.close(descriptor)
                 setattr(self, name, -1)
