@@ -75,15 +75,12 @@ def explain_limit(process: ProcessStatus, job: Job) -> Cause | None:
     limits = job.limits
     raised = last_exception(process.stderr, job.programs)
     limit = process.limit
-    if limit is None and raised is not None:
-        if raised.type == "MemoryError":
-            limit = "memory"
-        elif any(text in raised.text for text in _TOO_MANY):
+    if limit is None:
+        printed = raised.text if raised else process.stderr  # many at once, one through the other
+        if any(text in printed for text in _TOO_MANY):
             limit = "processes"
-    elif limit is None and any(text in process.stderr for text in _TOO_MANY):  # many at once, one through the other
-        limit = "processes"
-    if limit is None and "std::bad_alloc" in process.stderr:
-        limit = "memory"
+        elif (raised and raised.type == "MemoryError") or "std::bad_alloc" in process.stderr:
+            limit = "memory"
     computed_s = limits.cpu_s if process.signal == signal.SIGXCPU else process.cpu_s  # what is dead counts no more
     allowed = f"It may compute for {limits.cpu_s} s, and take {limits.wall_s:g} s in all."
     causes = {

@@ -313,19 +313,15 @@ def _find_class(module: ModuleType, program: Program, evidence: int) -> type | N
     """The class to start, or None with notes on what exists."""
     from rclpy.node import Node
 
-    own = {
-        thing
-        for thing in vars(module).values()
-        if isinstance(thing, type) and issubclass(thing, Node) and thing.__module__ == "__main__"
-    }
+    classes = {name: thing for name, thing in vars(module).items() if isinstance(thing, type)}
+    classes = {name: thing for name, thing in classes.items() if thing.__module__ == "__main__"}
+    own = {thing for thing in classes.values() if issubclass(thing, Node)}
     named = [thing for thing in own if thing.__name__ == program.class_name]
     if not program.own_start and (named or len(own) == 1):
         return (named or list(own))[0]
     functions = [name for name, thing in vars(module).items() if callable(thing) and not isinstance(thing, type)]
-    classes = [
-        name for name, thing in vars(module).items() if isinstance(thing, type) and thing.__module__ == "__main__"
-    ]
-    _send_note(evidence, node_classes=sorted(thing.__name__ for thing in own), classes=classes, functions=functions)
+    nodes = sorted(thing.__name__ for thing in own)
+    _send_note(evidence, node_classes=nodes, classes=list(classes), functions=functions)
     return None
 
 
