@@ -14,7 +14,7 @@ from course_interfaces.srv import ConvertTemperature
 from course_kit import environment
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
-from course_kit.grading.checks.context import CheckContext
+from course_kit.grading.checks.context import CheckContext, SubmissionEndedError
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import GradedGoal
@@ -169,3 +169,12 @@ def test_two_clients_send_all_requests_that_are_made_together(
     GradedNode(context).call_together(SERVICE.name, [REQUEST] * 20, at_a_time=10)
     assert len(lanes) == 10
     assert len({id(client) for client in lanes}) == 2
+
+
+def test_a_program_that_ends_while_it_is_watched_is_explained_by_its_end(
+    context: CheckContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert not hangs.is_computing(context)
+    monkeypatch.setattr(context.program, "is_alive", lambda: False)
+    with pytest.raises(SubmissionEndedError):
+        hangs.is_computing(context)
