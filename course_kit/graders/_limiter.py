@@ -186,7 +186,7 @@ def twist_of(fields: list[float]) -> Twist:
 
 
 class LimiterSteps(Model):
-    """A velocity limiter: its settings, and what a refused change would have made of them; and what is asked of it."""
+    """A velocity limiter: its settings, what was done to it, and what is asked of it."""
 
     def __init__(self, settings: LimiterSettings = DEFAULTS) -> None:
         self.settings = self.start = self.seen = settings

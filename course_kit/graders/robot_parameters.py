@@ -48,6 +48,7 @@ _WRONG = {
     "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),
     "robot_name": ("",),
 }
+_EACH = ({"max_velocity": 8.0}, {"wheel_diameter": 2.0}, {"robot_name": ""})
 _INVALID = tuple({name: value} for name, values in _WRONG.items() for value in values)
 _TOGETHER = (
     {"max_velocity": 2.5, "wheel_diameter": 2.0},
@@ -81,7 +82,7 @@ class Limiter(LimiterSteps):
             self.set_several(node, {**_LONG, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
             self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
-            self.refuse_both(node)
+            self.refuse_each(node)
             self.lines = node.inbox(STATUS).count
             self.accept(node, {"robot_name": "the name alone"}, "change_status")
             self.lines = node.inbox(STATUS).count
@@ -107,7 +108,7 @@ class Limiter(LimiterSteps):
     def switch_off(self, node: GradedNode) -> None:
         """Off acts, on a command to stand or to turn on the spot, too."""
         self.accept(node, {"enabled": False}, "change_enabled")
-        self.refuse_both(node)
+        self.refuse_each(node)
         for fields in ([0.5 * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0], [0.0] * 5 + [0.5], [0.0] * 6):
             self.drive(node, fields)
 
@@ -118,7 +119,7 @@ class Limiter(LimiterSteps):
             self.accept(node, {"enabled": False}, "change_enabled")
         self.set_numbers(node, velocity, diameter)
         self.accept(node, {"enabled": True}, "change_enabled")
-        self.refuse_both(node)
+        self.refuse_each(node)
         for share in _SHARES:
             self.drive(node, [share * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0])
 
@@ -149,9 +150,9 @@ class Limiter(LimiterSteps):
         """An invalid value."""
         self.refuse(node, values)
 
-    def refuse_both(self, node: GradedNode) -> None:
+    def refuse_each(self, node: GradedNode) -> None:
         """What is refused neither stops the robot nor lets it drive again, as is seen afterwards."""
-        for values in ({"max_velocity": 8.0}, {"robot_name": ""}) if not self.lost & {"refuses", "reason"} else ():
+        for values in _EACH if not self.lost & {"refuses", "reason"} else ():
             with charge_to("refuses"):
                 self.refuse(node, values)
 
