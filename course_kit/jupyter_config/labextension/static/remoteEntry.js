@@ -105,6 +105,7 @@
   const KEEP_MS = 500;
   const ANYWIDGET_MS = 2000;
   const PATIENCE_MS = 120_000;
+  const WAKE = 'Run this cell to bring it to life';
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
   // The cells that the kernel has run since it began.
@@ -278,9 +279,13 @@
         return bar;
       }
       const button = document.createElement('button');
-      button.textContent = 'Run this cell to bring it to life';
+      const show = (disabled, textContent) => Object.assign(button, { disabled, textContent });
+      show(false, WAKE);
       button.title = 'Runs first the cells above that this kernel has not run yet.';
-      button.addEventListener('click', () => void this.wake(cell));
+      button.addEventListener('click', () => {
+        show(true, 'Running the cells above, then this one ...');
+        void this.wake(cell).finally(() => show(false, WAKE));
+      });
       bar.append('This is the last picture of a panel: its kernel has ended.', button);
       return bar;
     }
