@@ -12,7 +12,6 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import anywidget
-import ipywidgets
 import numpy as np
 import traitlets
 
@@ -242,23 +241,20 @@ def _marks(low: float, high: float) -> list[float]:
     return [float(f"{number * step:.12g}") for number in range(first, last + 1)]
 
 
-class Comparison(Panel):
-    """Numbers side by side."""
+class Comparison:
+    """Numbers side by side: bars that do not move, so no widget, which would be dead on the next day."""
 
     def __init__(self, title: str, values: Mapping[str, float], unit: str) -> None:
         if not values or not all(math.isfinite(value) and value >= 0 for value in values.values()):
             raise ValueError(f"compare needs at least one number, finite and not below zero; got {dict(values)!r}.")
-        super().__init__(title)
         self._title = title
         self._order = sorted(values, key=lambda name: values[name])
         longest = max(values.values()) or 1.0
         self._drawn = draw("comparison.html", title=title, values=values, unit=unit, longest=longest)
-        self.widget = ipywidgets.HTML(str(self._drawn))
 
-    def still(self) -> str:
-        """The bars, which do not move anyway."""
-        return str(self._drawn)
+    def _repr_mimebundle_(self, **_options: object) -> dict[str, str]:
+        return {"text/plain": repr(self), "text/html": str(self._drawn)}
 
-    def describe(self) -> str:
+    def __repr__(self) -> str:
         """The order without the numbers, which no two runs share."""
         return f"{self._title}, smallest first: {', '.join(self._order)}."
