@@ -31,8 +31,8 @@ def describe(error: OSError, root: Path, kind: str) -> str:
         )
     if error.errno in _FORBIDDEN:
         return (
-            f"The folder {root} cannot be written to ({reason}), but the course is set up inside it. Copy the folder "
-            "to a place where you may write; or have its owner run 'COURSE_PYTHON=/usr/bin/python3 ./course lab' once, "
+            f"The course must be set up in {root}, but this folder is not writable ({reason}). Copy the folder to a "
+            "place where you may write. Or ask its owner to run 'COURSE_PYTHON=/usr/bin/python3 ./course lab' once, "
             "with a Python that you can run, too: then it works for you."
         )
     where = f": {error.filename}" if error.filename else ""

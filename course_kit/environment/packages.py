@@ -15,7 +15,7 @@ OLD_NAME = "lark-parser"
 
 def find_damaged_package() -> str:
     """The requirement of a package that has lost files, "lark==1.3.1"; empty where all are whole."""
-    with suppress(metadata.PackageNotFoundError, ImportError):  # a real ROS 2 brings its own
+    with suppress(metadata.PackageNotFoundError, ImportError):  # an installed ROS 2 brings its own
         wanted = metadata.version("lark")
         return "" if getattr(import_module("lark"), "__version__", "") == wanted else f"lark=={wanted}"
     return ""

@@ -125,9 +125,9 @@ def test_the_installer_gets_no_settings_for_other_installations(clone: Clone, tm
 def test_a_folder_that_cannot_be_written_is_refused_at_once(clone: Clone) -> None:
     with not_writable(clone.root):
         told = refusal(clone.course("lab", before=drop_privileges))
-    assert f"The folder {clone.root} cannot be written to (Permission denied)" in told
+    assert f"must be set up in {clone.root}, but this folder is not writable (Permission denied)" in told
     # A Python in the owner's home is the owner's alone.
-    assert "have its owner run 'COURSE_PYTHON=/usr/bin/python3 ./course lab' once" in told
+    assert "ask its owner to run 'COURSE_PYTHON=/usr/bin/python3 ./course lab' once" in told
     assert clone.calls() == []
 
 
@@ -139,7 +139,7 @@ def test_a_complete_course_works_in_a_folder_that_cannot_be_written(clone: Clone
         done = clone.course("doctor", before=drop_privileges, **sourced)
         assert (done.returncode, done.stderr) == (0, "")
         assert "/.venvs/jazzy-" in done.stdout
-        assert "cannot be written" in refusal(clone.course("test", before=drop_privileges))
+        assert "not writable" in refusal(clone.course("test", before=drop_privileges))
 
 
 def test_only_an_old_python_is_named_with_what_to_do(clone: Clone, bare: dict[str, str]) -> None:
@@ -172,7 +172,7 @@ def test_a_disk_that_takes_no_more_leaves_nothing_behind(clone: Clone) -> None:
     [
         (errno.ENOSPC, "The disk is full. The course needs about 500 MB in /a course."),
         (errno.EDQUOT, "The disk is full."),
-        (errno.EROFS, "cannot be written to (Read-only file system)"),
+        (errno.EROFS, "is not writable (Read-only file system)"),
         (errno.EIO, "The set-up failed (Input/output error: /a course/x)."),
     ],
 )
