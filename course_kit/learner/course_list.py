@@ -84,8 +84,7 @@ def format_list(found: list[Row]) -> str:
         lines += _lines(row, width)
     passed = sum(row.known.passed for row in found)
     lines += ["", f"{passed} of {len(found)} passed."]
-    following = next((row.exercise for row in found if not row.known.passed), None)
-    if following is not None:
+    if following := next((row.exercise for row in found if not row.known.passed), None):
         folder = workspace.exercise_folder(following)
         where = (
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
@@ -158,17 +157,19 @@ def _lines(row: Row, width: int) -> list[str]:
 
 
 def next_step(passed: str, root: Path | None = None) -> str:
-    """What to do after an exercise was passed: the next lesson and the next exercise; after a drill the next drill."""
+    """What to do after an exercise was passed: lessons and the next exercise; after a drill the next drill."""
     exercise, command = load_exercise(passed), environment.course_command()
     rows, _ = list_rows(practice=exercise.practice)
     if exercise.practice:
         left = next((row.exercise.id for row in rows if not row.known.passed and row.exercise.id != passed), None)
         way = f"Next: {command} drills {left}." if left else "That was the last drill."
     elif following := next((row.exercise for row in rows if row.exercise.order > exercise.order), None):
-        root, number = root or environment.course_files(), exercise.order + 1
-        lessons = sorted((root / "notebooks").glob(f"{number:02}_*.ipynb")) if root is not None else []
-        lesson = f"lesson {number}, notebooks/{lessons[0].name}; then " if lessons else ""
-        way = f"Next: {lesson}exercise {following.order}, {following.id}."
+        lessons, root = "", root or environment.course_files()
+        for path in sorted((root / "notebooks").glob("0*.ipynb"))[exercise.order + 1 :] if root is not None else []:
+            lessons += f"lesson {int(path.name[:2])}, notebooks/{path.name}; "
+            if f"/{following.notebook})" in path.read_text(encoding="utf-8"):  # its last lines lead to the exercise
+                break
+        way = f"Next: {lessons}{'then ' * bool(lessons)}exercise {following.order}, {following.id}."
     else:
         way = "That was the last exercise."
     if not exercise.solution.exists():  # a student edition has none
@@ -186,8 +187,7 @@ def describe_drills() -> tuple[str, list[str]]:
         lines.append(f"[{mark}] {row.exercise.order} {row.exercise.id}{done}")
         lines += wrap_text(row.exercise.symptom, _INDENT, _INDENT)
     lines += ["", f"{sum(row.known.passed for row in found)} of {len(found)} done."]
-    following = next((row.exercise.id for row in found if not row.known.passed), None)
-    if following is not None:
+    if following := next((row.exercise.id for row in found if not row.known.passed), None):
         lines.append(f"Next: {environment.course_command()} drills {following}")
     return "\n".join(lines), problems
 

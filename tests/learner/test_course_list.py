@@ -16,6 +16,8 @@ from tests.course_copy import REPOSITORY
 if TYPE_CHECKING:
     from pathlib import Path
 
+SIX = "lesson 6, notebooks/06_best_practices.ipynb"
+
 
 @pytest.mark.parametrize(
     ("passed", "sentence"),
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
         ("temperature_service", "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot."),
         ("move_robot", "Next: lesson 3, notebooks/03_parameters.ipynb; then exercise 3, robot_parameters."),
         ("robot_parameters", "Next: lesson 4, notebooks/04_choosing_a_pattern.ipynb; then exercise 4, pattern_choice."),
-        ("pattern_choice", "Next: lesson 5, notebooks/05_command_line.ipynb; then exercise 5, delivery_robot."),
+        ("pattern_choice", f"Next: lesson 5, notebooks/05_command_line.ipynb; {SIX}; then exercise 5, delivery_robot."),
         ("delivery_robot", "That was the last exercise."),
     ],
 )
