@@ -125,7 +125,7 @@ def require_nothing_around(stage: Stage) -> None:
         f"{stage.address}/files/notebooks/demos/01_deadlock.ipynb?token={stage.token}"
     ).read()
     text = stage.page.locator("body").inner_text()
-    for remark in (*(source[:30] for source in spoken), "./course present", "Yours to write", "lab.stop()"):
+    for remark in (*(source[:30] for source in spoken), "./course present", "Your turn: edit", "lab.stop()"):
         assert remark not in text
         assert remark.encode() not in served_text
     expect(stage.page.locator(".jp-CodeCell .cm-content").first).to_have_css("font-size", "19.968px")
