@@ -56,8 +56,18 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     for name in wanted:
         node.parameters(name).expect_served()
     discovery.expect_endpoints(node.context, node.endpoints)
-    for name, values in wanted.items():
-        require_declared(node, values, name)
+    _, launched, given = node.context.memory["runs"]
+    try:
+        for name, values in wanted.items():
+            require_declared(node, values, name)
+    except Failed as failed:
+        if failed.diagnosis == "parameter.default" and launched:
+            where = "Your robot.yaml or your launch file has a different value, or the value does not reach the node."
+            failed.message, failed.diagnosis = f"{failed.message} {where}", None
+        elif failed.diagnosis == "parameter.default" and given:
+            why = f"{failed.message} The grader gave it the expected values at the start, with -p."
+            failed.message, failed.diagnosis = why, "parameter.override_ignored"
+        raise
 
 
 def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[Any]:

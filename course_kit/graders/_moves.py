@@ -34,7 +34,6 @@ _QUARTER = math.pi / 2.0
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
-_SLOWEST_S, _EXTRA_S = 3.0, 2.0  # seconds that a move may take for each metre, and in addition
 OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
 
@@ -106,8 +105,8 @@ def draw_way(*lengths: Any) -> Any:
 
 
 def allowed_s(length: float) -> float:
-    """How long a move may take."""
-    return _SLOWEST_S * length + _EXTRA_S
+    """How long a move may take: 3 s for each metre, and 2 s in addition."""
+    return 3.0 * length + 2.0
 
 
 def speed_of(context: CheckContext) -> Speed:
@@ -221,7 +220,7 @@ def require_arrival(move: Move) -> None:
         return
     expected = f"SUCCEEDED, final_position within {TOLERANCE} m of {move.target}"
     evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
-    if _is_blank(move.ended.result):
+    if move.ended.result == MoveRobot.Result():
         raise Failed(evidence, "The result still has its default values: your callback set none of its fields.")
     raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
 
@@ -372,7 +371,7 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
         return
     goal.require_status(ended, CANCELED, evidence, breaks)
     moved = seen is not None and math.dist(move.begin, seen) > BESIDE
-    if _is_blank(ended.result) and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be the truth
+    if ended.result == MoveRobot.Result() and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be so
         why = "The result still has its default values: your callback set none of its fields when it was cancelled."
         raise Failed(evidence, why, breaks=breaks)
     if not distance_beside(move.begin, target, stopped) <= BESIDE:
@@ -381,8 +380,3 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     if seen is not None and math.dist(move.begin, stopped) < math.dist(move.begin, seen) - BESIDE:
         why = f"The last feedback said {seen}, but the result says {stopped}: the robot cannot have driven back."
         raise Failed(evidence, why, breaks="progress")
-
-
-def _is_blank(result: Any) -> bool:
-    """Whether a result is as ROS 2 makes it: nobody has filled in anything."""
-    return bool(result == MoveRobot.Result())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-import math
+from math import inf, nan
 from typing import Any
 
 from course_interfaces.action import Deliver
@@ -26,17 +26,15 @@ from course_kit.grading.checks.vocabulary import (
 )
 
 INTERFACES = (BatteryState, Bool, Float64, SetBool, Deliver, *PARAMETER_SERVICES)
-LAUNCH_FILE = "delivery.launch.py"
 SPEED = 4.5  # m/s, by the launch argument
-LAUNCH = (LAUNCH_FILE, f"speed:={SPEED}")
+LAUNCH = ("delivery.launch.py", f"speed:={SPEED}")
 LAUNCHED: dict[str, dict[str, Any]] = {  # as the text wants it in robot.yaml
     "/battery": {"capacity_m": 20.0, "publish_hz": 10.0, "low_fraction": 0.2},
     "/door": {"locked": False, "opening_s": 0.3},
     "/carrier": {"room_names": ["kitchen", "office", "lab"], "room_distances_m": [0.4, 0.8, 1.0],
                  "door_timeout_s": 2.0, "speed_mps": SPEED},
 }  # fmt: skip
-NAN, INF = math.nan, math.inf
-INVALID = {"capacity_m": (0.0, -1.0, NAN, INF), "publish_hz": (0.9995, 50.01, NAN), "low_fraction": (-0.001, 1.0005)}
+INVALID = {"capacity_m": (0.0, -1.0, nan, inf), "publish_hz": (0.9995, 50.01, nan), "low_fraction": (-0.001, 1.0005)}
 VALID = (("low_fraction", 0.0), ("low_fraction", 1.0), ("publish_hz", 1.0), ("publish_hz", 50.0))
 robot_check = functools.partial(check, deadline_s=25.0, afresh=True)
 
@@ -357,7 +355,7 @@ def delivery_graph(node: GradedNode) -> Evidence:
     """delivery.launch.py: three nodes, all connections, the values of robot.yaml, and the speed."""
     robot.have_running(node, *LAUNCH)
     robot.require_graph(node, LAUNCHED)
-    return Evidence(LAUNCH_FILE, "three nodes, connected", "three nodes, connected", node.context.see_graph())
+    return Evidence(LAUNCH[0], "three nodes, connected", "three nodes, connected", node.context.see_graph())
 
 
 @robot_check(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])

@@ -64,8 +64,7 @@ class _Sheet:
             raise GradingError(_not_here(self._result))
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 
-    def known_ids(self, context: CheckContext) -> Evidence:
-        del context
+    def known_ids(self, _: CheckContext) -> Evidence:
         strangers = self._result.strangers
         expected = "ids of scenarios only"
         if not strangers:
@@ -121,9 +120,8 @@ def _read(context: CheckContext) -> dict[object, object]:
         return read_entries(told)
     others = [name for name in told.get("set_names", ()) if name != variable]
     names, meant = ", ".join(others) or "nothing", quiz.nearest(variable, others)
-    message = f"Your program does not set a variable called {variable}; it sets {names}."
-    if meant:
-        message += f" Did you mean {meant}?"
+    near = f" Did you mean {meant}?" if meant else ""
+    message = f"Your program does not set a variable called {variable}; it sets {names}.{near}"
     raise Failed(Evidence("", _SHAPE, f"the names {names}"), message, "quiz.missing")
 
 

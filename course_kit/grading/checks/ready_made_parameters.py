@@ -78,7 +78,8 @@ def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Ev
     found = remote.values(defaults)
     evidence = Evidence(f"get_parameters of {remote.node}", describe_values(defaults), describe_values(found))
     if others := {name: value for name, value in found.items() if value != defaults[name]}:
-        why = f"As it was started, {remote.node} has {describe_values(others)}."
+        wanted = describe_values({name: defaults[name] for name in others})
+        why = f"After its start, {remote.node} has {describe_values(others)}, expected {wanted}."
         raise Failed(evidence, why, "parameter.default")
     return evidence
 
