@@ -138,7 +138,7 @@ def _require_free(target: Path) -> None:
         if target.exists():
             raise GradingError(f"{target} exists already. Remove it, or choose another name.")
     elif target.suffix.lower() in _OTHER_ARCHIVES:
-        raise GradingError(f"The edition is a folder or a .zip file. Let {target.name} end in .zip, or name a folder.")
+        raise GradingError("`release` writes a folder or a .zip file. Name a folder, or a file that ends in .zip.")
     elif target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise GradingError(f"{target} exists and is not an empty folder. Remove it, or choose another name.")
 

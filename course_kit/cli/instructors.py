@@ -128,7 +128,7 @@ def _add_new(verbs: Verbs) -> None:
 def _require_word(word: str) -> str:
     if word != "exercise":
         command = environment.course_command()
-        raise argparse.ArgumentTypeError(f"after `new` comes the word exercise: {command} new exercise NAME --service")
+        raise argparse.ArgumentTypeError(f"write `exercise` after `new`: {command} new exercise NAME --service")
     return word
 
 

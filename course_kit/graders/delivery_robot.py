@@ -260,7 +260,7 @@ def carrier_feedback(node: GradedNode) -> None:
 
 @robot_check(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
 def carrier_rejects(node: GradedNode) -> None:
-    """carrier.py alone: unknown rooms are rejected, and while the battery is low, every room but the dock."""
+    """carrier.py alone: it rejects unknown rooms and, while the battery is low, every room except the dock."""
     robot.enter(node)
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
@@ -273,7 +273,7 @@ def carrier_rejects(node: GradedNode) -> None:
 
 @robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
 def carrier_one_goal(node: GradedNode) -> None:
-    """carrier.py alone: one goal at a time, and of two at the same instant only one is accepted."""
+    """carrier.py alone: one goal at a time; if two goals come at the same instant, only one is accepted."""
     door = robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic", door)
     node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing

@@ -429,7 +429,7 @@ CHECKS = [
                   points=1.5, after=["feedback"],
                   proves=["straight", "position", "progress_limits", "monotonic", "distance_remaining"]),
         after_arrival("second_goal",
-                      "While a goal runs, others are rejected, and of two at the same instant only one is accepted",
+                      "While a goal runs, others are rejected; if two come at the same instant, only one is accepted",
                       points=1.5, proves=["second_goal", "same_instant"]),
         after_arrival("cancel", "A goal can be cancelled at any moment: it ends CANCELED within 1 s, before the target",
                       points=2.0, proves=["cancel_accepted", "cancelled", "one_thread", "position"]),

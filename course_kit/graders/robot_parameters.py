@@ -231,7 +231,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         failed.evidence, process = replace(failed.evidence, sent=sent), context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
         if failed.diagnosis in _ENDED and any(name in text for name in TYPES for text in last):
-            why = f"Your program ended when it was started with valid values. {failed.message}"
+            why = f"The grader started your program with valid values. {failed.message}"
             failed.message, failed.diagnosis = why, "validation.overzealous"
         raise
     started = node.get(*TYPES, of=NODE)

@@ -15,8 +15,8 @@ The names and types are right already; keep them. The rest is yours.
   the last message. `battery` is the last `percentage` on `/battery`.
 - When a goal has ended, `/odometry_distance` and `/docked` are right within 0.5 s.
 - No. A room that is not in `room_names` is rejected. While `/battery` says DEAD every goal but `dock` is rejected;
-  this holds from 0.5 s after the message. While a goal runs, others are rejected; of two that come at the same
-  instant only one is accepted. The one that runs is not disturbed.
+  this holds from 0.5 s after the message. While a goal runs, others are rejected; if two come at the same instant,
+  only one is accepted. The one that runs is not disturbed.
 - The door says no: the goal ends ABORTED within 1 s, with `delivered` false, and the robot has not moved. The
   `message` contains the door's.
 - The door says nothing: without an answer for `door_timeout_s` the goal ends ABORTED, not before and at most 2 s

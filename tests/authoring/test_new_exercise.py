@@ -97,7 +97,7 @@ def test_nothing_that_is_there_is_written_over(tmp_path: Path, capsys: pytest.Ca
 def test_the_word_exercise_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["new", "dead_band", "--service"])
-    assert "after `new` comes the word exercise: ./course new exercise NAME" in capsys.readouterr().err
+    assert "write `exercise` after `new`: ./course new exercise NAME" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

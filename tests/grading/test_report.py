@@ -40,7 +40,7 @@ FAILED = CheckReport(
 )
 PASSED = CheckReport("offered", "The service is there", "passed", 1.5, "", "e", "e", points=1.5)
 FREE = CheckReport("known_ids", "Every entry belongs", "passed", 0.0)
-SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.5, message='Not run until "It adds" passes.')
+SKIPPED = CheckReport("precision", "Every digit", "skipped", 0.5, message='Not run, because "It adds" did not pass.')
 ALSO_SKIPPED = replace(SKIPPED, id="edges", title="Each edge", max_points=1.5)
 REPORT = Report(
     "temperature_service",
@@ -135,8 +135,9 @@ def test_printed_lines_are_cut_at_spaces() -> None:
 def test_what_failed_comes_first_and_what_waits_for_one_check_is_one_line() -> None:
     report = replace(REPORT, checks=(PASSED, SKIPPED, FAILED, ALSO_SKIPPED))
     text, html = render_text(report, 200), render_html(report).rpartition("</style>")[2]
-    assert 'skip      0/2  Not run until "It adds" passes: Every digit; Each edge.' in text
-    assert "Not run until &#34;It adds&#34; passes (2)" in html
+    waiting = ['skip      0/2  Not run, because "It adds" did not pass:', "- Every digit", "- Each edge"]
+    assert f"\n{' ' * 15}".join(waiting) in text
+    assert "Not run, because &#34;It adds&#34; did not pass (2)" in html
     ends = ("1.5 of 4 points", "Isolation of")
     order = ("FAIL", "upside down", "value=100.0", "Think.", "math.formula", "PASS", "skip", *ends)
     assert [text.index(one) for one in order] == sorted(text.index(one) for one in order)

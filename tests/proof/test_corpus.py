@@ -29,7 +29,7 @@ OF_PATTERNS = ("start.syntax", "start.import", "start.crash", "start.exit", "lim
 FACTS = [
     ("temperature_service", "start.syntax", "the line reads `def main()`"),
     ("temperature_service", "start.import", "The nearest name is course_interfaces"),
-    ("temperature_service", "start.crash", "KeyError: 'kelvin' in line 13"),
+    ("temperature_service", "start.crash", "The error: KeyError: 'kelvin'"),
     ("temperature_service", "start.nothing", "the class TemperatureService, which is not an rclpy Node"),
     ("temperature_service", "start.exit", "exit code 0"),
     ("temperature_service", "name.service", "The closest is /convert_temperatur"),

@@ -72,9 +72,8 @@ def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckRes
         missing = list(dict.fromkeys(title for name in check.depends_on for title in lost.get(name, ())))
         if broken or missing:  # where the grader has failed there is no grade
             lost[check.id] = missing
-            passes = f"until {' and '.join(missing)} pass{'es' * (len(missing) == 1)}."
-            why = f'because the grader failed in "{broken}".' if broken else passes
-            yield CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run {why}")
+            why = f'the grader failed in "{broken}"' if broken else f"{' and '.join(missing)} did not pass"
+            yield CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run, because {why}.")
             continue
         result = replace(_run(check, context), proves=check.proves)
         if result.status != "passed":
@@ -95,7 +94,7 @@ def _run(check: Check, context: CheckContext) -> CheckResult:
     except GradingError:
         raise
     except NotRun as reason:
-        return CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run {reason}")
+        return CheckResult(check.id, check.title, "skipped", check.points, message=f"Not run, {reason}")
     except Exception as problem:  # noqa: BLE001 - whatever it is, it is our fault and must not cost any points
         text = f"The grader itself failed here ({type(problem).__name__}: {problem}). This is not your fault."
         return CheckResult(check.id, check.title, "error", check.points, message=text)

@@ -200,7 +200,7 @@ class Conversation:
             raise GradingError(f'the machine is too busy to judge "{part.title}": grade it again later.')
         if not done and any(rule.check in (part.id, "") for rule in rules_of(self.model)):
             hindered_by = self._hindered.get(part.id)
-            raise NotRun(f'until "{hindered_by}" passes.' if hindered_by else "because no time was left.")
+            raise NotRun(f'because "{hindered_by}" did not pass.' if hindered_by else "because no time was left.")
         return Evidence("a conversation drawn by the seed", part.title, f"{done} drawn steps, each as it should be")
 
     def _begin(self) -> tuple[GradedNode, Model, list[Step]]:

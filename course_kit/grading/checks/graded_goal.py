@@ -326,8 +326,11 @@ class GradedGoal:
         left = part_left or (lambda _: 0.5)  # whoever does not tell may be at the middle
         parts = [(message.came_s, left(message.feedback)) for message in heard if message.came_s <= over]
         if at_least > 1 and not is_spread(parts, began, over):
-            got = f"{len(times)} messages, {times[0] - began:.2f} s to {times[-1] - began:.2f} s after the start"
-            evidence = Evidence(self.shown, expected, f"{got}; the goal ended after {over - began:.2f} s")
+            sent_at = self._turn.steps[0][0]  # as the steps that are shown have it
+            first, last = (f"{came_s - sent_at:.2f} s" for came_s in (times[0], times[-1]))
+            came = f"all of them {first}" if first == last else f"{first} to {last}"
+            got = f"{len(times)} messages, {came} after the goal was sent; it ended after {over - sent_at:.2f} s"
+            evidence = Evidence(self.shown, expected, got)
             why = "The messages came in one burst, not spread over the goal's time."
             raise Failed(evidence, why, "action.late_feedback")
         return heard

@@ -112,7 +112,8 @@ def explain_start(process: ProcessStatus, job: Job) -> Cause:
         return "start.import", f"{raised.describe()}{where}. {_suggest_module(raised)}".strip()
     if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own):
         return "ros.newer", f"Your program uses `with` for rclpy.init(){where}."
-    return "start.crash", f"Your program ended with {raised.describe()}{where}, before it could be asked anything."
+    error = raised.describe().rstrip(".")
+    return "start.crash", f"Before it could answer anything, your program ended{where}. The error: {error}."
 
 
 def explain_exit(process: ProcessStatus) -> Cause:
@@ -227,6 +228,9 @@ def explain_goal_exception(process: ProcessStatus, job: Job) -> Cause | None:
     if cause := explain_limit(process, job) or _explain_anywhere(raised, job):
         return cause
     where = name_line(job, raised.own)
+    if raised.type == "TypeError" and raised.frames[-1].function == "publish_feedback":
+        text = f"Your execute callback gave publish_feedback() something other than the action's Feedback{where}."
+        return None, f"{text} rclpy then ends the goal with an empty result."
     if match := _TRANSITION.search(raised.text):
         verb = f"{_VERBS.get(match['event'], match['event'])}{where}"
         text = f"Your execute callback called {verb}, when the goal was already {match['state']}. rclpy refused that."

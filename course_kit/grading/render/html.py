@@ -45,8 +45,9 @@ class ProgramLine:
 
 def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
     """The program's lines, up to `MOST_LINES`; those that a failed check names are marked with its title."""
+    said = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
     named: dict[str, list[str]] = {}
-    for title, text in _failures(report):
+    for title, text in [*said, (report.title, report.problem)]:
         for place in dict.fromkeys(_PLACE.findall(text)):
             named.setdefault(place, []).append(title)
     found = []
@@ -55,12 +56,6 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
             place = f"{name}, {file.describe_line(number)}" if name else file.describe_line(number)
             found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
     return found[:MOST_LINES]
-
-
-def _failures(report: Report) -> list[tuple[str, str]]:
-    """What is said about failures, and by what."""
-    failures = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
-    return [*failures, (report.title, report.problem)] if report.problem else failures
 
 
 def get_ready() -> None:
@@ -124,12 +119,7 @@ def sequence_svg(steps: Sequence[Arrow]) -> str:
     """The diagram as an `svg` element, which templates take as it is; empty without steps."""
     ends = dict.fromkeys([GRADER, *(end for step in steps for end in (step.sender, step.receiver))])
     names = {end: end for end in (ends if len(ends) > 1 else (GRADER, NODE))}
-    return sequence.sequence_svg([(step, step.text) for step in steps], names, summary(steps, list(names)))
-
-
-def summary(steps: Sequence[Arrow], names: Sequence[str]) -> str:
-    """What the diagram shows, in one sentence."""
     count = sum(step.kind != "note" for step in steps)
     failed = " The last one failed." if any(step.kind == "failure" for step in steps) else ""
-    words = f"{count} step{'' if count == 1 else 's'}"
-    return f"Sequence diagram of {words} between the {' and '.join(names)}.{failed} The list below says the same."
+    shown = f"Sequence diagram of {count} step{'' if count == 1 else 's'} between the {' and '.join(names)}.{failed}"
+    return sequence.sequence_svg([(step, step.text) for step in steps], names, f"{shown} The list below says the same.")

@@ -28,7 +28,9 @@ def render_text(report: Report, width: int = 80) -> str:
         lines += check_lines(check, width, practice=report.practice)
     for why, checks in report.not_run.items():
         begin = _beginning("skipped", 0.0, sum(check.max_points for check in checks), practice=report.practice)
-        lines += _wrap(f"{begin}{why}: {'; '.join(one.title for one in checks)}.", width, hanging=len(begin))
+        lines += _wrap(f"{begin}{why}:", width, hanging=len(begin))
+        for check in checks:
+            lines += _wrap(f"- {check.title}", width, indent=len(begin), hanging=2)
     if report.problem:
         lines += _wrap(report.problem, width)
     if any(check.status != "passed" for check in report.checks):
@@ -44,8 +46,7 @@ def _verdict(report: Report) -> str:
         return "Not graded: the submission could not be read."
     if report.status == "error":
         return "Not graded, and that is not your fault. Grade again; if it happens again, please report it."
-    verdict = report.verdict[:1].upper() + report.verdict[1:]
-    return f"{verdict}. ({report.duration_s:.1f} s)"
+    return f"{report.verdict[:1].upper()}{report.verdict[1:]}. ({report.duration_s:.1f} s)"
 
 
 def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> list[str]:
@@ -87,7 +88,7 @@ def _last_output(name: str, text: str, width: int) -> list[str]:
     tail = text.rstrip("\n").split("\n")[-_TAIL_LINES:]
     return [
         "",
-        f"The end of your program's {name}, also from checks that passed:",
+        f"The last lines that your program printed ({name}), also in checks that passed:",
         *(line for part in tail for line in wrap_text(part, "  | ", "  | ", width=width) or ["  |"]),
     ]
 

@@ -63,7 +63,7 @@ def test_failure_skips_what_depends_on_it_and_nothing_else() -> None:
     checks = make("a", outcome=failed), make("b", "a"), make("c", "b"), make("d")
     assert run(*checks) == {"a": "failed", "b": "skipped", "c": "skipped", "d": "passed"}
     of_c = next(one for one in run_all(checks, FakeBench()) if one.id == "c")  # type: ignore[arg-type]
-    assert of_c.message == 'Not run until "A" passes.'  # what failed, not what was not run either
+    assert of_c.message == 'Not run, because "A" did not pass.'  # what failed, not what was not run either
 
 
 def test_an_exchange_that_cannot_be_told_leaves_the_verdict_as_it_is() -> None:
