@@ -166,7 +166,7 @@ def why_empty(context: CheckContext, wanted: str) -> causes.Cause:
     if context.job.mode == "attach":
         return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
     doing = hangs.current_activity(context)
-    where = f" It stays in {causes.source_line(context.job, doing.own)}." if doing.own else ""
+    where = f" Your program stays in {causes.source_line(context.job, doing.own)}." if doing.own else ""
     if context.has_computed_enough():
         computed = f"Your program has computed for {context.job.start_cpu_s:g} s"
         return "limit.time", f"{computed} and no node has appeared.{where}"

@@ -138,7 +138,7 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
         return (None if busy else causes.explain_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:
-        where = f" It stays in {causes.source_line(job, seen.own)}." if seen.own else ""
+        where = f" Your program stays in {causes.source_line(job, seen.own)}." if seen.own else ""
         return "start.nothing", f"Your node is on the graph, but nothing spins it, so no callback ever runs.{where}"
     return None, "Your server is running but did not answer."
 

@@ -94,7 +94,7 @@ def test_a_program_that_computes_without_a_node_is_given_up_by_what_it_has_compu
     folder = strict_exercises(start_s=50.0, start_cpu_s=1.0)
     report = grade_source("count = 0\nwhile True:\n    count += 1\n", exercises=folder)
     assert first_diagnosis(report) == "limit.time"
-    assert re.search(r"has computed for 1 s and .* It stays in line [23]", report.checks[0].message)
+    assert re.search(r"has computed for 1 s and .* Your program stays in line [23]", report.checks[0].message)
 
 
 def test_a_start_that_computes_within_the_limit(grade_source: Grade, strict_exercises: Strict, solution: str) -> None:
