@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 RIGHT = (REPOSITORY / "solutions/pattern_choice/pattern_choice.py").read_text()
 EXERCISE = "pattern_choice"
 GRADER = "course_kit/graders/pattern_choice.py"
-MARK = "    def pattern(self, place: int, context: CheckContext) -> Evidence:\n"
+MARK = "    def mark(self, place: int, half: str, context: CheckContext) -> Evidence:\n"
 pytestmark = [pytest.mark.answers, pytest.mark.timeout(240)]
 
 
@@ -47,7 +47,8 @@ def break_grader(course: Course) -> None:
     path = course.root / GRADER
     text = path.read_text()
     assert MARK in text
-    fault = 'if place == 0:\n            raise Failed(Evidence("", "", ""), "A fault of the grader.", "quiz.malformed")'
+    fault = 'raise Failed(Evidence("", "", ""), "A fault of the grader.", "quiz.malformed")'
+    fault = f'if (place, half) == (0, "pattern"):\n            {fault}'
     path.write_text(text.replace(MARK, f"{MARK}        {fault}\n"))
 
 

@@ -56,7 +56,7 @@ def shown_by_stopped(kernel: Kernel, cell: str) -> str:
 
 def require_nodes(kernel: Kernel, listed: str) -> None:
     """These nodes are there; `ros2` hears of a node's end a moment after it, as the real one does."""
-    wait_until(lambda: kernel.run("%ros2 node list").stdout == listed)
+    wait_until(lambda: kernel.run("%ros2 node list").stdout == listed, lambda: kernel.run("%ros2 node list").stdout)
 
 
 @pytest.mark.parametrize("spin", [SPIN, SLEEPS])
@@ -177,7 +177,7 @@ print((await goal.result()).sequence)
 def test_a_line_of_a_newer_ros_is_called_so(fresh_kernel: Kernel) -> None:
     program = "import rclpy\nwith rclpy.init():\n    pass"
     said = "This line belongs to a newer ROS 2."
-    assert said in fresh_kernel.run(program).stderr
+    assert said in fresh_kernel.run(program).error
     assert fresh_kernel.run("from course_kit import lab\nlab.current().engine").ok
-    assert said in fresh_kernel.run(program).stderr
+    assert said in fresh_kernel.run(program).error
     assert said in fresh_kernel.run(f"%%ros_script newer\n{program}").stdout
