@@ -73,6 +73,8 @@ def test_it_does_so_before_the_lab_has_begun_and_by_run(fresh_kernel: Kernel) ->
     shown_by_stopped(fresh_kernel, "%run light.py")
     require_nodes(fresh_kernel, "")
     assert fresh_kernel.run(OTHER).ok
+    of_the_lab = "import rclpy\nprint(rclpy.get_global_executor().context is lab.nodes()[0].node.context)"
+    assert fresh_kernel.run(of_the_lab).stdout == "True\n"  # by that of the first program nothing would be run
     shown_by_stopped(fresh_kernel, "%run light.py")
     require_nodes(fresh_kernel, "/other\n")
 

@@ -142,7 +142,7 @@ def _guard_spinning(patches: Patches, lab: Engine) -> None:
             Executor.spin(executor)  # as below, also where it has another one, such as that of C++
         finally:
             executor.remove_node(node)  # as rclpy.spin() does, also where the node was there before
-            if not executor.get_nodes():
+            if executor.context.ok() and not executor.get_nodes():
                 executor.spin_once(timeout_sec=0)  # only here does the one of C++ let go of the node
 
     patches.set(rclpy, "spin", spin)
