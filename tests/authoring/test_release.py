@@ -197,7 +197,7 @@ def test_the_command_writes_a_zip_and_a_list_of_all_that_stayed_out(
 
 
 def test_an_archive_of_another_kind_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(GradingError, match=r"Let student\.tar end in \.zip"):
+    with pytest.raises(GradingError, match=r"Name a folder, or a file that ends in \.zip"):
         release.make_edition(tmp_path / "new" / "student.tar")
     assert not list(tmp_path.iterdir())
 
