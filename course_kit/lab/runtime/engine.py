@@ -81,7 +81,7 @@ class Engine:
         if self.found.has(compat.DEFAULT_CONTEXT):
             # Nodes that pass no context, and rclpy.ok(), use the default one.
             patches.set(rclpy.utilities, "g_default_context", self.executor_thread.context)
-            patches.set(rclpy, "__executor", None)  # one from before would spin nothing: its context is another one
+            patches.set(rclpy, "__executor", None)  # one from before has a context that may have ended
 
     def close(self) -> bool:
         """End everything; False if a callback could not be ended."""
