@@ -119,6 +119,7 @@ class _Attempt:
     number: int
     asked: Message
     goal: Goal | None = None
+    to_cancel: bool = False  # as soon as the goal is known: its feedback has come first
 
 
 class GoalFollower(Panel):
@@ -220,10 +221,16 @@ class GoalFollower(Panel):
         with self._lock:
             attempt.goal = goal
             self._follow(attempt)  # its feedback, or its end, may have come first
+        if attempt.to_cancel:
+            self._cancel()
 
     def _cancel(self) -> None:
-        followed = self._followed
-        if followed is None or followed.goal is None or not self._standing.is_running:
+        with self._lock:
+            followed = self._followed
+            if followed is None or not self._standing.is_running:
+                return
+            followed.to_cancel = followed.goal is None
+        if followed.goal is None:
             return
         try:
             accepted = followed.goal.cancel_blocking(timeout=_ANSWER)

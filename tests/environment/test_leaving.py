@@ -37,9 +37,7 @@ class Text(ctypes.Structure):  # std::string
     _fields_ = (("data", ctypes.c_char_p), ("size", ctypes.c_size_t), ("rest", ctypes.c_char * 16))
 
 
-class NodeInfo(
-    ctypes.Structure
-):  # rmw_dds_common::msg::NodeEntitiesInfo: its two names, then no readers and no writers
+class NodeInfo(ctypes.Structure):  # rmw_dds_common::msg::NodeEntitiesInfo: two names, no readers, no writers
     _fields_ = (("namespace", Text), ("name", Text), ("entities", ctypes.c_void_p * 6))
 
 
@@ -52,7 +50,6 @@ class Leaver(ctypes.Structure):
 
 
 def test_a_late_message_brings_no_node_back(own_lab: Lab) -> None:
-    """Ctrl-C left a node on the graph for ever, about once in forty times on a busy machine."""
     names = own_lab.engine.node.get_node_names
     helper = ctypes.CDLL(str(LIBRARY))
     leavers = (Leaver * 256).in_dll(helper, "leavers")
@@ -63,9 +60,8 @@ def test_a_late_message_brings_no_node_back(own_lab: Lab) -> None:
     last = next(leavers[index] for index in range(256) if bytes(leavers[index]) != bytes(known[index]))
 
     node = NodeInfo(Text(b"/", 1), Text(b"late", 4))
-    begin = ctypes.addressof(node)
-    end = begin + ctypes.sizeof(node)
-    message = ParticipantInfo(last.gid, (begin, end, end))
+    end = ctypes.addressof(node) + ctypes.sizeof(node)
+    message = ParticipantInfo(last.gid, (ctypes.addressof(node), end, end))
     update = helper[
         "_ZN14rmw_dds_common10GraphCache27update_participant_entitiesERKNS_3msg24ParticipantEntitiesInfo_ISaIvEEE"
     ]

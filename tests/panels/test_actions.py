@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -140,11 +141,16 @@ def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
 
 
 @pytest.mark.usefixtures("gate")
-def test_a_panel_cancels() -> None:
+@pytest.mark.parametrize("is_late", [False, True])
+def test_a_panel_cancels_also_when_feedback_comes_first(is_late: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    known, send = threading.Event(), lab.send_goal_blocking
+    if is_late:
+        monkeypatch.setattr(lab, "send_goal_blocking", lambda *goal, **how: (send(*goal, **how), known.wait(60))[0])
     panel = panels.action_panel("/gate", Fibonacci)
     page_says(panel, do="send", values={"order": "9"})
     wait_until(lambda: view(panel)["running"], lambda: view(panel))
-    page_says(panel, do="cancel")
+    panel.cancel().join()
+    known.set()
     wait_until(lambda: view(panel)["status"] == "The goal was cancelled (CANCELED).", lambda: view(panel))
     assert view(panel)["tone"] == "stopped"
 
