@@ -44,7 +44,7 @@ def _make_settings() -> None:
 
 
 def _repair_leaving() -> None:
-    """Have the wheels' middleware find `leaving.c` first; an installed ROS 2 has no such fault."""
+    """Have the wheels' middleware find `leaving.c` first; an installed ROS 2 stays as it is."""
     helper = os.path.join(os.path.dirname(__file__), "interfaces", "native", "_helper.so")  # noqa: PTH118, PTH120
     if os.path.exists(os.path.join(sys.prefix, "lib", _MIDDLEWARE)):  # noqa: PTH110, PTH118 - without pathlib
         try:
