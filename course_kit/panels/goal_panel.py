@@ -194,7 +194,7 @@ class GoalFollower(Panel):
             self._take_wish(wish)
 
     def _leave(self) -> None:
-        """Stop following; cancel a goal that still runs, as nobody could do so later."""
+        """Stop following; cancel a goal that still runs, as nobody could do so later, or `_send` when it is known."""
         with self._lock:
             self._ended = True
             followed, running = self._followed, self._standing.is_running
@@ -221,7 +221,7 @@ class GoalFollower(Panel):
         with self._lock:
             attempt.goal = goal
             self._follow(attempt)  # its feedback, or its end, may have come first
-        if attempt.to_cancel:
+        if attempt.to_cancel or self._ended:
             self._cancel()
 
     def _cancel(self) -> None:

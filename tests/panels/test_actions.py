@@ -30,6 +30,15 @@ def gate(own_lab: Lab) -> Gate:
     return lab.start(Gate)
 
 
+@pytest.fixture(params=[False, True], ids=["known at once", "feedback comes first"])
+def known(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """Before this is set, a panel hears of its goal only by feedback."""
+    event, send = threading.Event(), lab.send_goal_blocking
+    if request.param:
+        monkeypatch.setattr(lab, "send_goal_blocking", lambda *goal, **how: (send(*goal, **how), event.wait(60))[0])
+    return event
+
+
 class Seen(GoalFollower):
     """A panel without a page."""
 
@@ -55,27 +64,6 @@ class Seen(GoalFollower):
     def until(self, **wanted: Any) -> GoalState:
         wait_until(lambda: all(getattr(self.last, name) == value for name, value in wanted.items()), lambda: self.last)
         return self.last
-
-
-def test_a_goal_is_followed_from_its_sending_to_its_result(gate: Gate) -> None:
-    seen = Seen()
-    gate.open.set()
-    seen.send(4)
-    ended = seen.until(status="SUCCEEDED")
-    assert list(ended.result.sequence) == [0, 1, 1, 2, 3]
-    assert ended.count == 3
-    assert ended.progress == (1.0, "done")
-    wait_until(lambda: seen.all[-1].status == "SUCCEEDED")
-
-
-def test_a_goal_is_cancelled(gate: Gate) -> None:
-    seen = Seen()
-    seen.send(9)
-    seen.until(status="EXECUTING", count=1)
-    assert seen.last.progress == (pytest.approx(2 / 9), "term 2 of 9")
-    seen.cancel().join()
-    assert list(seen.until(status="CANCELED").result.sequence) == [0, 1, 1]
-    assert not gate.open.is_set()
 
 
 def test_a_server_that_does_not_agree_to_cancel_is_quoted(gate: Gate) -> None:
@@ -106,12 +94,14 @@ def test_a_server_that_goes_away_ends_its_goal(gate: Gate) -> None:
     assert seen.last.tone == "bad"
 
 
-def test_an_end_cancels_what_still_runs_and_tells_no_more(gate: Gate) -> None:
+def test_an_end_cancels_what_still_runs_and_tells_no_more(gate: Gate, known: threading.Event) -> None:
     seen = Seen()
-    seen.send(9)
+    sent = seen.send_goal(Fibonacci.Goal(order=9))
     seen.until(count=1)
     seen.close()
     told = len(seen.all)
+    known.set()
+    sent.join()
     assert gate.free.acquire(timeout=10)  # its execute callback has ended
     assert len(seen.all) == told
 
@@ -136,23 +126,21 @@ def test_a_panel_shows_a_goal_from_form_to_result(gate: Gate) -> None:
     assert shown["rows"] == [["Feedback 1", "sequence=[0, 1, 1]"]]
     gate.open.set()
     wait_until(lambda: view(panel)["tone"] == "good", lambda: view(panel))
-    assert view(panel)["status"] == "The goal has succeeded (SUCCEEDED)."
-    assert view(panel)["rows"][-1] == ["Result", "sequence=[0, 1, 1, 2, 3]"]
+    shown = view(panel)
+    assert (shown["status"], shown["share"], shown["progress"]) == ("The goal has succeeded (SUCCEEDED).", 1.0, "done")
+    assert [name for name, _ in shown["rows"]] == ["Feedback 3", "Result"]
+    assert {value for _, value in shown["rows"]} == {"sequence=[0, 1, 1, 2, 3]"}
 
 
 @pytest.mark.usefixtures("gate")
-@pytest.mark.parametrize("is_late", [False, True])
-def test_a_panel_cancels_also_when_feedback_comes_first(is_late: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    known, send = threading.Event(), lab.send_goal_blocking
-    if is_late:
-        monkeypatch.setattr(lab, "send_goal_blocking", lambda *goal, **how: (send(*goal, **how), known.wait(60))[0])
+def test_a_panel_cancels_also_when_feedback_comes_first(known: threading.Event) -> None:
     panel = panels.action_panel("/gate", Fibonacci)
     page_says(panel, do="send", values={"order": "9"})
     wait_until(lambda: view(panel)["running"], lambda: view(panel))
     panel.cancel().join()
     known.set()
     wait_until(lambda: view(panel)["status"] == "The goal was cancelled (CANCELED).", lambda: view(panel))
-    assert view(panel)["tone"] == "stopped"
+    assert (view(panel)["tone"], view(panel)["rows"][-1]) == ("stopped", ["Result", "sequence=[0, 1, 1]"])
 
 
 @pytest.mark.usefixtures("gate")
