@@ -42,10 +42,12 @@ def type_and_send(form: ServiceForm, **values: object) -> dict[str, Any]:
     return dict(form.widget.outcome)
 
 
-def test_it_calls_the_service_and_shows_the_response() -> None:
+@pytest.mark.parametrize(("a", "b"), [(20, 22), (2**62, 1)], ids=["", "beyond what JavaScript can count"])
+def test_it_shows_the_response_and_what_the_callback_prints(a: int, b: int, capsys: pytest.CaptureFixture[str]) -> None:
     lab.start(Adder)
-    shown = type_and_send(panels.service_form("/add_two_ints", AddTwoInts), a="20", b="22")
-    assert (shown["state"], shown["rows"]) == ("answered", [["sum", "42"]])
+    shown = type_and_send(panels.service_form("/add_two_ints", AddTwoInts), a=str(a), b=str(b))
+    assert (shown["state"], shown["rows"], shown["printed"]) == ("answered", [["sum", str(a + b)]], "added")
+    assert capsys.readouterr().out == ""
 
 
 def test_it_shows_the_comments_of_the_type_and_so_does_its_picture() -> None:
@@ -63,18 +65,6 @@ def test_it_shows_the_comments_of_the_type_and_so_does_its_picture() -> None:
     assert type_and_send(form)["comments"] == {"done": "open now"}
 
 
-def test_what_the_callback_prints_is_shown_in_the_form(capsys: pytest.CaptureFixture[str]) -> None:
-    lab.start(Adder)
-    assert type_and_send(panels.service_form("/add_two_ints", AddTwoInts))["printed"] == "added"
-    assert capsys.readouterr().out == ""
-
-
-def test_numbers_beyond_what_javascript_can_count_arrive_whole() -> None:
-    lab.start(Adder)
-    shown = type_and_send(panels.service_form("/add_two_ints", AddTwoInts), a=str(2**62), b="1")
-    assert shown["rows"] == [["sum", str(2**62 + 1)]]
-
-
 def test_a_field_error_names_the_field_and_sends_nothing() -> None:
     lab.start(Adder)
     form = panels.service_form("/add_two_ints", AddTwoInts)
@@ -86,20 +76,18 @@ def test_a_field_error_names_the_field_and_sends_nothing() -> None:
     assert form.widget.values["b"] == "1.5"  # to be repaired, not typed again
 
 
-def test_a_callback_that_fails_is_told_in_words() -> None:
+@pytest.mark.parametrize(
+    ("service", "words"),
+    [
+        ("/divide", ("adder sent no response", "ZeroDivisionError")),
+        ("/add_two_integers", ("No node serves /add_two_integers", "/add_two_ints")),
+    ],
+)
+def test_why_no_answer_came_is_said_in_words(service: str, words: tuple[str, ...]) -> None:
     lab.start(Adder)
-    shown = type_and_send(panels.service_form("/divide", AddTwoInts), a="1", b="0")
+    shown = type_and_send(panels.service_form(service, AddTwoInts), a="1", b="0")
     assert shown["state"] == "failed"
-    assert "adder sent no response" in shown["text"]
-    assert "ZeroDivisionError" in shown["text"]
-
-
-def test_a_service_that_is_not_there_is_told_in_words() -> None:
-    lab.start(Adder)
-    shown = type_and_send(panels.service_form("/add_two_integers", AddTwoInts))
-    assert shown["state"] == "failed"
-    assert "No node serves /add_two_integers" in shown["text"]
-    assert "/add_two_ints" in shown["text"]
+    assert all(part in shown["text"] for part in words)
 
 
 def test_a_form_that_was_replaced_says_so_and_sends_nothing() -> None:
