@@ -222,7 +222,7 @@ class Temperatures(Model):
         if not response.success and not response.message.strip():  # no refusal: it has forgotten one line
             value = "The value is right" if has_right_formula(sample, response.value) else "The response has a value"
             why = f"{value}, but `success` is still False, as ROS 2 creates it. Set `response.success = True`."
-            if response.value == 0.0 and not response.message:
+            if response.value == 0.0 != right_value(sample) and not response.message:
                 why = UNFILLED
             answer.fail(why, expected=wanted, breaks="success")
         if not response.success:

@@ -133,6 +133,14 @@ def test_what_fails_at_absolute_zero_is_not_replaced_by_what_fails_after_it(monk
         model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))
 
 
+@pytest.mark.parametrize(("value", "says"), [(32.0, "Set `response.success"), (212.0, "set none of its fields")])
+def test_a_forgotten_success_is_named_also_where_the_right_value_is_zero(value: float, says: str) -> None:
+    answer = Answer("", "", response=SimpleNamespace(success=False, value=0.0, message=""))
+    node = SimpleNamespace(call=lambda *_, **__: answer)
+    with pytest.raises(Failed, match=says):
+        Temperatures().expect_conversion(node, Sample(value, FAHRENHEIT, CELSIUS))
+
+
 def test_where_the_last_digit_is_wrong_it_is_shown() -> None:
     value = 15977377.402510555
     sample, got = Sample(value, FAHRENHEIT, FAHRENHEIT), math.nextafter(value, 0.0)
