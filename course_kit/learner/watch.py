@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from course_kit.grading import CheckReport, Report
+    from course_kit.grading import Report
 
 _POLL_S = 0.2  # asked for its state: editors replace the file, and network folders send no news
 _GONE_POLLS = 10  # editors that write beside the file and rename need a moment; longer than this is worth a word
@@ -94,7 +94,9 @@ def verdict_card(report: Report, before: Report | None) -> str:
     for number, check in enumerate(failed):
         lines += wrap_text(f"FAIL  {check.title}", "  ", " " * 8)
         if number == 0:
-            lines += _describe_first_failure(check)
+            texts = (check.sent, check.expected, check.got, check.message, check.hint)
+            for name, text in zip(("sent", "expected", "got", "why", "hint"), texts, strict=True):
+                lines += wrap_text(f"{name:<9} {text}", " " * 8, " " * 18) if text else []
     if report.problem:
         lines += wrap_text(report.problem, "  ", "  ")
     skipped, passed = (sum(check.status == status for check in report.checks) for status in ("skipped", "passed"))
@@ -103,9 +105,3 @@ def verdict_card(report: Report, before: Report | None) -> str:
     if passed:
         lines.append(f"  PASS  {passed} of {len(report.checks)} checks")
     return "\n".join(lines)
-
-
-def _describe_first_failure(check: CheckReport) -> list[str]:
-    names = ("sent", "expected", "got", "why", "hint")
-    parts = zip(names, (check.sent, check.expected, check.got, check.message, check.hint), strict=True)
-    return [line for name, text in parts if text for line in wrap_text(f"{name:<9} {text}", " " * 8, " " * 18)]
