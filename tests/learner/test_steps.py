@@ -44,12 +44,12 @@ PERSON = ("9c831d96", "f5c2dbc9")
 FIBONACCI = ("6f51471a", "104af7ba", "85fb217a")
 OVEN = ("001c237f",)
 COUNT = ("f09c89cf",)
-REASON = 'reason="above 100.0 degrees the water boils"'
 SLIPS = {
     "drive": Slip('"x": 2.0', '"x": 0.5', "has to say x=2, y=1", ("robot",)),
     "bumper": Slip("< 0.5", "<= 0.5", "is True; it has to be False."),
     "clock": Slip("1.0", "0.1", "data is 0.1; it has to be 1.0."),
-    "clock, too slow": Slip("0.5", "2.0", "Your node published nothing on /ticks."),
+    "clock, too slow": Slip("0.5", "2.0", "Publish /ticks from a timer with a period of 0.5 s."),
+    "clock, much too slow": Slip("0.5", "20.0", "Your node published nothing on /ticks within 3 s."),
     "subtract": Slip("request.a - request.b", "request.b - request.a", "sum is -2; it has to be 2.", ("ca380b89",)),
     "subtract, by the other's name": Slip(
         '"subtractor"', '"minimal_service"', "No service /add_two_ints", ("ca380b89",)
@@ -65,6 +65,7 @@ SLIPS = {
     "radio": Slip("108.0", "180.0", "accepted", OVEN),
     "greeter": Slip('self.get_parameter("word").value', '"hello"', "has to say 'moin'", OVEN),
     "kettle": Slip("> 100.0", "> 1000.0", "accepted", ("ab90d110",)),
+    "kettle, by a range": Slip("20.0", "20.0, between(0.0, 100.0, '')", "the word boil", (*OVEN, "ab90d110")),
     "lamp": Slip("Luck runs out", "Cursed", "does not contain the word luck", (*OVEN, "ab90d110")),
     "odometer": Slip('"odometer", 10', '"odometre", 10', "No node publishes /odometer."),
     "unload": Slip("goal.publish_feedback(", "print(", "No feedback says how far it is."),

@@ -210,7 +210,7 @@ def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds
         context.spoil()
         return logged
     received = f"received a message on {sent} but " if sent else ""
-    return "topic.silent", f"Your node {received}published nothing on {missing}."
+    return "topic.silent", f"Your node {received}published nothing on {missing} within {seconds} s."
 
 
 def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
