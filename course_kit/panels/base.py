@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from ipywidgets import Widget
 
 
-def still(words: str, picture: str = "", *style_sheets: str | Path) -> str:
-    """The HTML of a still picture."""
+def still(words: str, picture: str = "", *style_sheets: str | Path, title: str = "") -> str:
+    """The HTML of a still picture; where there is no title, the first line of its words says what it is."""
     sheets = "\n".join((_HERE / name).read_text(encoding="utf-8") for name in ("still.css", *style_sheets))
-    return str(render_template(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, lines=words.splitlines()))
+    told = {"title": title, "lines": words.splitlines()}
+    return str(render_template(_HERE / "still.html", css=_as_it_is(sheets), picture=picture, **told))
 
 
 def draw(template: str, **values: object) -> str:

@@ -19,8 +19,6 @@ function dockable(panel, name) {
     if (floating) button.textContent = "Put back into the notebook";
     else button.textContent = notebook() ? "Dock beside the notebook" : "Float over the page";
     button.hidden = Boolean(panel.closest(".jp-LinkedOutputView")); // docked it is already
-    const view = button.hidden && window.jupyterapp && hosts().find(({ node }) => node.contains(panel));
-    if (view) view.title.label = name; // JupyterLab opens a view again without it
   }
 
   async function dock(host) {
@@ -35,7 +33,6 @@ function dockable(panel, name) {
     await app().commands.execute("notebook:create-output-view");
     const view = hosts().find((one) => !before.has(one));
     if (!view) return;
-    view.title.label = name;
     app().shell.add(view, "main", { ref: host.id, mode: "split-right" });
     docked = view;
     requestAnimationFrame(() => leaveRoom(host, view));

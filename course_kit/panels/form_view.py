@@ -53,7 +53,7 @@ class ServiceForm(Panel):
             outcome={"state": "new"},
         )
         self.widget.on_msg(self._handle_message)
-        self.at_close(self._end)
+        self.at_close(lambda: self.widget.set_trait("ended", "This form has ended. Run its cell again to use it."))
 
     def describe(self) -> str:
         """What can be asked and what comes back."""
@@ -111,9 +111,6 @@ class ServiceForm(Panel):
 
     def _show(self, state: str, text: str, **more: object) -> None:
         self.widget.outcome = {"state": state, "text": text, **more}
-
-    def _end(self) -> None:
-        self.widget.ended = "This form has ended. Run its cell again to use it."
 
 
 @contextmanager

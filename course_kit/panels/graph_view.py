@@ -99,7 +99,8 @@ class GraphView(Panel):
     def still(self) -> str:
         """The drawing of this moment."""
         seen = self._with_lab(graph.read_graph(self._node))
-        return still(in_lines(seen), graph_svg(seen, notebooks_by_node(lab.others())), STYLE_SHEET)
+        picture = graph_svg(seen, notebooks_by_node(lab.others()))
+        return still(in_lines(seen), picture, STYLE_SHEET, title="ROS graph")
 
     def _watch(self) -> None:
         with suppress(lab.LabError):  # the lab has been closed meanwhile

@@ -138,7 +138,7 @@ class ParameterSliders(Panel):
         self._outdated = False
         self.widget = SlidersWidget(node=self.node)
         self.widget.on_msg(self._handle_message)
-        self.at_close(self._end)
+        self.at_close(lambda: self.widget.set_trait("ended", _ENDED))
         self._updates = LatestValue(self._update)
         self.at_close(self._updates.close)
         self._listen()
@@ -236,9 +236,6 @@ class ParameterSliders(Panel):
             self.widget.entries = [entry(self._descriptors[name]) for name in self._values]
             self.widget.values = {name: format_value(value) for name, value in self._values.items()}
             self.widget.outcomes = dict(self._outcomes)
-
-    def _end(self) -> None:
-        self.widget.ended = _ENDED
 
 
 def _row(entry: dict[str, Any], value: Any) -> dict[str, Any]:

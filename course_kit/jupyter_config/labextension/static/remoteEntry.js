@@ -231,8 +231,9 @@
       if (this.panel.isDisposed) return;
       const views = this.views();
       for (const { model, cell, place } of this.outputs()) {
-        const docked = views.filter(({ content }) => content._cell === cell).map(({ content }) => content.widgets[0]);
-        for (const area of [cell.outputArea, ...docked]) {
+        const docked = views.filter(({ content }) => content._cell === cell);
+        for (const { title } of docked) title.label = titleOf(model); // JupyterLab calls each of them Output View
+        for (const area of [cell.outputArea, ...docked.map(({ content }) => content.widgets[0])]) {
           const node = area?.widgets[place]?.node;
           const shown = node?.querySelector('.jp-OutputArea-output');
           if (shown) void this.put(node, shown, model, cell);
@@ -308,6 +309,11 @@
     }
   }
 
+  function titleOf(model) {
+    const page = Object.assign(document.createElement('template'), { innerHTML: model.data['text/html'] });
+    return page.content.querySelector('.ck-still, .ck-guess-still').getAttribute('aria-label');
+  }
+
   /** What was chosen earlier, in the picture of a question; the server keeps it beside the learner's progress. */
   async function markChoices(node) {
     const questions = [...node.querySelectorAll('.ck-guess-still')];
@@ -332,13 +338,14 @@
       const { timeout } = AbortSignal;
       AbortSignal.timeout = ms => timeout.call(AbortSignal, ms === ANYWIDGET_MS ? PATIENCE_MS : ms);
       document.head.append(Object.assign(document.createElement('style'), { textContent: STYLE }));
-      const watched = new WeakSet();
+      const watched = new WeakMap();
       const look = () => {
         for (const panel of app.shell.widgets('main')) {
           if (panel.sessionContext && panel.content?.rendermime && !watched.has(panel)) {
-            watched.add(panel);
-            void panel.context.ready.then(() => new Sleepers(app, panel));
+            watched.set(panel, null);
+            void panel.context.ready.then(() => watched.set(panel, new Sleepers(app, panel)));
           }
+          watched.get(panel)?.drawSoon();
         }
       };
       app.shell.layoutModified?.connect(look);
