@@ -3,7 +3,7 @@
 // example, the panel floats over the page and goes back with a second click.
 
 const NARROW = 1600; // pixels of a window in which the list of files leaves too little for both
-const READING = 0.6;
+const READING = 0.55;
 
 function dockable(panel, name) {
   const button = make("button", { type: "button", class: "ck-dock" });

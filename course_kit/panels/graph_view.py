@@ -13,7 +13,7 @@ from course_kit import lab
 from course_kit.panels.base import RATE, LatestValue, Panel, of_files, still
 from course_kit.ros import graph
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, ChannelUse, Overview, Role
-from course_kit.ros.graph_drawing import STYLE_SHEET, graph_svg, how_many
+from course_kit.ros.graph_drawing import LAB, STYLE_SHEET, graph_svg, how_many
 from course_kit.ros.names import short_name
 
 if TYPE_CHECKING:
@@ -53,7 +53,6 @@ _HOPS = {
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _EMPTY = "No node is on the ROS graph."
-_LAB = "lab"  # by this name the recorder reports what the notebook itself sends and gets
 
 
 class GraphWidget(anywidget.AnyWidget):
@@ -126,8 +125,8 @@ class GraphView(Panel):
         own = [(role, channel) for role, channel in list(self._of_lab) if (role.kind, channel) in channels]
         if not own:
             return seen
-        uses = (ChannelUse(_LAB, role, channel, channels[role.kind, channel][0].types) for role, channel in own)
-        return Overview((*seen.nodes, _LAB), (*seen.uses, *sorted(uses, key=lambda use: (use.channel, use.role.verb))))
+        uses = (ChannelUse(LAB, role, channel, channels[role.kind, channel][0].types) for role, channel in own)
+        return Overview((*seen.nodes, LAB), (*seen.uses, *sorted(uses, key=lambda use: (use.channel, use.role.verb))))
 
     def _observe(self, event: Event) -> None:
         if hop := _HOPS.get(event.kind):
@@ -141,7 +140,7 @@ class GraphView(Panel):
             crossed, self._crossed = self._crossed, {}
         if not crossed:
             return
-        own = {(hop.role, channel) for node, channel, hop in crossed if short_name(node) == _LAB}
+        own = {(hop.role, channel) for node, channel, hop in crossed if short_name(node) == LAB}
         with self._lock:
             new = own - self._of_lab
             self._of_lab |= own

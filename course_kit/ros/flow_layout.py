@@ -18,7 +18,7 @@ BETWEEN_COLUMNS = 56  # room for the bends of lines, and for what runs along the
 BETWEEN_ROWS = 14
 _LINE = 6  # height that a line takes where it crosses a column
 _SWEEPS, _ORDERING = 12, 8  # over the columns, to and fro; the first ones look only at the column they come from
-_WIDEST = 630  # parts that do not hang together stand side by side up to this width: that of a docked panel
+_WIDEST = 700  # parts that do not hang together stand side by side up to this width: that of a docked panel
 
 
 class FlowLayout(NamedTuple):
@@ -29,13 +29,14 @@ class FlowLayout(NamedTuple):
     size: Size
 
 
-def lay_out(sizes: Mapping[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> FlowLayout:
-    """Place boxes so that arrows lead from left to right and no two boxes overlap."""
+def lay_out(sizes: Mapping[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int], first: Box) -> FlowLayout:
+    """Place boxes so that arrows lead from left to right, or back to the first box, and no two boxes overlap."""
     places: dict[Box, Point] = {}
     ways: dict[Arrow, list[Point]] = {}
     x = y = row = widest = 0.0
     for boxes in _find_parts(sizes, arrows):
-        part = _lay_out_part({box: sizes[box] for box in boxes}, [each for each in arrows if each[0] in boxes], least)
+        own = [each for each in arrows if each[0] in boxes]
+        part = _lay_out_part({box: sizes[box] for box in boxes}, own, least, first)
         width, height = part.size
         if x and x + width > _WIDEST:
             x, y, row = 0.0, y + row + 2 * BETWEEN_ROWS, 0.0
@@ -56,9 +57,9 @@ def _find_parts(boxes: Iterable[Box], arrows: Sequence[Arrow]) -> list[list[Box]
     return sorted(found.values(), key=len, reverse=True)
 
 
-def _lay_out_part(sizes: dict[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int]) -> FlowLayout:
+def _lay_out_part(sizes: dict[Box, Size], arrows: Sequence[Arrow], least: Mapping[Box, int], first: Box) -> FlowLayout:
     """Place what hangs together; where a line crosses a column, it has a place there as a box has."""
-    boxes, turned = list(sizes), _find_back_arrows(sizes, arrows)
+    boxes, turned = list(sizes), _find_back_arrows(sizes, arrows, first)
     forward = {arrow: arrow[::-1] if arrow in turned else arrow for arrow in arrows}
     column_of = _choose_columns(boxes, forward.values(), least)
     chains = {}
@@ -94,12 +95,13 @@ def _lay_out_part(sizes: dict[Box, Size], arrows: Sequence[Arrow], least: Mappin
     return FlowLayout({box: places[box] for box in boxes}, ways, (lefts[-1] + widths[-1], height))
 
 
-def _find_back_arrows(boxes: Iterable[Box], arrows: Sequence[Arrow]) -> set[Arrow]:
-    """Arrows that close a circle with those before them."""
+def _find_back_arrows(boxes: Iterable[Box], arrows: Sequence[Arrow], first: Box) -> set[Arrow]:
+    """Arrows that close a circle with those before them, and those that lead to the first box, if it begins any."""
+    begins = any(begin == first for begin, _ in arrows)
     reached = {box: {box} for box in boxes}  # from each, along the arrows so far
     turned = set()
     for begin, end in arrows:
-        if begin in reached[end]:
+        if begin in reached[end] or (begins and end == first):
             turned.add((begin, end))
         else:
             for found in reached.values():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import textwrap
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,8 +20,9 @@ if TYPE_CHECKING:
     from course_kit.ros.graph import ChannelUse, Overview
 
 NODE = "node"
+LAB = "lab"  # stands for the notebook, where it takes part
 _CHARACTER = {"name": 8.0, "kind": 7.3, "types": 7.3, "remark": 7.3}  # width of a character, by its style
-_COLUMNS = 24  # characters of a line; longer names are broken
+_COLUMNS = 22  # characters of a line; longer names are broken
 # Where nodes speak to each other in a circle some arrow leads back; a stream of messages is the flow one looks for.
 _TURNED_LAST = ("topic", "action", "service")
 _LINE, _PADDING = 17, 12
@@ -54,14 +56,16 @@ def graph_svg(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE)
     sizes = {key: box.size for key, box in boxes.items()}
     first = sorted(seen.uses, key=lambda use: (_TURNED_LAST.index(use.role.kind), use.role.inward))
     arrows = {_arrow(use): use for use in first}
-    found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes})
+    # What the notebook hears leads back to it, where it sends something, too: else all of it were one long flow.
+    found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes}, (NODE, LAB))
+    parts = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in Counter(kind for kind, _ in boxes).items()]
     return render_template(
         _TEMPLATES / "graph.svg",
         boxes=[_place_box(box, found.places[key]) for key, box in boxes.items()],
         arrows=[_draw_arrow(use, found.ways[arrow]) for arrow, use in arrows.items()],
         width=round(found.size[0]),
         height=round(found.size[1]),
-        summary=f"The ROS graph: {count_parts(seen)}.",
+        summary=f"The ROS graph: {', '.join(parts)}.",
     )
 
 
@@ -137,14 +141,6 @@ def _draw_arrow(use: ChannelUse, way: list[Point]) -> dict[str, object]:
         "path": path,
         "head": f"M{x + step} {y}l{-step} -5v10z",
     }
-
-
-def count_parts(seen: Overview) -> str:
-    """How many nodes and channels of each kind there are, in words."""
-    counts = [(len(set(seen.nodes)), NODE)]
-    kinds: Sequence[str] = [kind for kind, _ in seen.channels()]
-    counts += [(kinds.count(kind), kind) for kind in dict.fromkeys(kinds)]
-    return ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts)
 
 
 def in_sentences(seen: Overview) -> list[str]:

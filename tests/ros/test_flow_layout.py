@@ -16,7 +16,7 @@ def placed(names: str, arrows: str) -> dict[str, tuple[float, float]]:
     """Boxes of one letter; capitals are channels. Arrows such as "aT Tb"."""
     boxes = {("box", name): (WIDE, HIGH) for name in names}
     pairs = [(("box", one[0]), ("box", one[1])) for one in arrows.split()]
-    found = lay_out(boxes, pairs, {box: int(box[1].isupper()) for box in boxes})
+    found = lay_out(boxes, pairs, {box: int(box[1].isupper()) for box in boxes}, ("box", "l"))
     return {name: place for (_, name), place in found.places.items()}
 
 
@@ -44,7 +44,7 @@ def graphs(draw: st.DrawFn) -> tuple[list[tuple[str, str]], list[tuple[tuple[str
 def test_no_two_boxes_overlap_and_no_line_crosses_a_box(graph: tuple[list, list]) -> None:
     boxes, arrows = graph
     sizes = {box: (90.0 + 7 * len(box[1]), 30.0 + 3 * (int(box[1]) % 5)) for box in boxes}
-    found = lay_out(sizes, arrows, {box: int(box[0] != "node") for box in boxes})
+    found = lay_out(sizes, arrows, {box: int(box[0] != "node") for box in boxes}, ("node", "0"))
     for one, other in combinations(boxes, 2):
         (x, y), (a, b) = found.places[one], found.places[other]
         beside = x + sizes[one][0] < a or a + sizes[other][0] < x
