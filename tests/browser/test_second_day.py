@@ -85,6 +85,7 @@ def wake_below(lab: JupyterLab, docked: Locator) -> None:
 
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
     page = lab.page
+    page.set_viewport_size({"width": 1366, "height": 1000})
     lab.open(LESSON)
     assert page.evaluate(HURRIES) is False  # a panel of a busy machine is given its time
     lab.run_all()
@@ -95,9 +96,11 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     lab.run_cell_that_begins("from rclpy.node import Node")
     expect(docked.locator("[data-node='battery']").first).to_be_visible()
     expect(docked.locator(".ck-dot").first).to_be_attached()
-    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
     lab.picture("graph_docked")
     drive_and_guess(lab)
+    expect(docked.locator("[data-of=lab][data-on='/battery_voltage']")).to_be_attached()
+    expect(docked.locator("[data-of=lab][data-on='/move_robot']")).to_be_attached()
+    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
     page.wait_for_function(KEPT, polling=POLLING_MS)
     lab.save()
 
@@ -129,6 +132,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
         guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
     assert asked.value.headers["x-xsrftoken"]  # JupyterHub refuses it without
     expect(guess).to_contain_text("(your guess)")
+    expect(page.get_by_role("tab", name="ROS graph")).to_be_visible()
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     for place in (graph, docked):
         expect(place.get_by_role("button", name=WAKE)).to_be_visible()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from course_kit.ros.graph import Overview
 
 pytestmark = pytest.mark.usefixtures("live_lab")
-READABLE, DOCKED = 0.75, 475  # the least zoom of graph_view.js, and pixels beside a notebook in a window of 1366
+READABLE, DOCKED = 0.75, 542  # the least zoom of graph_view.js, and pixels beside a notebook in a window of 1366
 
 
 class Busy(Node):
@@ -191,15 +191,21 @@ def test_the_words_of_fifty_nodes_do_not_overlap() -> None:
         assert one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
-def test_parts_that_a_docked_panel_has_no_room_for_stand_below_each_other() -> None:
-    uses = []
-    for node, action in (("/carrier", "deliver"), ("/robot", "drive")):
-        uses.append(overview.ChannelUse(node, overview.RUNS, f"/{action}", ("course_interfaces/action/MoveRobot",)))
-        uses.append(overview.ChannelUse(node, overview.PUBLISHES, f"/{action}/position", ("geometry_msgs/msg/Point",)))
-    drawn = graph_svg(overview.Overview(("/carrier", "/robot"), tuple(uses)))
+@pytest.mark.parametrize("own", [(), ((overview.SENDS_GOALS, "/drive"), (overview.LISTENS, "/deliver/position"))])
+def test_parts_that_nothing_or_the_notebook_joins_have_room_in_a_docked_panel(own: tuple[Any, ...]) -> None:
+    types = {overview.RUNS: "course_interfaces/action/MoveRobot", overview.PUBLISHES: "geometry_msgs/msg/Point"}
+    types |= {overview.SENDS_GOALS: types[overview.RUNS], overview.LISTENS: types[overview.PUBLISHES]}
+    uses = [("/carrier", overview.RUNS, "/deliver"), ("/carrier", overview.PUBLISHES, "/deliver/position")]
+    uses += [("/robot", overview.RUNS, "/drive"), ("/robot", overview.PUBLISHES, "/drive/position")]
+    uses += [("lab", *use) for use in own]
+    nodes = tuple(dict.fromkeys(node for node, _, _ in uses))
+    drawn = graph_svg(overview.Overview(nodes, tuple(overview.ChannelUse(*use, (types[use[1]],)) for use in uses)))
     width = int(re.findall(r'viewBox="-4 -4 (\d+)', drawn)[0])
     assert width * READABLE <= DOCKED
-    assert [line for line in re.findall(r">([^<]*)</text>", drawn) if line.endswith("/")] == ["course_interfaces/"] * 2
+    assert {line for line in re.findall(r">([^<]*)</text>", drawn) if line.endswith("/")} == {
+        "course_interfaces/",
+        "geometry_msgs/msg/",
+    }
 
 
 def crossed(view: GraphView) -> list[tuple[object, ...]]:
