@@ -61,8 +61,8 @@ BUDGETS = {
 STILL_ABOVE = {
     "course_kit/grading": 9696,  # with the capstone
     "course_kit/graders": 2797,  # with the capstone
-    "course_kit/learner": 1334,  # with the steps of the lessons and the page of progress
-    "course_kit/ros": 1899,  # with the drawing of the graph, which panels had: reports draw it, too
+    "course_kit/learner": 1333,  # with the steps of the lessons and the page of progress
+    "course_kit/ros": 1897,  # with the drawing of the graph, which panels had: reports draw it, too
     "course_kit/integrations": 1187,  # the capstone, %check, %solution, the second day; 150 for the tutor
 }
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.

@@ -41,7 +41,8 @@ def restart_kernel(page: Page) -> None:
 
 
 def require_no_dead_widget(lab: JupyterLab) -> None:
-    """No words of the widgets' own about a model that is gone; those that a picture stands for are not in sight."""
+    """No words of the widgets' own about a model that is gone, unless a picture hides them; a docked view has a name."""
+    expect(lab.page.get_by_role("tab", name="ROS graph")).to_be_visible()
     for words in ("Loading widget", "Error displaying widget"):
         assert not [one for one in lab.page.get_by_text(words).all() if one.is_visible()], words
 
@@ -62,6 +63,13 @@ def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
     expect(below).not_to_have_class(re.compile("jp-mod-active"))
     graph.get_by_role("button", name="Dock beside the notebook").click()
     expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(1)
+
+
+def require_room(docked: Locator) -> None:
+    """What the notebook hears and what it sends is drawn, and none of it is cut off."""
+    for channel in ("/battery_voltage", "/move_robot"):
+        expect(docked.locator(f"[data-of=lab][data-on='{channel}']")).to_be_attached()
+    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")
 
 
 def drive_and_guess(lab: JupyterLab) -> None:
@@ -98,15 +106,12 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(docked.locator(".ck-dot").first).to_be_attached()
     lab.picture("graph_docked")
     drive_and_guess(lab)
-    expect(docked.locator("[data-of=lab][data-on='/battery_voltage']")).to_be_attached()
-    expect(docked.locator("[data-of=lab][data-on='/move_robot']")).to_be_attached()
-    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")  # none is cut off
+    require_room(docked)
     page.wait_for_function(KEPT, polling=POLLING_MS)
     lab.save()
 
     open_again(lab)  # the kernel goes on
     expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
-    expect(page.get_by_role("tab", name="ROS graph")).to_be_visible()
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     graph.get_by_role("button", name="Dock beside the notebook").click()
     expect(graph.get_by_role("button", name="Dock beside the notebook")).to_be_visible()
@@ -132,7 +137,6 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
         guess = lab.scroll_to(page.locator(".ck-asleep-chosen"))
     assert asked.value.headers["x-xsrftoken"]  # JupyterHub refuses it without
     expect(guess).to_contain_text("(your guess)")
-    expect(page.get_by_role("tab", name="ROS graph")).to_be_visible()
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     for place in (graph, docked):
         expect(place.get_by_role("button", name=WAKE)).to_be_visible()
