@@ -41,7 +41,7 @@ def restart_kernel(page: Page) -> None:
 
 
 def require_no_dead_widget(lab: JupyterLab) -> None:
-    """No words of the widgets' own about a model that is gone, unless a picture hides them; a docked view has a name."""
+    """No words of the widgets' own about a model that is gone but behind a picture; the docked view has its name."""
     expect(lab.page.get_by_role("tab", name="ROS graph")).to_be_visible()
     for words in ("Loading widget", "Error displaying widget"):
         assert not [one for one in lab.page.get_by_text(words).all() if one.is_visible()], words
