@@ -67,8 +67,8 @@ def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
 
 def require_room(docked: Locator) -> None:
     """What the notebook hears and what it sends is drawn, and none of it is cut off."""
-    for channel in ("/battery_voltage", "/move_robot"):
-        expect(docked.locator(f"[data-of=lab][data-on='{channel}']")).to_be_attached()
+    for verb in ("listens to", "sends goals to"):
+        expect(docked.locator(f"[data-of=lab][data-verb='{verb}']").first).to_be_attached()
     assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")
 
 
