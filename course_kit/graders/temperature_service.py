@@ -254,7 +254,7 @@ class Temperatures(Model):
         """It is refused with a reason, in time."""
         answer = node.call(SERVICE, vars(sample), breaks=breaks)
         answer.within(_WITHIN_S, breaks="one_call")
-        answer.refused(what=what, unexplained="says_why")
+        answer.refused(what=what)
 
 
 CHECKS = [

@@ -122,21 +122,14 @@ class Answer(Reply):
         return self
 
     def refused(
-        self,
-        *,
-        reason: str = "message",
-        what: str = "this request",
-        breaks: str = "",
-        unexplained: str = "",
-        **fields: Any,
+        self, *, reason: str = "message", what: str = "this request", breaks: str = "", **fields: Any
     ) -> None:
         """The request was refused, with a reason.
 
         Args:
             reason: the field with the reason, which must not be blank; empty when the exercise asks for none.
             what: was wrong with the request, for the learner: "an unknown unit".
-            breaks: the sentence that is broken by accepting it.
-            unexplained: the one that is broken by refusing it without a reason.
+            breaks: as in `fail`.
             fields: by which a refusal is known; `success=False` when none are given.
 
         Raises:
@@ -152,7 +145,7 @@ class Answer(Reply):
             self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.missing")
         if reason and not getattr(self.response, reason).strip():
             why = f"Your service was right to refuse {what}, but its {reason} is empty: the client cannot tell why."
-            self.fail(why, expected=expected, breaks=unexplained or breaks, diagnosis="validation.no_reason")
+            self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.no_reason")
 
 
 @dataclass(frozen=True)
