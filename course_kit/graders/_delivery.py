@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState
 from std_srvs.srv import SetBool
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import describe_wanted, differences
+from course_kit.grading.checks.answers import are_same, describe_wanted
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.graded_goal import SUCCEEDED
 from course_kit.grading.checks.ready_made_parameters import require_declared
@@ -76,7 +76,7 @@ def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[A
     place = inbox.count
 
     def is_there() -> bool:
-        return any(not list(differences(wanted, message)) for message in inbox.newer_than(place))
+        return any(are_same(wanted, message) for message in inbox.newer_than(place))
 
     context.wait_until(is_there, SHOWN_S)
     seen: list[Any] = inbox.newer_than(place)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry_msgs.msg import Twist
 
-from course_kit.grading.checks.answers import differences
+from course_kit.grading.checks.answers import are_same
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, Model
 
@@ -103,11 +103,6 @@ def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reacti
         return Reaction((0.0,) * len(FIELDS), 0.0)
     limited = min(max(fields[0], -settings.max_velocity), settings.max_velocity)
     return Reaction((limited, *fields[1:]), _ratio(limited, settings.wheel_diameter / 2.0))
-
-
-def are_same(mine: object, other: object) -> bool:
-    """Whether two numbers or reactions are the same, but for digits that do not count."""
-    return not any(differences(mine, other))
 
 
 def cause_of(

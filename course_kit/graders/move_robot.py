@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 from course_interfaces.action import MoveRobot
 
-from course_kit.graders import _moves, charge_to
+from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
-from course_kit.grading.checks.evidence import UnseenError
+from course_kit.grading.checks.evidence import UnseenError, charge_to
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
     CheckPart,

@@ -13,8 +13,9 @@ from typing import Any
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64, String
 
-from course_kit.graders import _limiter, charge_to
+from course_kit.graders import _limiter
 from course_kit.graders._limiter import BEYOND, CHANGES, DEFAULTS, NODE, STATUS, TYPES, LimiterSettings, LimiterSteps
+from course_kit.grading.checks.evidence import charge_to
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import describe_values, start_arguments
 from course_kit.grading.checks.ready_made import expect_rate, make_check

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.diagnosis import causes
@@ -116,14 +116,12 @@ class Answer(Reply):
         Example:
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
-        for path, wanted, got in differences(fields, self.response):
-            text = why or f"In the response, {path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
-            self.fail(text, expected=describe_wanted(fields), breaks=breaks, diagnosis=diagnosis)
+        evidence = Evidence(self.sent, describe_wanted(fields), self.got)
+        with charge_to(breaks):
+            require_fields(fields, self.response, "In the response, ", evidence, why=why, diagnosis=diagnosis)
         return self
 
-    def refused(
-        self, *, reason: str = "message", what: str = "this request", breaks: str = "", **fields: Any
-    ) -> None:
+    def refused(self, *, reason: str = "message", what: str = "this request", breaks: str = "", **fields: Any) -> None:
         """The request was refused, with a reason.
 
         Args:
@@ -140,7 +138,7 @@ class Answer(Reply):
         """
         wanted = fields or {"success": False}
         expected = describe_wanted(wanted) + (f" and a {reason} that says why" if reason else "")
-        if next(differences(wanted, self.response), None):
+        if not are_same(wanted, self.response):
             why = f"Your service accepted {what}."
             self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.missing")
         if reason and not getattr(self.response, reason).strip():
@@ -239,6 +237,20 @@ def differences(wanted: Any, got: Any, path: str = "") -> Iterator[tuple[str, An
             yield from differences(getattr(wanted, name), getattr(got, name), f"{path}.{name}" if path else name)
     elif not _fits(wanted, got):
         yield path, wanted, got
+
+
+def are_same(wanted: Any, got: Any) -> bool:
+    """Whether all is as expected."""
+    return not any(differences(wanted, got))
+
+
+def require_fields(  # noqa: PLR0913 - what is looked at, and what is said of it
+    wanted: Any, got: Any, where: str, evidence: Evidence, *, why: str = "", diagnosis: str | None = None
+) -> None:
+    """All is as expected; else that is said of the first field which is not, unless the check says why."""
+    for path, right, other in differences(wanted, got):
+        text = why or f"{where}{path} is {describe_wanted(other)}; it has to be {describe_wanted(right)}."
+        raise Failed(evidence, text, diagnosis)
 
 
 def _fits(wanted: Any, got: Any) -> bool:

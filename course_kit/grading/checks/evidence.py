@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from course_kit.ros.graph import Overview
     from course_kit.ros.sequence import Arrow
 
@@ -30,6 +33,16 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         self.diagnosis = diagnosis  # a code of the catalogue when the cause is established, else None
         self.breaks = breaks  # the sentence of the exercise that is broken, where the check proves several
         self.steps: tuple[Arrow, ...] = ()  # what crossed the wire; taken from the record of the check when empty
+
+
+@contextmanager
+def charge_to(breaks: str) -> Iterator[None]:
+    """What fails in here breaks this sentence, or costs this check, unless it names another one."""
+    try:
+        yield
+    except Failed as failed:
+        failed.breaks = failed.breaks or breaks
+        raise
 
 
 class UnseenError(Failed):

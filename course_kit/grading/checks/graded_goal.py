@@ -12,8 +12,8 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.answers import describe_wanted, differences
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.answers import are_same, describe_wanted, require_fields
+from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
@@ -176,23 +176,18 @@ class GradedGoal:
             >>> node.goal("/count_down", order=2).accepted_by().ends(sequence=[2, 1])
         """
         expected = ", ".join(filter(None, (status, describe_wanted(fields))))
-        try:
+        with charge_to(breaks):
             ended = self.wait_for_end(within_s, expected)
             evidence = Evidence(self.shown, expected, f"{ended.name}, {in_one_line(ended.result)}")
             went_on = status == "CANCELED" and ended.status == SUCCEEDED
             if went_on and causes.explain_goal_exception(self.process(), self._context.job) is None:
                 why = "Your server agreed to cancel the goal, but went on to its end."
-                raise Failed(evidence, why, "action.cancel_ignored")  # noqa: TRY301 - the sentence is added below
+                raise Failed(evidence, why, "action.cancel_ignored")
             self.require_status(ended, _STATUS[status], evidence)
-        except Failed as failed:
-            failed.breaks = failed.breaks or breaks
-            raise
-        for path, wanted, got in differences(fields, ended.result):
-            why = f"In the result, {path} is {describe_wanted(got)}; it has to be {describe_wanted(wanted)}."
-            raise Failed(evidence, why, breaks=breaks)
-        if (took_s := self.clock.wall_s()) < not_before_s:
-            evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
-            raise Failed(evidence, f"The goal ended before {not_before_s:g} s had passed.", breaks=breaks)
+            require_fields(fields, ended.result, "In the result, ", evidence)
+            if (took_s := self.clock.wall_s()) < not_before_s:
+                evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
+                raise Failed(evidence, f"The goal ended before {not_before_s:g} s had passed.")
         return ended
 
     def expect_feedback(
@@ -215,13 +210,12 @@ class GradedGoal:
         heard = self.require_feedback(
             at_least,
             f"at least {at_least} feedback messages, spread over the goal's time",
-            complete=lambda messages: not list(differences(last or {}, messages[-1].feedback)),
+            complete=lambda messages: are_same(last or {}, messages[-1].feedback),
         )
         for which, fields, message in (("first", first, heard[0].feedback), ("last", last, heard[-1].feedback)):
-            for path, due, got in differences(fields or {}, message):
-                expected = f"the {which} feedback with {describe_wanted(fields)}"
-                why = f"In the {which} feedback, {path} is {describe_wanted(got)}; it has to be {describe_wanted(due)}."
-                raise Failed(Evidence(self.shown, expected, in_one_line(message)), why)
+            expected = f"the {which} feedback with {describe_wanted(fields or {})}"
+            evidence = Evidence(self.shown, expected, in_one_line(message))
+            require_fields(fields or {}, message, f"In the {which} feedback, ", evidence)
 
     def cancelled(self, *, within_s: float = PROMPT_S, breaks: str = "") -> GradedGoal:
         """A request to cancel it is accepted in time; how it then ends is for `ends`.

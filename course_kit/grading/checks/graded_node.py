@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import astuple
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import Answer, Change, describe_wanted, differences, message_of, only_field
+from course_kit.grading.checks.answers import Answer, Change, describe_wanted, message_of, only_field, require_fields
 from course_kit.grading.checks.discovery import WantedEndpoint
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import NOTHING_SENT, Exchange, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
@@ -78,7 +78,8 @@ class GradedNode:
         turn = context.record.add_sent(f"request {service}: {sent_text}", about=sent_text)
         clock = context.latency_clock()
         sent = context.grader_node.client(end.interface, service).send(message)
-        hangs.await_answer(context, sent.is_answered, evidence, within_s, breaks=breaks)
+        with charge_to(breaks):
+            hangs.await_answer(context, sent.is_answered, evidence, within_s)
         response = sent.response()
         turn.add_received(f"response: {in_one_line(response)}")
         return Answer(sent_text, in_one_line(response), clock.latency(), response)
@@ -166,7 +167,7 @@ class GradedNode:
         self.ensure_running()
         inbox, clock = self.inbox(topic), self.context.clock()
         evidence = Evidence(self._last_sent, f"a message on {topic}")
-        with hangs.explain_end(self.context, evidence, breaks=breaks):
+        with charge_to(breaks), hangs.explain_end(self.context, evidence):
             self.context.wait_until(lambda: inbox.count > inbox.heard, within_s)
         if inbox.count == inbox.heard:
             seconds = hangs.describe_seconds(clock.fair_s(), within_s)
@@ -180,12 +181,12 @@ class GradedNode:
         if wanted is None and not fields:
             return message
         found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
-        for path, expected_value, got in differences(found, message):
-            expected, came = f"{topic}: {describe_wanted(found)}", f"{topic}: {in_one_line(message)}"
-            evidence = Evidence(self._last_sent, expected, came)
-            of = f"In the message on {topic}, {path}" if path else topic
-            text = why or f"{of} is {describe_wanted(got)}; it has to be {describe_wanted(expected_value)}."
-            raise Failed(evidence, text, diagnosis, breaks=breaks)
+        where = topic if callable(found) else f"In the message on {topic}, "
+        evidence = replace(
+            evidence, expected=f"{topic}: {describe_wanted(found)}", got=f"{topic}: {in_one_line(message)}"
+        )
+        with charge_to(breaks):
+            require_fields(found, message, where, evidence, why=why, diagnosis=diagnosis)
         return message
 
     def expect_nothing(self, *names: str, seconds: float = 0.3, why: str = "", breaks: str = "") -> None:

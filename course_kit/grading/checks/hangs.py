@@ -41,14 +41,13 @@ def explain_end(
     evidence: Evidence,
     why: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_end,
     got: str = "the program ended",
-    breaks: str = "",
 ) -> Iterator[None]:
     """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
     try:
         yield
     except SubmissionEndedError as ended:
         diagnosis, message = why(ended.process, context.job)
-        raise Failed(replace(evidence, got=got), message, diagnosis, breaks=breaks) from None
+        raise Failed(replace(evidence, got=got), message, diagnosis) from None
 
 
 def await_answer(  # noqa: PLR0913 - what differs between services, goals and parameters
@@ -59,20 +58,17 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     *,
     ended: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_call,
     logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
-    breaks: str = "",
 ) -> None:
     """Wait until something is answered."""
     clock = context.clock()
-    with explain_end(context, evidence, ended, "no answer: the program ended", breaks):
+    with explain_end(context, evidence, ended, "no answer: the program ended"):
         if context.wait_until(answered, min(_NUDGE_S, seconds)):
             return
         with context.record.looking_away():  # an executor of several threads tells what a callback has raised when it
             greet_node(context)  # has more to do
         if context.wait_until(answered, seconds - _NUDGE_S):
             return
-    silent = explain_no_answer(context, evidence, clock.fair_s(), logged)
-    silent.breaks = breaks
-    raise silent
+    raise explain_no_answer(context, evidence, clock.fair_s(), logged)
 
 
 def greet_node(context: CheckContext) -> None:

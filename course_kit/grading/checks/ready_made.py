@@ -9,7 +9,7 @@ import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import UNFILLED, Approximation, differences, only_field
+from course_kit.grading.checks.answers import UNFILLED, Approximation, are_same, differences, only_field
 from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
@@ -199,7 +199,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
             code, why = _cause(node, fields, answer.response), ""
             if answer.response == type(answer.response)():
                 code, why = None, UNFILLED
-            if at_a_time and any(not list(differences(other, answer.response)) for other in wanted):
+            if at_a_time and any(are_same(other, answer.response) for other in wanted):
                 code = None
                 why = "Your node sent the answer to another request: your callback mixes up values of two calls."
             answer.expect(**fields, diagnosis=code, why=why)
@@ -240,7 +240,7 @@ def service_refuses(  # noqa: PLR0913 - what an author may say of it
             node.call(service, fields).refused(reason=reason, what=what, **wanted)
         if valid is not None:
             answer = node.call(service, valid)
-            if not list(differences(wanted, answer.response)):
+            if are_same(wanted, answer.response):
                 why = "Your service refused a valid request."
                 answer.fail(why, expected="no refusal", diagnosis="validation.overzealous")
 

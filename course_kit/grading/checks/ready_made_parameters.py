@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.answers import describe_wanted, differences, only_field
+from course_kit.grading.checks.answers import are_same, describe_wanted, only_field
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.ready_made import make_check
@@ -120,7 +120,7 @@ def parameter_acts(
             new = answers(node, sent)
             for message, got in zip(sent, new, strict=True):
                 wanted = only_field(got, expect(message, setting))
-                if not list(differences(wanted, got)):
+                if are_same(wanted, got):
                     continue
                 why, code = f"Expected {describe_wanted(wanted)} with the new setting.", "math.formula"
                 if new == old:
