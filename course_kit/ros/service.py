@@ -5,6 +5,7 @@ Nothing here waits: whoever calls spins, awaits, or looks now and then whether a
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -48,25 +49,23 @@ class ServiceClient:
 
 
 class SentRequest:
-    """A request on its way; sent again, the first response to any of its sendings counts."""
+    """A request on its way; sent once more, the first response to either counts."""
 
     def __init__(self, client: ServiceClient, request: Message) -> None:
-        self._client, self._request = client, request
+        self._client, self._request, self._sent_at = client, request, time.monotonic()
         self._futures: list[Future] = []
-        self.send_again()
+        self._send()
 
-    @property
-    def times_sent(self) -> int:
-        """How often it was sent."""
-        return len(self._futures)
-
-    def send_again(self) -> None:
-        """Send the same once more."""
+    def _send(self) -> None:
         self._futures.append(self._client.rclpy_client.call_async(self._request))
 
-    def is_answered(self) -> bool:
-        """Whether a response has come, or a failure to give one."""
-        return any(future.done() for future in self._futures)
+    def is_answered(self, again_after_s: float | None = None) -> bool:
+        """Whether a response has come, or a failure to give one; without any for so long it is sent once more."""
+        answered = any(future.done() for future in self._futures)
+        late = again_after_s is not None and time.monotonic() - self._sent_at > again_after_s
+        if late and not answered and len(self._futures) == 1:
+            self._send()
+        return answered
 
     def response(self) -> Message:
         """The response; None until it comes."""

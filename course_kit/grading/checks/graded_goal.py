@@ -262,14 +262,11 @@ class GradedGoal:
 
     def wait_for_end(self, seconds: float, expected: str) -> GoalOutcome:
         """Wait for the result."""
-        result = self._result
-        if result is None:
-            result = self._result = self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
-        else:
-            result.send_again()
+        result = self._result or self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
+        self._result = result
         clock, evidence = self._context.clock(), Evidence(self.shown, expected)
         with hangs.explain_end(self._context, evidence, causes.explain_program, "no result: the program ended"):
-            self._context.wait_until(lambda: self._has_come(result), seconds)
+            self._context.wait_until(lambda: result.is_answered(RESEND_AFTER_S if self.over_at else None), seconds)
         if result.is_answered():
             response = result.response()
             end = GoalOutcome(response.status, response.result)
@@ -350,11 +347,6 @@ class GradedGoal:
             cause = causes.explain_status(ended.name, process, job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
-
-    def _has_come(self, result: SentRequest) -> bool:
-        if result.times_sent == 1 and self.over_at is not None and self.clock.wall_s() > RESEND_AFTER_S:
-            result.send_again()
-        return result.is_answered()
 
     def _feedback_steps(self) -> list[Followed]:
         """The first and the last feedback."""
