@@ -1,6 +1,6 @@
 """Ready-made checks: functions that return a check. What they look at is named in exercise.toml, `[[endpoints]]`.
 
-Each takes its declaration, the fields of `CheckFields`, as keywords.
+Each takes its declaration, the fields of `CheckFields` or `CheckOptions`, as keywords.
 """
 
 from __future__ import annotations
@@ -29,46 +29,43 @@ _FEWEST = 3  # messages; enough to forget one that a busy machine has delayed
 _SILENT_S = 2.0
 
 
-class CheckFields(TypedDict, total=False):
-    """What every ready-made check is declared with.
+class CheckOptions(TypedDict, total=False):
+    """What every check is declared with.
 
     Attributes:
-        check_id: its id.
-        title: one line for the learner.
         points: what it is worth.
-        proves: ids of the sentences of the exercise.
-        after: ids of checks that have to pass before.
+        proves: ids of the sentences of the exercise that it proves.
+        after: ids of checks without which it makes no sense: it is skipped unless they passed.
         deadline_s: seconds for all its waiting together.
         afresh: after it has failed the program is started again, for the state that may be left behind.
     """
 
-    check_id: Required[str]
-    title: Required[str]
     points: Required[float]
-    proves: Required[Sequence[str]]
+    proves: Sequence[str]
     after: Sequence[str]
     deadline_s: float
     afresh: bool
 
 
-def check(
-    *,
-    points: float,
-    after: Sequence[str] = (),
-    proves: Sequence[str] = (),
-    deadline_s: float = DEADLINE_S,
-    afresh: bool = False,
-) -> Callable[[Callable[[GradedNode], object]], Check]:
+class CheckFields(CheckOptions):
+    """What a ready-made check is declared with, beside `CheckOptions`.
+
+    Attributes:
+        check_id: its id.
+        title: one line for the learner.
+    """
+
+    check_id: str
+    title: str
+
+
+def check(**declared: Unpack[CheckOptions]) -> Callable[[Callable[[GradedNode], object]], Check]:
     """Decorator that makes a function a check: it talks with a node, and passes when nothing it expects fails.
 
     The function's name is the check's id, the first line of its docstring what a learner reads.
 
     Args:
-        points: what it is worth.
-        after: ids of checks without which it makes no sense: it is skipped unless they passed.
-        proves: ids of the sentences of the exercise that it proves.
-        deadline_s: seconds for all its waiting together.
-        afresh: as in `CheckFields`.
+        declared: see `CheckOptions`.
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
@@ -83,9 +80,7 @@ def check(
 
     def declare(talk: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
-        fields: CheckFields = {"check_id": talk.__name__, "title": title, "points": points, "proves": proves}
-        fields |= {"after": after, "deadline_s": deadline_s, "afresh": afresh}
-        return make_check(talk, **fields)
+        return make_check(talk, check_id=talk.__name__, title=title, **declared)
 
     return declare
 
@@ -111,26 +106,22 @@ def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFie
         return Evidence(sent, title, got)
 
     after, deadline_s = tuple(declared.get("after", ())), declared.get("deadline_s", DEADLINE_S)
-    return Check(check_id, title, float(points), after, deadline_s, run, tuple(declared["proves"]))
+    return Check(check_id, title, float(points), after, deadline_s, run, tuple(declared.get("proves", ())))
 
 
 def endpoints_offered(
     *names: str,
-    points: float,
-    proves: Sequence[str],
     title: str = "All of its endpoints are there, with their types",
     check_id: str = "offered",
-    after: Sequence[str] = (),
+    **declared: Unpack[CheckOptions],
 ) -> Check:
     """A check that the program offers the endpoints of exercise.toml, each with its type, and a default one connects.
 
     Args:
         names: some of the endpoints; all of them when none is named.
-        points: what it is worth.
-        proves: ids of the sentences of the exercise.
         title: one line for the learner.
         check_id: its id.
-        after: ids of checks that have to pass before.
+        declared: see `CheckOptions`.
 
     Example:
         >>> endpoints_offered(points=1.0, proves=["topics"], title="Both topics are there")
@@ -141,11 +132,11 @@ def endpoints_offered(
         ends = [end for end in node.endpoints if not names or end.name in names]
         return discovery.expect_endpoints(node.context, ends)
 
-    return make_check(talk, check_id=check_id, title=title, points=points, proves=proves, after=after)
+    return make_check(talk, check_id=check_id, title=title, **declared)
 
 
-def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequence[str] = ()) -> Check:
-    """A check that the node has its name, given without a slash; its other fields are those of `CheckFields`.
+def node_name(name: str, **declared: Unpack[CheckOptions]) -> Check:
+    """A check that the node has its name, given without a slash; declared with `CheckOptions`.
 
     Example:
         >>> node_name("battery_monitor", points=0.5, proves=["node"], after=["offered"])
@@ -154,8 +145,7 @@ def node_name(name: str, *, points: float, proves: Sequence[str], after: Sequenc
     def talk(node: GradedNode) -> Evidence:
         return discovery.expect_node(node.context, f"/{name}", node.ensure_running)
 
-    title = f"The node is called {name}"
-    return make_check(talk, check_id="node_name", title=title, points=points, proves=proves, after=after)
+    return make_check(talk, check_id="node_name", title=f"The node is called {name}", **declared)
 
 
 def service_answers(  # noqa: PLR0913 - what an author may say of it
