@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState
 from std_srvs.srv import SetBool
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import are_same, describe_wanted
+from course_kit.grading.checks.answers import are_same, describe_value
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.graded_goal import SUCCEEDED
 from course_kit.grading.checks.ready_made_parameters import require_declared
@@ -80,7 +80,7 @@ def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[A
 
     context.wait_until(is_there, SHOWN_S)
     seen: list[Any] = inbox.newer_than(place)
-    evidence = Evidence(context.record.last_exchange()[0], f"{topic}: {describe_wanted(wanted)}", f"nothing on {topic}")
+    evidence = Evidence(context.record.last_exchange()[0], f"{topic}: {describe_value(wanted)}", f"nothing on {topic}")
     require(seen, evidence, f"Nothing was published on {topic} for a second.", "topic.silent")
     require(is_there(), replace(evidence, got=f"{topic}: {in_one_line(seen[-1])}"), why)
     return seen

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from geometry_msgs.msg import Twist
 
-from course_kit.grading.checks.answers import are_same
-from course_kit.grading.checks.parameters import describe_values
+from course_kit.grading.checks.answers import are_same, describe_value
 from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
@@ -228,7 +227,7 @@ class LimiterSteps(Model):
         if several and change.result.successful:
             invalid = {name: values[name] for name in wrong}
             node.set(invalid, of=NODE).refused(breaks="refused")
-            why = f"Your node refuses {describe_values(invalid)} by itself, and accepts it beside others: judge all."
+            why = f"Your node refuses {describe_value(invalid)} by itself, and accepts it beside others: judge all."
             change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
         change.refused(expected=f"refused{', and nothing changed' * several}: {RANGES[name]}")
         self.past.append((values, True))
@@ -258,7 +257,7 @@ class LimiterSteps(Model):
         changed = [name for name, value in read.items() if (type(value), value) != (type(wanted[name]), wanted[name])]
         if not changed:
             return
-        evidence = Evidence(sent or "get_parameters", describe_values(wanted), describe_values(read))
+        evidence = Evidence(sent or "get_parameters", describe_value(wanted), describe_value(read))
         for values, refused in reversed(self.past):
             if refused and any(name in values for name in changed):
                 why = "The parameter has changed although the change was refused."

@@ -15,9 +15,10 @@ from std_msgs.msg import Float64, String
 
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import BEYOND, CHANGES, DEFAULTS, NODE, STATUS, TYPES, LimiterSettings, LimiterSteps
+from course_kit.grading.checks.answers import describe_value
 from course_kit.grading.checks.evidence import charge_to
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
-from course_kit.grading.checks.parameters import describe_values, start_arguments
+from course_kit.grading.checks.parameters import start_arguments
 from course_kit.grading.checks.ready_made import expect_rate, make_check
 from course_kit.grading.checks.ready_made_parameters import expect_declared, expect_defaults, expect_types
 from course_kit.grading.checks.vocabulary import (
@@ -238,7 +239,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     started = node.get(*TYPES, of=NODE)
     model = Limiter(LimiterSettings(**{**started, **given}))
     model.lost = context.conversations[Limiter].failed_checks
-    evidence = Evidence(sent, describe_values(given), describe_values({name: started[name] for name in given}))
+    evidence = Evidence(sent, describe_value(given), describe_value({name: started[name] for name in given}))
     if evidence.got != evidence.expected:
         why = "The program was started with these values, but its parameters have others."
         raise Failed(evidence, why, "parameter.override_ignored")
@@ -276,7 +277,7 @@ def start_file(node: GradedNode) -> Evidence:
     rng = node.context.random
     name, velocity = f"rover {rng.randrange(100, 1000)}", round(rng.uniform(0.2, 0.9), 1)
     given = {"robot_name": name, "enabled": False, "max_velocity": velocity}
-    sent = f"--params-file parameters.yaml, in which {describe_values(given)}"
+    sent = f"--params-file parameters.yaml, in which {describe_value(given)}"
     seen = _start(node, given, sent, file=given, of=NODE)
     node.context.spoil()
     return seen
@@ -311,7 +312,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
             model.drive(node, [BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
             model.require_values(node, sent)
         except Failed as failed:
-            why = f"Your node started with {describe_values(values)}, which it should have refused."
+            why = f"Your node started with {describe_value(values)}, which it should have refused."
             raise Failed(replace(evidence, got=failed.evidence.got), why, "validation.missing") from None
         return _require_words(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
     finally:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_interfaces.srv import ConvertTemperature
 
-from course_kit.grading.checks.answers import UNFILLED, describe_wanted
+from course_kit.grading.checks.answers import UNFILLED, describe_value
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
     Failed,
@@ -235,7 +235,7 @@ class Temperatures(Model):
             why = f"The grader checked {len(answers)} of your answers. {reason}"
             if right is has_every_digit:  # what is wrong may be the last digit
                 got = f"success=True, value={response.value!r}"
-                answer = replace(answer, sent=describe_wanted(vars(sample)), got=got)
+                answer = replace(answer, sent=describe_value(vars(sample)), got=got)
             lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 

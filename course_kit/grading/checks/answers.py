@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import in_one_line
-from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.diagnosis import causes
 from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name
@@ -116,7 +115,7 @@ class Answer(Reply):
         Example:
             >>> node.call("/add", a=1, b=2).expect(sum=3)
         """
-        evidence = Evidence(self.sent, describe_wanted(fields), self.got)
+        evidence = Evidence(self.sent, describe_value(fields), self.got)
         with charge_to(breaks):
             require_fields(fields, self.response, "In the response, ", evidence, why=why, diagnosis=diagnosis)
         return self
@@ -137,7 +136,7 @@ class Answer(Reply):
             >>> node.call("/convert", value=1.0, unit="kelvin").refused(what="an unknown unit")
         """
         wanted = fields or {"success": False}
-        expected = describe_wanted(wanted) + (f" and a {reason} that says why" if reason else "")
+        expected = describe_value(wanted) + (f" and a {reason} that says why" if reason else "")
         if not are_same(wanted, self.response):
             why = f"Your service accepted {what}."
             self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.missing")
@@ -176,7 +175,7 @@ class Change(Reply):
             if "undeclared parameter(s)" in self.result.reason:  # rclpy leaves out which
                 why = f"Your node has not declared {', '.join(self.values)}."
                 self.fail(why, expected=expected, breaks=breaks, diagnosis="parameter.undeclared")
-            why = f"Your node refused {describe_values(self.values)}, which is valid."
+            why = f"Your node refused {describe_value(self.values)}, which is valid."
             self.fail(why, expected=expected, breaks=breaks, diagnosis="validation.overzealous")
 
     def refused(self, *, expected: str = "refused", breaks: str = "", diagnosis: str = "validation.missing") -> None:
@@ -194,7 +193,7 @@ class Change(Reply):
             >>> node.set(max_speed=-1.0).refused(breaks="refused")
         """
         if self.result.successful:
-            why = f"Your node accepted {describe_values(self.values)}, but it should refuse it."
+            why = f"Your node accepted {describe_value(self.values)}, but it should refuse it."
             self.fail(why, expected=expected, breaks=breaks, diagnosis=diagnosis)
         self._require_proper_answer(expected)
 
@@ -249,7 +248,7 @@ def require_fields(  # noqa: PLR0913 - what is looked at, and what is said of it
 ) -> None:
     """All is as expected; else that is said of the first field which is not, unless the check says why."""
     for path, right, other in differences(wanted, got):
-        text = why or f"{where}{path} is {describe_wanted(other)}; it has to be {describe_wanted(right)}."
+        text = why or f"{where}{path} is {describe_value(other)}; it has to be {describe_value(right)}."
         raise Failed(evidence, text, diagnosis)
 
 
@@ -265,12 +264,12 @@ def _fits(wanted: Any, got: Any) -> bool:
     return bool(wanted == got)
 
 
-def describe_wanted(wanted: Any) -> str:
+def describe_value(wanted: Any) -> str:
     """What is expected or came, in words: `success=True, value=32.0`."""
     if is_message_type(type(wanted)):
         return in_one_line(wanted)
     if isinstance(wanted, dict):
-        return ", ".join(f"{name}={describe_wanted(value)}" for name, value in wanted.items())
+        return ", ".join(f"{name}={describe_value(value)}" for name, value in wanted.items())
     if isinstance(wanted, Approximation):
         return repr(wanted.value)
     return "what the task says" if callable(wanted) else repr(getattr(wanted, "tolist", lambda: wanted)())

@@ -12,7 +12,7 @@ from action_msgs.msg import GoalInfo, GoalStatus
 from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
-from course_kit.grading.checks.answers import are_same, describe_wanted, require_fields
+from course_kit.grading.checks.answers import are_same, describe_value, require_fields
 from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
@@ -175,7 +175,7 @@ class GradedGoal:
         Example:
             >>> node.goal("/count_down", order=2).accepted_by().ends(sequence=[2, 1])
         """
-        expected = ", ".join(filter(None, (status, describe_wanted(fields))))
+        expected = ", ".join(filter(None, (status, describe_value(fields))))
         with charge_to(breaks):
             ended = self.wait_for_end(within_s, expected)
             evidence = Evidence(self.shown, expected, f"{ended.name}, {in_one_line(ended.result)}")
@@ -213,7 +213,7 @@ class GradedGoal:
             complete=lambda messages: are_same(last or {}, messages[-1].feedback),
         )
         for which, fields, message in (("first", first, heard[0].feedback), ("last", last, heard[-1].feedback)):
-            expected = f"the {which} feedback with {describe_wanted(fields or {})}"
+            expected = f"the {which} feedback with {describe_value(fields or {})}"
             evidence = Evidence(self.shown, expected, in_one_line(message))
             require_fields(fields or {}, message, f"In the {which} feedback, ", evidence)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import astuple
 
 from course_kit.grading.checks import discovery, hangs
-from course_kit.grading.checks.answers import Answer, Change, describe_wanted, message_of, only_field, require_fields
+from course_kit.grading.checks.answers import Answer, Change, describe_value, message_of, only_field, require_fields
 from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
 from course_kit.grading.checks.exchange_log import NOTHING_SENT, Exchange, in_one_line
@@ -19,7 +19,6 @@ from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
     RemoteParameters,
     describe_result,
-    describe_values,
     parameter_file,
     start_arguments,
 )
@@ -183,7 +182,7 @@ class GradedNode:
         found = only_field(message, {**(wanted or {}), **fields} if fields else wanted)
         where = topic if callable(found) else f"In the message on {topic}, "
         evidence = replace(
-            evidence, expected=f"{topic}: {describe_wanted(found)}", got=f"{topic}: {in_one_line(message)}"
+            evidence, expected=f"{topic}: {describe_value(found)}", got=f"{topic}: {in_one_line(message)}"
         )
         with charge_to(breaks):
             require_fields(found, message, where, evidence, why=why, diagnosis=diagnosis)
@@ -242,7 +241,7 @@ class GradedNode:
         wanted = {**(values or {}), **more}
         remote, clock = self.parameters(of), self.context.latency_clock()
         result = remote.set_values(wanted)
-        self._last_sent = f"set {describe_values(wanted)}"
+        self._last_sent = f"set {describe_value(wanted)}"
         return Change(self._last_sent, describe_result(result), clock.latency(), wanted, result)
 
     def get(self, *names: str, of: str = "") -> dict[str, Any]:

@@ -11,6 +11,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
 from course_kit.grading.checks import hangs
+from course_kit.grading.checks.answers import describe_value
 from course_kit.grading.checks.discovery import ENDED, explain_other_nodes, has_settled, list_names, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
@@ -118,11 +119,6 @@ def describe_result(result: SetParametersResult) -> str:
     return "accepted" if result.successful else f"refused, with the reason {result.reason!r}"
 
 
-def describe_values(values: Mapping[str, object]) -> str:
-    """`max_velocity=2.5, enabled=False`."""
-    return ", ".join(f"{name}={value!r}" for name, value in values.items())
-
-
 def start_arguments(values: Mapping[str, object]) -> list[str]:
     """The arguments that start a program with these values, `--ros-args -p name:=value`."""
     return ["--ros-args", *(word for name, value in values.items() for word in ("-p", f"{name}:={_to_yaml(value)}"))]
@@ -149,7 +145,7 @@ def _evidence(question: Question) -> Evidence:
     if question.service == "get_parameters":
         return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
     values = {parameter.name: parameters.from_message(parameter.value) for parameter in question.fields["parameters"]}
-    return Evidence(f"{question.service}: {describe_values(values)}", "an answer: accepted, or refused and why")
+    return Evidence(f"{question.service}: {describe_value(values)}", "an answer: accepted, or refused and why")
 
 
 def _describe_response(request: Message, response: Message) -> str:
@@ -159,6 +155,6 @@ def _describe_response(request: Message, response: Message) -> str:
         if len(response.values) != len(request.names):
             return "no values: one of these parameters is not declared, or has no value"
         values = [parameters.from_message(value) for value in response.values]
-        return describe_values(dict(zip(request.names, values, strict=True)))
+        return describe_value(dict(zip(request.names, values, strict=True)))
     results = response.results if isinstance(response, SetParameters.Response) else [response.result]
     return "; ".join(map(describe_result, results))

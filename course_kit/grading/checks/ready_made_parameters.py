@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.answers import are_same, describe_wanted, only_field
+from course_kit.grading.checks.answers import are_same, describe_value, only_field
 from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.parameters import describe_values
 from course_kit.grading.checks.ready_made import make_check
 from course_kit.grading.checks.steps import draw_values
 from course_kit.ros.parameters import NOT_SET, to_message, type_of
@@ -76,10 +75,10 @@ def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evide
 def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
     """A node that was just started has these values."""
     found = remote.values(defaults)
-    evidence = Evidence(f"get_parameters of {remote.node}", describe_values(defaults), describe_values(found))
+    evidence = Evidence(f"get_parameters of {remote.node}", describe_value(defaults), describe_value(found))
     if others := {name: value for name, value in found.items() if value != defaults[name]}:
-        wanted = describe_values({name: defaults[name] for name in others})
-        why = f"After its start, {remote.node} has {describe_values(others)}, expected {wanted}."
+        wanted = describe_value({name: defaults[name] for name in others})
+        why = f"After its start, {remote.node} has {describe_value(others)}, expected {wanted}."
         raise Failed(evidence, why, "parameter.default")
     return evidence
 
@@ -122,12 +121,12 @@ def parameter_acts(
                 wanted = only_field(got, expect(message, setting))
                 if are_same(wanted, got):
                     continue
-                why, code = f"Expected {describe_wanted(wanted)} with the new setting.", "math.formula"
+                why, code = f"Expected {describe_value(wanted)} with the new setting.", "math.formula"
                 if new == old:
                     why = "Your node accepted the change, but the output is the same as before."
                     code = "parameter.read_once"
-                text = f"set {describe_values(setting)}; {subscription}: {message}"
-                raise Failed(Evidence(text, describe_wanted(wanted), str(got)), why, code)
+                text = f"set {describe_value(setting)}; {subscription}: {message}"
+                raise Failed(Evidence(text, describe_value(wanted), str(got)), why, code)
             node.set(before).accepted()
 
     return make_check(talk, **declared)
