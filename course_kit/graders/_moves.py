@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
+from course_kit.grading.checks.evidence import UnseenError
 from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
@@ -36,10 +37,6 @@ CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen
-
-
-class OverError(Failed):
-    """It was over before the grader could see it, and so shows nothing. No goal runs."""
 
 
 class HastyError(Failed):
@@ -349,7 +346,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
     if code == "action.cancel_refused" and left > CANCEL_UNTIL_M and (slow or goal.feedback):
         return failed
     if slow and not (code == "action.cancel_blocked" and waited_s > PROMPT_S):
-        return OverError(failed.evidence, failed.message, breaks=failed.breaks)
+        return UnseenError(failed.evidence, failed.message, breaks=failed.breaks)
     return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from course_interfaces.action import MoveRobot
 
 from course_kit.graders import _moves
-from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, OverError, Way, place_inside
+from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, Way, place_inside
 from course_kit.grading.checks.evidence import UnseenError, charge_to
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
@@ -263,7 +263,7 @@ class RobotModel(Model):
         later = max(first, second, key=lambda goal: goal.began_at)
         if any(goal.over_at is not None and goal.over_at <= later.began_at for goal in (first, second)):
             self.note_arrival(Move(self.at, self.at, later, later.wait_for_end(_moves.allowed_s(3.0), "SUCCEEDED")))
-            raise OverError(evidence, "One goal was over before the other began.")
+            raise UnseenError(evidence, "One goal was over before the other began.")
         node.context.wait_until(lambda: first.over_at is not None, PROMPT_S)
         if first.over_at is not None and first.statuses[-1][1] in (ABORTED, CANCELED):
             why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
@@ -319,7 +319,7 @@ class RobotModel(Model):
             # However busy the machine is: who has driven so far meanwhile has had this much time.
             waited_s = max(clock.fair_s(), driven / A_SECOND)
             explained = _moves.explain_refusal(failed, goal, target, waited_s, slow=slow)
-            if isinstance(explained, OverError):
+            if isinstance(explained, UnseenError):
                 self.start_afresh(node)
             raise explained from None
         self.special, clock = "cancel", node.context.clock()
@@ -342,16 +342,16 @@ class RobotModel(Model):
     def act(self, node: GradedNode, step: Callable[[], object]) -> None:
         """Do a step; what may be the fast robot's fault, or a busy machine's, is done again at its own speed."""
         context, speed, steps = node.context, _moves.speed_of(node.context), [step]
-        again, over = 0, list[OverError]()
+        again, over = 0, list[UnseenError]()
         while len(over) < _moves.OFTEN:
             clock = context.clock()
             try:
                 for before in steps[:-1]:
-                    with suppress(OverError):
+                    with suppress(UnseenError):
                         before()
                 step()
                 break
-            except OverError as failed:
+            except UnseenError as failed:
                 over.append(failed)
             except Failed as failed:
                 again += 1
@@ -372,7 +372,7 @@ class RobotModel(Model):
             speed.own = False
             self.start_afresh(node)
         if len(over) == _moves.OFTEN and over[-1].breaks:
-            raise UnseenError(over[-1].evidence, over[-1].message)
+            raise over[-1]
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""

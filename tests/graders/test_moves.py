@@ -12,7 +12,6 @@ from course_kit.graders._moves import (
     ArenaPoint,
     HastyError,
     Move,
-    OverError,
     distance_beside,
     explain_refusal,
     find_jump,
@@ -20,7 +19,7 @@ from course_kit.graders._moves import (
     require_distance,
     send_goal,
 )
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed, UnseenError
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
 from course_kit.grading.checks.grader_node import ReceivedFeedback
 from course_kit.grading.diagnosis import causes
@@ -105,14 +104,14 @@ def goal(*left: float, over_at: float | None = None, began_at: float = 0.0) -> A
     [
         ("action.cancel_refused", [1.0, 0.4], 0.1, False, Failed),
         ("action.cancel_refused", [1.0, 0.2], 0.1, False, HastyError),
-        ("action.cancel_refused", [1.0, 0.2], 0.1, True, OverError),  # so near it may be refused
+        ("action.cancel_refused", [1.0, 0.2], 0.1, True, UnseenError),  # so near it may be refused
         ("action.cancel_refused", [], 0.1, False, HastyError),
         ("action.cancel_refused", [], 0.1, True, Failed),
-        ("action.cancel_blocked", [0.1], 0.9, True, OverError),  # a second is allowed
+        ("action.cancel_blocked", [0.1], 0.9, True, UnseenError),  # a second is allowed
         ("action.cancel_blocked", [0.1], 1.1, True, HastyError),
         ("service.blocks", [1.0], 5.0, False, Failed),
         (None, [0.1], 0.1, False, HastyError),
-        (None, [0.1], 0.1, True, OverError),
+        (None, [0.1], 0.1, True, UnseenError),
     ],
 )
 def test_a_refusal_counts_where_cancelling_has_to_work(
