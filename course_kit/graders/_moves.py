@@ -149,15 +149,6 @@ def distance_beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> fl
     return math.dist(place, (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y)))
 
 
-def describe_end(ended: GoalOutcome) -> str:
-    """The end of a goal as the learner is shown it."""
-    result = ended.result
-    return (
-        f"{ended.name}, final_position=({result.final_position.x:.6g}, {result.final_position.y:.6g}), "
-        f"distance_travelled={result.distance_travelled:.4g}"
-    )
-
-
 def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) -> float:
     """How far from its target the robot was at the last feedback so far, or until then; endless without feedback."""
     heard = [message.feedback for message in goal.feedback if message.came_s <= at_s]
@@ -216,7 +207,7 @@ def require_arrival(move: Move) -> None:
     if off <= TOLERANCE:
         return
     expected = f"SUCCEEDED, final_position within {TOLERANCE} m of {move.target}"
-    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    evidence = Evidence(move.goal.shown, expected, str(move.ended))
     if move.ended.result == MoveRobot.Result():
         raise Failed(evidence, "The result still has its default values: your callback set none of its fields.")
     raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
@@ -231,7 +222,7 @@ def require_distance(move: Move) -> None:
     if abs(travelled - length) <= tolerance:
         return
     expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
-    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
+    evidence = Evidence(move.goal.shown, expected, str(move.ended))
     began = place_of(move.goal.feedback[0].feedback.position) if move.goal.feedback else move.begin
     why = "distance_travelled is not the length of this move alone."
     if math.dist(began, move.begin) > TOLERANCE and abs(travelled - math.dist(began, end)) <= tolerance:
@@ -353,7 +344,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
 def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
-    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", describe_end(ended))
+    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", str(ended))
     places = (place_of(message.feedback.position) for message in reversed(goal.feedback))
     # Where it was last on its way; what lies beside it is another check's matter.
     seen = next((place for place in places if distance_beside(move.begin, target, place) <= BESIDE), None)

@@ -52,6 +52,10 @@ class GoalOutcome:
         """The status in words, `SUCCEEDED`."""
         return status_name(self.status)
 
+    def __str__(self) -> str:
+        """As the learner is shown it."""
+        return f"{self.name}, {in_one_line(self.result)}"
+
 
 class GradedGoal:
     """A goal; made, it is sent, and its `clock` begins. It is `shown` to the learner in words."""
@@ -178,7 +182,7 @@ class GradedGoal:
         expected = ", ".join(filter(None, (status, describe_value(fields))))
         with charge_to(breaks):
             ended = self.wait_for_end(within_s, expected)
-            evidence = Evidence(self.shown, expected, f"{ended.name}, {in_one_line(ended.result)}")
+            evidence = Evidence(self.shown, expected, str(ended))
             went_on = status == "CANCELED" and ended.status == SUCCEEDED
             if went_on and causes.explain_goal_exception(self.process(), self._context.job) is None:
                 why = "Your server agreed to cancel the goal, but went on to its end."
@@ -270,7 +274,7 @@ class GradedGoal:
         if result.is_answered():
             response = result.response()
             end = GoalOutcome(response.status, response.result)
-            self._turn.add_received(f"result: {end.name}, {in_one_line(end.result)}")
+            self._turn.add_received(f"result: {end}")
             return end
         self._context.spoil()
         seconds = min(seconds, clock.fair_s())
