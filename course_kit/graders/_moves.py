@@ -62,10 +62,10 @@ ORIGIN, CENTRE = ArenaPoint(0.0, 0.0), ArenaPoint(ARENA / 2, ARENA / 2)
 
 @dataclass
 class Speed:
-    """Kept with the conversation: whether the robot that runs now has its own speed, and how often that was needed."""
+    """Kept with the conversation: whether the robot that runs now drives at 1 m/s, and how often that was needed."""
 
-    own: bool = False
-    needed: int = 0
+    own: bool
+    needed: int
 
 
 @dataclass(frozen=True)
@@ -107,22 +107,18 @@ def allowed_s(length: float) -> float:
 
 
 def speed_of(context: CheckContext) -> Speed:
-    """At which speed the robot drives in this conversation."""
-    speed: Speed = context.conversations.setdefault(Speed, Speed())
+    """At which speed the robot drives in this conversation; a stranger's always at its own."""
+    strange = context.job.mode == "attach"
+    speed: Speed = context.conversations.setdefault(Speed, Speed(strange, OFTEN if strange else 0))
     return speed
-
-
-def is_slow(context: CheckContext) -> bool:
-    """Whether the robot that runs now drives at 1 m/s."""
-    return context.job.mode == "attach" or speed_of(context).own
 
 
 def is_too_hasty(clock: FairClock, context: CheckContext, again: int) -> bool:
     """Whether the fast robot or a busy machine may be to blame for a failure; then the robot gets its own speed."""
-    slow, speed = is_slow(context), speed_of(context)
-    if again >= OFTEN or (slow and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else nobody knows their order
+    speed = speed_of(context)
+    if again >= OFTEN or (speed.own and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else nobody knows their order
         return False
-    speed.needed, speed.own = speed.needed + 1, context.job.mode != "attach"
+    speed.needed, speed.own = speed.needed + 1, True
     return True
 
 

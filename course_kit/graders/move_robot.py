@@ -102,7 +102,7 @@ class RobotModel(Model):
         """The edges belong to the arena."""
         for target in [ArenaPoint(*place) for edge in (0.0, ARENA) for place in ((at, edge), (edge, at))]:
             self.make_plain_move(node, "outside")
-            far = math.dist(self.at, target) > (FAR_M if _moves.is_slow(node.context) else 2 * FAR_M)
+            far = math.dist(self.at, target) > (FAR_M if _moves.speed_of(node.context).own else 2 * FAR_M)
             if far and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
@@ -179,7 +179,7 @@ class RobotModel(Model):
             evidence = Evidence(sent, expected, "accepted at once")
             with charge_to("cancel"):
                 second.wait_for_answer(expected)
-            if second.accepted and not _moves.is_slow(node.context):
+            if second.accepted and not _moves.speed_of(node.context).own:
                 raise _moves.TooFastError(evidence, "With the robot at its own speed, this can be seen.")
             with charge_to("cancel"):
                 ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
@@ -195,7 +195,7 @@ class RobotModel(Model):
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.make_plain_move(node)
-        target = self.target_of(Way(FAR_M, way.angle) if _moves.is_slow(node.context) else way)
+        target = self.target_of(Way(FAR_M, way.angle) if _moves.speed_of(node.context).own else way)
         self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
         target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:
@@ -240,7 +240,7 @@ class RobotModel(Model):
         length = math.dist(self.at, target)
         goal = self.start(node, target, breaks=breaks)
         if share:
-            seconds = 1.3 * share * length / (1.0 if _moves.is_slow(node.context) else 10.0) + 0.05
+            seconds = 1.3 * share * length / (1.0 if _moves.speed_of(node.context).own else 10.0) + 0.05
             node.context.wait_until(
                 lambda: goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length,
                 seconds,
@@ -301,7 +301,7 @@ class RobotModel(Model):
         self, node: GradedNode, target: ArenaPoint, share: float, *, disturbed: bool = False, breaks: str = ""
     ) -> None:
         """Set off, cancel after a share of the way, or just before it is too late, and see that the robot stops."""
-        slow, late, begin = _moves.is_slow(node.context), share == 1.0, self.at
+        slow, late, begin = _moves.speed_of(node.context).own, share == 1.0, self.at
         length = math.dist(begin, target)
         goal = self.set_off(node, target, 1.0 - 0.42 / length if late else share, breaks)
         breaks = "after_cancel" if self.cancelled else "cancel"
