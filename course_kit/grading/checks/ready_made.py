@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 DEADLINE_S = 12.0
-_TOGETHER_S = 5.0
 _AT_ONCE_S = 0.05  # in which a second message of the same callback comes
 _FEWEST = 3  # messages; enough to forget one that a busy machine has delayed
 _SILENT_S = 2.0
@@ -153,7 +152,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     requests: Sequence[dict[str, Any]],
     expect: Callable[[Any], dict[str, Any]],
     *,
-    within_s: float | None = None,
+    within_s: float = hangs.ANSWER_S,
     not_before_s: float = 0.0,
     at_a_time: int = 0,
     **declared: Unpack[CheckFields],
@@ -178,14 +177,13 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         several = draw_values(requests, node.context.random)
         wanted = [expect(node.message_for(service, fields)) for fields in several]
         if at_a_time:
-            seconds = _TOGETHER_S if within_s is None else within_s
-            answers = node.call_together(service, several, at_a_time=at_a_time, within_s=seconds)
+            answers = node.call_together(service, several, at_a_time=at_a_time, within_s=within_s)
         else:
             answers = [node.call(service, fields) for fields in several]
         for answer, fields in zip(answers, wanted, strict=True):
             if not at_a_time:
                 answer.not_before(not_before_s)
-                answer.within(hangs.ANSWER_S if within_s is None else within_s)
+                answer.within(within_s)
             code, why = _cause(node, fields, answer.response), ""
             if answer.response == type(answer.response)():
                 code, why = None, UNFILLED
