@@ -9,7 +9,6 @@ from __future__ import annotations
 import random
 import time
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
@@ -217,12 +216,6 @@ class CheckContext:
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""
         return self._clock is not None and self._clock.has_passed(self.deadline_s)
-
-    def require_time(self, evidence: Evidence) -> None:
-        """See that there is time left to ask something more, which is in the evidence."""
-        if self.time_is_up():
-            message = f"Every answer came, but so slowly that the {self.deadline_s:g} s for this check ran out."
-            raise Failed(replace(evidence, got="too late to ask"), message, "service.blocks")
 
     @contextmanager
     def after_the_verdict(self) -> Iterator[None]:

@@ -60,7 +60,7 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
 ) -> None:
     """Wait until something is answered."""
-    clock = context.clock()
+    clock, too_late = context.clock(), context.time_is_up()
     with explain_end(context, evidence, ended, "no answer: the program ended"):
         if context.wait_until(answered, min(_NUDGE_S, seconds)):
             return
@@ -68,6 +68,10 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
             greet_node(context)  # has more to do
         if context.wait_until(answered, seconds - _NUDGE_S):
             return
+    if too_late:
+        context.spoil()
+        why = f"Every answer came, but so slowly that the {context.deadline_s:g} s for this check ran out."
+        raise Failed(replace(evidence, got="too late for this answer"), why, "service.blocks")
     raise explain_no_answer(context, evidence, clock.fair_s(), logged)
 
 

@@ -104,7 +104,6 @@ class RemoteParameters:
     def _answer(self, question: Question) -> Message:
         context, request = self._context, question.request
         evidence = _evidence(question)
-        context.require_time(evidence)
         turn = context.record.add_sent(evidence.sent, minor=question.service in _VERBS[:2])
         sent = self._clients[question.service].send(request)
         ended, logged = causes.explain_end, causes.explain_logged
