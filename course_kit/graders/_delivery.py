@@ -13,7 +13,6 @@ from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import are_same, describe_value
 from course_kit.grading.checks.exchange_log import in_one_line
 from course_kit.grading.checks.graded_goal import SUCCEEDED
-from course_kit.grading.checks.ready_made_parameters import require_declared
 from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed, GradedGoal, GradedNode, offer_service
 
 if TYPE_CHECKING:
@@ -59,7 +58,7 @@ def require_graph(node: GradedNode, wanted: dict[str, dict[str, Any]]) -> None:
     _, launched, given = node.context.memory["runs"]
     try:
         for name, values in wanted.items():
-            require_declared(node, values, name)
+            node.parameters(name).expect_declared(values)
     except Failed as failed:
         if failed.diagnosis == "parameter.default" and launched:
             where = "Your robot.yaml or your launch file has a different value, or the value does not reach the node."

@@ -20,7 +20,6 @@ from course_kit.grading.checks.evidence import charge_to
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import start_arguments
 from course_kit.grading.checks.ready_made import expect_rate, make_check
-from course_kit.grading.checks.ready_made_parameters import expect_declared, expect_defaults, expect_types
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
     Evidence,
@@ -199,7 +198,7 @@ def node_up(node: GradedNode) -> Evidence:
 def defaults(node: GradedNode) -> Evidence:
     """Each parameter has its default."""
     others = node.get(*TYPES, of=NODE) if node.context.job.mode == "attach" else {}  # somebody else has set it
-    return expect_defaults(node.parameters(NODE), {**vars(DEFAULTS), **others})
+    return node.parameters(NODE).expect_values({**vars(DEFAULTS), **others})
 
 
 @check(points=0.5, after=["status"], proves=["status_rate"])
@@ -339,9 +338,9 @@ CHECKS = [
     endpoints_offered(check_id="topics", points=0.5, after=["node_up"],
                       title="The four topics exist, and a publisher or subscription with default QoS connects to each",
                       proves=["topic_command", "topic_velocity", "topic_wheel", "topic_status", "qos"]),
-    make_check(lambda node: expect_declared(node.parameters(NODE), vars(DEFAULTS)), check_id="declared", points=0.5,
+    make_check(lambda node: node.parameters(NODE).expect_names(TYPES), check_id="declared", points=0.5,
                title="The four parameters are declared", after=["node_up"], proves=list(TYPES)),
-    make_check(lambda node: expect_types(node.parameters(NODE), vars(DEFAULTS)), check_id="types", points=0.5,
+    make_check(lambda node: node.parameters(NODE).expect_types(vars(DEFAULTS)), check_id="types", points=0.5,
                title="Each parameter has its type", after=["declared"], proves=list(TYPES)),
     defaults,
     *conversation(

@@ -46,14 +46,6 @@ class RemoteParameters:
         """Whether all its parameter services can be called."""
         return all(client.is_ready() for client in self._clients.values())
 
-    def names(self) -> list[str]:
-        """The names of all parameters of the node."""
-        return self._ask(parameters.ask_names())
-
-    def types(self, names: Iterable[str]) -> dict[str, str]:
-        """The types of these parameters, `double`; `not set` of one that is not declared, or has no value yet."""
-        return {name: parameters.type_of(value) for name, value in self._ask_values(names)}
-
     def values(self, names: Iterable[str]) -> dict[str, Any]:
         """Their values, or None."""
         return {name: parameters.from_message(value) for name, value in self._ask_values(names)}
@@ -79,6 +71,45 @@ class RemoteParameters:
                 evidence = Evidence(_VERBS[0], expected)
                 raise hangs.explain_no_answer(context, evidence, clock.fair_s(), causes.explain_logged)
         return Evidence("", expected, expected)
+
+    def expect_declared(self, values: Mapping[str, Any]) -> Evidence:
+        """The node, which was just started, has parameters with these names, types and values."""
+        self.expect_names(values)
+        self.expect_types(values)
+        return self.expect_values(values)
+
+    def expect_names(self, names: Iterable[str]) -> Evidence:
+        """It has parameters with these names."""
+        found = self._ask(parameters.ask_names())
+        evidence = Evidence(f"list_parameters of {self.node}", ", ".join(names), ", ".join(found) or "no parameters")
+        if missing := [name for name in names if name not in found]:
+            raise Failed(evidence, f"{self.node} has not declared {', '.join(missing)}.", "parameter.undeclared")
+        return evidence
+
+    def expect_types(self, values: Mapping[str, Any]) -> Evidence:
+        """Its parameters have the types of these values."""
+        found = {name: parameters.type_of(value) for name, value in self._ask_values(values)}
+        wanted = {name: parameters.type_of(parameters.to_message(name, value).value) for name, value in values.items()}
+        told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
+        evidence = Evidence(f"get_parameters of {self.node}", expected, told)
+        if empty := [name for name, kind in found.items() if kind == parameters.NOT_SET]:
+            why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
+            raise Failed(evidence, why, "parameter.default")
+        if wrong := [name for name, kind in found.items() if kind != wanted[name]]:
+            why = " and ".join(f"{name} is {found[name]}, expected {wanted[name]}" for name in wrong)
+            point = any((found[name], wanted[name]) == ("integer", "double") for name in wrong)
+            raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
+        return evidence
+
+    def expect_values(self, values: Mapping[str, Any]) -> Evidence:
+        """Its parameters have these values after the start."""
+        found = self.values(values)
+        evidence = Evidence(f"get_parameters of {self.node}", describe_value(values), describe_value(found))
+        if others := {name: value for name, value in found.items() if value != values[name]}:
+            wanted = describe_value({name: values[name] for name in others})
+            why = f"After its start, {self.node} has {describe_value(others)}, expected {wanted}."
+            raise Failed(evidence, why, "parameter.default")
+        return evidence
 
     def _explain_absence(self, expected: str) -> Failed:
         context, nodes = self._context, self._context.grader_node.nodes()

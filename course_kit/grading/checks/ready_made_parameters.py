@@ -8,16 +8,14 @@ from course_kit.grading.checks.answers import are_same, describe_value, only_fie
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.ready_made import make_check
 from course_kit.grading.checks.steps import draw_values
-from course_kit.ros.parameters import NOT_SET, to_message, type_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from typing_extensions import Unpack
 
     from course_kit.grading.checks.check import Check
     from course_kit.grading.checks.graded_node import GradedNode
-    from course_kit.grading.checks.parameters import RemoteParameters
     from course_kit.grading.checks.ready_made import CheckFields
 
 _EFFECT_S = 0.2  # rclpy may tell the callbacks of a change after it has answered
@@ -35,52 +33,12 @@ def parameter_declared(defaults: dict[str, Any], *, node: str, **declared: Unpac
         >>> parameter_declared({"max_speed": 1.0}, node="/speed_limiter", check_id="declared",
         ...                    title="max_speed is 1.0 at the start", points=1.0, proves=["parameter"])
     """
-    return make_check(lambda graded: require_declared(graded, defaults, node), **declared)
 
+    def talk(graded: GradedNode) -> Evidence:
+        graded.ensure_running()
+        return graded.parameters(node).expect_declared(defaults)
 
-def require_declared(graded: GradedNode, values: dict[str, Any], node: str) -> Evidence:
-    """See that a node, after its start, has parameters with these values and so with their types."""
-    graded.ensure_running()
-    remote = graded.parameters(node)
-    expect_declared(remote, values)
-    expect_types(remote, values)
-    return expect_defaults(remote, values)
-
-
-def expect_declared(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
-    """A node has parameters with these names."""
-    names = remote.names()
-    evidence = Evidence(f"list_parameters of {remote.node}", ", ".join(defaults), ", ".join(names) or "no parameters")
-    if missing := [name for name in defaults if name not in names]:
-        raise Failed(evidence, f"{remote.node} has not declared {', '.join(missing)}.", "parameter.undeclared")
-    return evidence
-
-
-def expect_types(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
-    """A node's parameters have the types of these values."""
-    found = remote.types(defaults)
-    wanted = {name: type_of(to_message(name, value).value) for name, value in defaults.items()}
-    told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
-    evidence = Evidence(f"get_parameters of {remote.node}", expected, told)
-    if empty := [name for name, kind in found.items() if kind == NOT_SET]:
-        why = f"{' and '.join(empty)} is declared without a value, so there is nothing to read."
-        raise Failed(evidence, why, "parameter.default")
-    if wrong := [name for name, kind in found.items() if kind != wanted[name]]:
-        why = " and ".join(f"{name} is {found[name]}, expected {wanted[name]}" for name in wrong)
-        point = any((found[name], wanted[name]) == ("integer", "double") for name in wrong)
-        raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
-    return evidence
-
-
-def expect_defaults(remote: RemoteParameters, defaults: Mapping[str, Any]) -> Evidence:
-    """A node that was just started has these values."""
-    found = remote.values(defaults)
-    evidence = Evidence(f"get_parameters of {remote.node}", describe_value(defaults), describe_value(found))
-    if others := {name: value for name, value in found.items() if value != defaults[name]}:
-        wanted = describe_value({name: defaults[name] for name in others})
-        why = f"After its start, {remote.node} has {describe_value(others)}, expected {wanted}."
-        raise Failed(evidence, why, "parameter.default")
-    return evidence
+    return make_check(talk, **declared)
 
 
 def parameter_acts(
