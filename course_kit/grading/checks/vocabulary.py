@@ -13,6 +13,9 @@ from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,
     node_name,
+    parameter_acts,
+    parameter_declared,
+    parameter_refuses,
     service_answers,
     service_refuses,
     topic_answers,
@@ -20,7 +23,6 @@ from course_kit.grading.checks.ready_made import (
     topic_silent,
 )
 from course_kit.grading.checks.ready_made_goals import goal_cancelled, goal_feedback, goal_refused, goal_succeeds
-from course_kit.grading.checks.ready_made_parameters import parameter_acts, parameter_declared, parameter_refuses
 from course_kit.grading.checks.steps import draw_between, draw_by, draw_one_of, step_rule
 
 __all__ = [
