@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 ENDED = "a program that has ended"
 _SETTLED_S = 2.0  # a node that is up and spinning for so long has made the servers it will make
 _NODE_S = 1.5  # a node's name arrives a moment after its endpoints
-_OTHER_TYPE_S = 0.5  # the right name with another type: the node was seen to offer just that
 _MOST = 200  # names that are compared
 _get_type = lru_cache(get_type)
 _VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
@@ -103,13 +102,8 @@ def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> E
     def list_lacks() -> list[WantedEndpoint]:
         return [end for end in ends if not (end.is_ready(node) if end.is_server else end.type in end.types(node))]
 
-    def is_decided() -> bool:
-        lacks = list_lacks()
-        other_types = any(set(end.types(node)) - {end.type} for end in lacks) and node.nodes()  # names may come later
-        return not lacks or (clock.wall_s() > _OTHER_TYPE_S and bool(other_types)) or has_settled(context, clock)
-
     with explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
-        context.wait_for_start(is_decided)
+        context.wait_for_start(lambda: not list_lacks() or has_settled(context, clock))
     if list_lacks() and not node.nodes():
         context.spoil()
         raise Failed(Evidence("", expected, "on the graph: no node"), *why_empty(context, list_lacks()[0].name)[::-1])
