@@ -210,20 +210,18 @@ class Approximation:
 
     Attributes:
         value: the number.
-        relative: how far off it may be, as a share of the value.
-        absolute: the same in the value's unit; the larger one counts.
+        absolute: how far off it may be.
 
     Example:
         >>> node.call("/area", radius=2.0).expect(area=Approximation(12.566, absolute=0.01))
     """
 
     value: float
-    relative: float = 0.0
-    absolute: float = 0.0
+    absolute: float
 
     def __call__(self, got: Any) -> bool:
         """Whether a number is close enough."""
-        return math.isclose(got, self.value, rel_tol=self.relative, abs_tol=self.absolute)
+        return math.isclose(got, self.value, rel_tol=0.0, abs_tol=self.absolute)
 
 
 def differences(wanted: Any, got: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 import time
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
@@ -22,7 +21,7 @@ from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import machine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from mmap import mmap
 
     from course_kit.grading.model.job import Job
@@ -55,13 +54,13 @@ class GradedProgram:
         self._supervisor, self._variables, self._lives = supervisor, dict(variables), lives
         self.job = job  # what is graded; of several programs the one that was started last
         self._runs = False
-        self._used = self._used_before = ProcessorUse()  # in all, and until it was started last
+        self._used = self.used_before = ProcessorUse()  # in all, and until it was started last
         self.asked = ""  # of several that run, the file whose node was asked last
         self.stderr = ""  # what it had written when it was looked at last
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
-        self._runs, self._used_before, self.asked, self.stderr = False, self._used, "", ""
+        self._runs, self.used_before, self.asked, self.stderr = False, self._used, "", ""
         if self.job.mode == "attach":
             return None
         words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
@@ -116,12 +115,8 @@ class GradedProgram:
         """What it has used of the processors, in all its starts."""
         if self._runs:
             process = self.status(fresh=True)
-            self._used = self._used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
+            self._used = self.used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
         return self._used
-
-    def computed_since_start(self, used: ProcessorUse) -> float:
-        """Seconds of these for which it has computed since it was started last."""
-        return used.cpu_s - self._used_before.cpu_s
 
     def _ask_status(self, what: str, **more: Any) -> ProcessStatus:
         return convert_record(self._ask(what, **more), ProcessStatus)
@@ -217,15 +212,6 @@ class CheckContext:
         """Whether the check has used up its time, fairly counted; every wait is over then."""
         return self._clock is not None and self._clock.has_passed(self.deadline_s)
 
-    @contextmanager
-    def after_the_verdict(self) -> Iterator[None]:
-        """Let waits go beyond the check's deadline: for a look at why it failed, and to tidy up. Both are short."""
-        clock, self._clock = self._clock, None
-        try:
-            yield
-        finally:
-            self._clock = clock
-
     def spoil(self) -> None:
         """Remember that the running submission is dead or stuck: the next check needs a fresh one."""
         self.spoiled = True
@@ -241,9 +227,10 @@ class CheckContext:
 
     def has_computed_enough(self) -> bool:
         """Whether the program that was started last has computed for so long that its node should have appeared."""
-        return self.program.computed_since_start(self._state.recent_state().submission) >= self.job.start_cpu_s
+        computed_s = self._state.recent_state().submission.cpu_s - self.program.used_before.cpu_s
+        return computed_s >= self.job.start_cpu_s
 
-    def wait_until(
+    def wait_until(  # noqa: PLR0913 - in which waits differ
         self,
         condition: Callable[[], bool],
         seconds: float,
@@ -251,6 +238,7 @@ class CheckContext:
         most: float = MOST,  # the largest part of the time that a busy machine may take away
         step_s: float = _STEP_S,  # how late it may be noticed that something else than a message has made it hold
         of_the_living: bool = True,  # whether only a submission that runs can make it hold
+        by_deadline: bool = True,  # whether the check's deadline ends it; else it is a short look at why a check failed
     ) -> bool:
         """Wait until `condition` holds; False when it does not within `seconds`, fairly counted."""
         clock = self.clock(most=most)
@@ -264,7 +252,7 @@ class CheckContext:
                     raise SubmissionEndedError(self.program.status(), self.job)
                 if of_the_living and clock.has_passed(_LOST_S) and self.program.lost_in():
                     return False
-                if clock.has_passed(seconds) or self.time_is_up():
+                if clock.has_passed(seconds) or (by_deadline and self.time_is_up()):
                     return False
             self.grader_node.spin_once(step_s)
         self._late_s += time.monotonic() - looked

@@ -140,8 +140,7 @@ def is_computing(context: CheckContext) -> bool:
     """Whether the submission uses a processor most of the time, or waits for one; it is watched for a moment."""
     before = context.program.status(fresh=True)
     clock = context.clock()
-    with context.after_the_verdict():
-        context.wait_until(lambda: clock.wall_s() > LOOK_S, LOOK_S)
+    context.wait_until(lambda: clock.wall_s() > LOOK_S, LOOK_S, by_deadline=False)
     after = context.program.status(fresh=True)
     return after.cpu_s + after.waited_s - before.cpu_s - before.waited_s > _IDLE_SHARE * clock.wall_s()
 
