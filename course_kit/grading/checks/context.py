@@ -53,21 +53,18 @@ class GradedProgram:
     def __init__(self, supervisor: Channel, job: Job, variables: Mapping[str, str], lives: mmap | bytes) -> None:
         self._supervisor, self._variables, self._lives = supervisor, dict(variables), lives
         self.job = job  # what is graded; of several programs the one that was started last
-        self._runs = False
         self._used = self.used_before = ProcessorUse()  # in all, and until it was started last
         self.asked = ""  # of several that run, the file whose node was asked last
         self.stderr = ""  # what it had written when it was looked at last
 
     def start(self, arguments: Sequence[str], files: Mapping[str, str], more: Mapping[str, str]) -> int | None:
         """Have it started, with more variables; the ROS domain it is in, None where somebody else has started it."""
-        self._runs, self.used_before, self.asked, self.stderr = False, self._used, "", ""
+        self.used_before, self.asked, self.stderr = self._used, "", ""
         if self.job.mode == "attach":
             return None
         words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
         variables = {**self._variables, **more}
-        answer = self._ask("launch", variables=variables, **words)
-        self._runs = True
-        return int(answer["domain"])
+        return int(self._ask("launch", variables=variables, **words)["domain"])
 
     def run_to_end(self, time_is_up: Callable[[], bool]) -> ProcessStatus:
         """Start it and wait until it has ended, by itself or because the time is up."""
@@ -76,10 +73,6 @@ class GradedProgram:
             if time_is_up():
                 return self._ask_status("time is up")
         return process
-
-    def forget(self) -> None:
-        """Look at it no more: its graph is left."""
-        self._runs = False
 
     def status(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
@@ -113,9 +106,8 @@ class GradedProgram:
 
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
-        if self._runs:
-            process = self.status(fresh=True)
-            self._used = self.used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
+        process = self.status(fresh=True)
+        self._used = self.used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
         return self._used
 
     def _ask_status(self, what: str, **more: Any) -> ProcessStatus:
@@ -190,7 +182,6 @@ class CheckContext:
 
     def close(self) -> None:
         """Take the grader's node off the graph."""
-        self.program.forget()
         if self._grader_node is not None:
             self._grader_node.close()
             self._grader_node = None
