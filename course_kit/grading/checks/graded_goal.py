@@ -14,7 +14,7 @@ from unique_identifier_msgs.msg import UUID
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import are_same, describe_value, require_fields
 from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
-from course_kit.grading.checks.exchange_log import GRADER, Exchange, Followed, in_one_line
+from course_kit.grading.checks.exchange_log import GRADER, Followed, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import causes
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
+    from course_kit.grading.checks.exchange_log import Exchange
     from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.model.job import ProcessStatus
     from course_kit.ros.messages import ActionType, Message
@@ -71,21 +72,15 @@ class GradedGoal:
         self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
         self._turn = context.record.add_sent(f"goal for {action}: {in_one_line(message)}")
-        self._cancelling = Exchange()
         context.record.follow(self._feedback_steps)
         for inbox in (self._line.feedback, self._line.statuses):
             inbox.of_goal(self._id)  # what comes about this goal is kept from now on
         self._answer = self._line.goals.send(request)
 
     @property
-    def answered(self) -> bool:
-        """Whether the server has said yes or no."""
-        return self._answer.is_answered()
-
-    @property
     def accepted(self) -> bool:
         """Whether it has said yes."""
-        return self.answered and bool(self._answer.response().accepted)
+        return self._answer.is_answered() and bool(self._answer.response().accepted)
 
     @property
     def feedback(self) -> list[ReceivedFeedback]:
@@ -235,12 +230,12 @@ class GradedGoal:
         """
         expected = f"cancelling accepted within {within_s:g} s, then CANCELED"
         clock, running = self._context.clock(), self.over_at is None
-        answer = self.cancel()
+        turn, answer = self.cancel()
         evidence = Evidence(self.shown, expected)
         hangs.await_answer(self._context, answer.is_answered, evidence, ended=causes.explain_program)
         waited_s, late = clock.wall_s(), clock.has_passed(within_s)
         agreed = any(bytes(info.goal_id.uuid) == self._id for info in answer.response().goals_canceling)
-        self._cancelling.add_received("cancelling accepted" if agreed else "cancelling refused")
+        turn.add_received("cancelling accepted" if agreed else "cancelling refused")
         if agreed and not late:
             return self
         code: str | None
@@ -260,7 +255,7 @@ class GradedGoal:
 
     def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
         """Wait until the server has said yes or no."""
-        hangs.await_answer(self._context, lambda: self.answered, Evidence(self.shown, expected), seconds)
+        hangs.await_answer(self._context, self._answer.is_answered, Evidence(self.shown, expected), seconds)
         self._turn.add_received("accepted" if self.accepted else "rejected")
 
     def wait_for_end(self, seconds: float, expected: str) -> GoalOutcome:
@@ -329,11 +324,10 @@ class GradedGoal:
             raise Failed(evidence, why, "action.late_feedback")
         return heard
 
-    def cancel(self) -> SentRequest:
+    def cancel(self) -> tuple[Exchange, SentRequest]:
         """Ask the server to cancel it, by an action_msgs/srv/CancelGoal."""
         request = self._parts.CancelGoalService.Request(goal_info=GoalInfo(goal_id=self._uuid()))
-        self._cancelling = self._context.record.add_sent("request to cancel the goal")
-        return self._line.cancels.send(request)
+        return self._context.record.add_sent("request to cancel the goal"), self._line.cancels.send(request)
 
     def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""

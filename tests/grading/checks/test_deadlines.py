@@ -84,7 +84,7 @@ def send(context: CheckContext) -> GradedGoal:
 
 
 def cancel(context: CheckContext) -> None:
-    assert not context.wait_until(send(context).cancel().is_answered, ANSWER_S)
+    assert not context.wait_until(send(context).cancel()[1].is_answered, ANSWER_S)
 
 
 # Each asks the silent node for something, and how long it would wait by itself.
