@@ -77,13 +77,9 @@ class Rule:
     name: str
     check: str
     draws: dict[str, Any]
-    when: Callable[[Any], bool] | None
+    when: Callable[[Any], bool]  # whether such a step may be done now, by the model
     often: int
     run: Callable[..., None]
-
-    def is_allowed(self, model: Any) -> bool:
-        """Whether such a step may be done now."""
-        return self.when is None or self.when(model)
 
     def options(self) -> list[_Option]:
         """What can be drawn for it; the rule itself where nothing is to choose."""
@@ -99,7 +95,7 @@ class _Option(NamedTuple):
 
 
 def step_rule(
-    check: str = "", *, when: Callable[[Any], bool] | None = None, often: int = 0, **draws: Any
+    check: str = "", *, when: Callable[[Any], bool] = lambda _: True, often: int = 0, **draws: Any
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Decorator that makes a method of a `Model` a kind of step.
 
@@ -140,7 +136,7 @@ class Step:
 
     def do(self, node: GradedNode, model: Any, done: list[Step]) -> None:
         """Do it and note it, unless the model does not allow it now."""
-        if self.rule.is_allowed(model):
+        if self.rule.when(model):
             done.append(self)
             model.act(node, lambda: self.rule.run(model, node, **self.arguments))
 
@@ -169,7 +165,7 @@ class Steps:
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
         untried = []
         if by_state and seen and len(self._seen) <= _FEW_STATES:
-            allowed = [rule for rule in self._rules if rule.is_allowed(model)]
+            allowed = [rule for rule in self._rules if rule.when(model)]
             untried = [(rule, option) for rule in allowed for option in rule.options() if option not in seen]
         step = self._draw(model, *self._rng.choice(untried)) if untried else self._take(model, kinds[-1], apart=apart)
         seen |= step.options
