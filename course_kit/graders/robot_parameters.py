@@ -225,9 +225,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     """Start with these values; they act."""
     context = node.context
     try:
-        node.start(**start, meets=False)
-        node.parameters(NODE).expect_served()
-        node.ensure_running()
+        node.start(**start)
     except Failed as failed:
         failed.evidence, process = replace(failed.evidence, sent=sent), context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
@@ -296,10 +294,8 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
     sent = " ".join(start_arguments(values))
     evidence = Evidence(sent, f"an error that names {name} and the end of the program, or a warning and the default")
     try:
-        node.start(parameters=values, meets=False)
         try:
-            node.parameters(NODE).expect_served()
-            node.ensure_running()
+            node.start(parameters=values)
         except Failed as failed:
             if context.program.status(fresh=True).running:
                 failed.evidence = replace(failed.evidence, sent=sent)
