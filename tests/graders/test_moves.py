@@ -7,6 +7,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from course_interfaces.action import MoveRobot
+from geometry_msgs.msg import Point
 
 from course_kit.graders._moves import (
     ArenaPoint,
@@ -137,7 +139,7 @@ def test_a_refusal_counts_where_cancelling_has_to_work(
 def test_the_distance_is_that_of_this_goal_as_far_as_it_went(
     status: int, final: float, travelled: float, right: bool
 ) -> None:
-    result = SimpleNamespace(final_position=SimpleNamespace(x=final, y=0.0), distance_travelled=travelled)
+    result = MoveRobot.Result(final_position=Point(x=final), distance_travelled=travelled)
     move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), GoalOutcome(status, result))
     if right:
         require_distance(move)
