@@ -21,8 +21,6 @@ from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, M
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from std_msgs.msg import Float64
-
     Done = dict[str, Any] | list[float]  # values that were set, or the fields of a command
 
 # Of an end, as a share: rclpy's own text has the smallest number above 0 for a range that excludes 0, and who has the
@@ -79,11 +77,6 @@ class Reaction(NamedTuple):
 
     fields: tuple[float, ...]
     wheel: float
-
-    @classmethod
-    def from_messages(cls, twist: Twist, wheel: Float64) -> Reaction:
-        """From the messages."""
-        return cls(tuple(float(getattr(getattr(twist, part), axis)) for part, axis in FIELDS), float(wheel.data))
 
     def __str__(self) -> str:
         """As the learner is shown it."""
@@ -277,7 +270,7 @@ class LimiterSteps(Model):
         heard = Reaction in node.context.conversations  # in this grading, whatever the start
         silent = ("one_each" if heard else "within_3_s") if self.settings.enabled else "one_each_disabled"
         try:
-            got = Reaction.from_messages(node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent))
+            twist, wheel = node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent)
         except Failed as silence:
             if heard and silence.diagnosis == "topic.silent":  # which is about names
                 silence.diagnosis = None
@@ -285,6 +278,7 @@ class LimiterSteps(Model):
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
+        got = Reaction(tuple(getattr(getattr(twist, part), axis) for part, axis in FIELDS), wheel.data)
         right = right_reaction(self.settings, fields)
         if are_same(right, got) or ("wheel_speed" in self.lost and are_same(right.fields, got.fields)):
             self.seen = self.settings
