@@ -2,12 +2,16 @@
 
 It sees Python with its libraries, ROS, the parts of this kit that a program may import, a few devices and its scratch
 directory. There is no home, no checkout, no other submission, and nothing of the grader.
+
+Landlock (landlock(7), Linux 5.13 and later) takes no privilege, and is the second best: names outside of the list can
+be seen to exist, and neither opened nor changed. Newer kernels also keep signals, abstract sockets and TCP inside.
 """
 
 from __future__ import annotations
 
 import ctypes
 import os
+import stat
 import struct
 import sys
 import tempfile
@@ -16,6 +20,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.grading.sandbox import namespaces
 from course_kit.process import libc
 
 if TYPE_CHECKING:
@@ -50,6 +55,17 @@ _SYS_MOUNT_SETATTR = 442  # the same number on every architecture, Linux 5.12 an
 _SYS_PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
 _AT_FDCWD, _AT_RECURSIVE = -100, 0x8000
 _ATTR_RDONLY, _ATTR_NOSUID, _ATTR_NODEV = 0x1, 0x2, 0x4
+# Of Landlock. The system calls have the same numbers on every architecture.
+_SYS_CREATE, _SYS_ADD, _SYS_RESTRICT = 444, 445, 446
+_VERSION = 1  # flag of landlock_create_ruleset
+_PATH_BENEATH = 1
+_EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 0x1, 0x2, 0x4, 0x8
+_FIRST_RIGHTS = (1 << 13) - 1
+_REFER, _TRUNCATE, _IOCTL_DEV = 1 << 13, 1 << 14, 1 << 15
+_LATER_RIGHTS = ((2, _REFER), (3, _TRUNCATE), (5, _IOCTL_DEV))  # by the version that knows them
+_OF_FILES = _EXECUTE | _WRITE_FILE | _READ_FILE | _TRUNCATE | _IOCTL_DEV
+_BY_TCP, _TCP_SINCE = 0x3, 4  # bind and connect
+_OUTSIDE, _OUTSIDE_SINCE = 0x3, 6  # abstract sockets and signals
 _ROOT_MB = 1  # of the root itself, which holds nothing but folders and the files above
 
 
@@ -252,20 +268,66 @@ def _change_root(folder: str) -> None:
     os.chdir("/")
 
 
-def list_readable(view: FileView) -> Iterator[tuple[str, bool]]:
-    """The view for `landlock.restrict`, which knows no masks and gives a link's rights to what it leads to."""
+def landlock_version() -> int:
+    """The kernel's version of Landlock, 0 where it has none or it is switched off."""
+    try:
+        return _make_rules(None, 0, _VERSION)
+    except OSError:
+        return 0
+
+
+def restrict(view: FileView, writable: Iterable[str]) -> None:
+    """Have Landlock open nothing for this process, and all it will start, but the view and what is writable."""
+    kernel = landlock_version()
+    rights = _FIRST_RIGHTS | sum(right for since, right in _LATER_RIGHTS if kernel >= since)
+    by_tcp, outside = _BY_TCP * (kernel >= _TCP_SINCE), _OUTSIDE * (kernel >= _OUTSIDE_SINCE)
+    attributes = struct.pack("=QQQ", rights, by_tcp, outside)  # a kernel that knows fewer takes zeros behind them
+    rules = _make_rules(attributes, len(attributes))
+    try:
+        for path, only_names in _list_readable(view):
+            _allow(rules, path, _READ_DIR if only_names else _EXECUTE | _READ_FILE | _READ_DIR)
+        for path in writable:
+            _allow(rules, path, rights)
+        namespaces.forbid_new_privileges()
+        libc.system_call(_SYS_RESTRICT, rules, ctypes.c_uint(0), what="landlock_restrict_self")
+    finally:
+        os.close(rules)
+
+
+def _make_rules(attributes: bytes | None, size: int, flags: int = 0) -> int:
+    arguments = (attributes, ctypes.c_size_t(size), ctypes.c_uint(flags))
+    return libc.system_call(_SYS_CREATE, *arguments, what="landlock_create_ruleset")
+
+
+def _allow(rules: int, path: str, rights: int) -> None:
+    with suppress(FileNotFoundError, PermissionError, NotADirectoryError):  # what cannot be opened needs no rule
+        # A link would give its rights to what it leads to.
+        opened = os.open(path, os.O_PATH | os.O_CLOEXEC | os.O_NOFOLLOW)
+        try:
+            if not stat.S_ISDIR(os.fstat(opened).st_mode):
+                rights &= _OF_FILES
+            rule = struct.pack("=Qi", rights, opened)
+            arguments = (rules, ctypes.c_int(_PATH_BENEATH), rule, ctypes.c_uint(0))
+            libc.system_call(_SYS_ADD, *arguments, what=f"landlock_add_rule {path}")
+        finally:
+            os.close(opened)
+
+
+def _list_readable(view: FileView) -> Iterator[tuple[str, bool]]:
+    """The view without its masks, which Landlock does not know: paths, and of which folders only names are seen."""
     for path, is_mask in _in_order(replace(view, links=())):
         if not is_mask:
-            yield from _list_around_masks(path, [mask for mask in view.masked if mask.startswith(f"{path}/")])
+            yield from _list_around_masks(path, view.masked)
     yield from ((f"/dev/{name}", False) for name in _DEVICES[1:])
     yield "/proc", False
 
 
-def _list_around_masks(path: str, masks: list[str]) -> Iterator[tuple[str, bool]]:
+def _list_around_masks(path: str, masked: Iterable[str]) -> Iterator[tuple[str, bool]]:
+    masks = [mask for mask in masked if mask.startswith(f"{path}/")]
     yield path, bool(masks)
     if not masks:
         return
     with os.scandir(path) as entries:
         for entry in entries:
             if entry.path not in masks and not entry.is_symlink():
-                yield from _list_around_masks(entry.path, [mask for mask in masks if mask.startswith(f"{entry.path}/")])
+                yield from _list_around_masks(entry.path, masks)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Isolation
-from course_kit.grading.sandbox import file_view, landlock, machine, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, machine, namespaces, seccomp
 from course_kit.process.child import fork_child
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def become(user: int) -> None:
 
 
 def _try_each(writer: int, folder: str, user: int) -> None:
-    if landlock.version():
+    if file_view.landlock_version():
         os.write(writer, b"landlock\n")
     entered = _works(writer, "network", lambda: enter_network(user)) and _works(
         writer, "processes", lambda: enter_processes(user)

@@ -28,7 +28,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import file_view, isolation, landlock, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, isolation, namespaces, seccomp
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules
@@ -107,7 +107,7 @@ def _lock_in(order: StartOrder, inside: Streams) -> int:
 def _give_up_rights(order: StartOrder) -> None:
     """For good: after this the process, and all it starts, can do no more than the submission may."""
     if not order.isolation.files and order.isolation.landlock:
-        landlock.restrict(file_view.list_readable(order.view), (order.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
+        file_view.restrict(order.view, (order.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
     if order.user:
         isolation.become(order.user)
     namespaces.drop_privileges()
