@@ -59,8 +59,8 @@ class Pool(Closable):
         """Start workers for so many gradings at a time."""
         self.slots = slots
         self._idle = side_by_side(slots)
+        self._workers = [*self._idle]  # all there have been
         self._lock = threading.Lock()
-        self._busy: set[Worker] = set()
         self._closed = False
         self._threads = ThreadPoolExecutor(slots, thread_name_prefix="grading")
 
@@ -79,13 +79,12 @@ class Pool(Closable):
             if worker is None:
                 break
             try:
-                report = engine.grade_submission(request, worker)
+                return engine.grade_submission(request, worker)
             except Exception as failure:  # noqa: BLE001 - a worker in an unforeseen state must not end a class run
                 problem = str(failure) if isinstance(failure, GradingError) else f"The worker failed: {failure!r}."
-                self._give_back(worker, usable=False)
-            else:
-                self._give_back(worker, usable=True)
-                return report
+                worker.close()
+            finally:
+                self._idle.append(worker)
         return engine.report_unreadable(request.exercise, request.shown, problem, status="error")
 
     def close(self) -> None:
@@ -93,9 +92,7 @@ class Pool(Closable):
         self._threads.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._closed = True
-            workers = [*self._idle, *self._busy]
-            self._idle = []
-        for worker in workers:
+        for worker in self._workers:
             worker.close()
         self._threads.shutdown()
 
@@ -104,19 +101,13 @@ class Pool(Closable):
         with self._lock:
             if self._closed:
                 return None
-            while self._idle and self._idle[-1].has_ended():  # with the process they share; costs nobody a try
-                self._idle.pop().close()
-            worker = self._idle.pop() if self._idle else Worker()
-            self._busy.add(worker)
-            return worker
-
-    def _give_back(self, worker: Worker, *, usable: bool) -> None:
-        with self._lock:
-            self._busy.discard(worker)
-            if usable and not self._closed:
-                self._idle.append(worker)
-                return
-        worker.close()
+            while self._idle:
+                worker = self._idle.pop()
+                if not worker.has_ended():  # perhaps with the process they share, which costs nobody a try
+                    return worker
+                worker.close()
+            self._workers.append(Worker())
+            return self._workers[-1]
 
 
 def start_pool(exercises: Sequence[Exercise], workers: int | None = None) -> Pool:

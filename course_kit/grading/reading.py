@@ -20,7 +20,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import course_kit
 from course_kit.grading.errors import GradingError
@@ -241,7 +241,11 @@ class Reader(Closable):
 
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written."""
-        with _file_in_memory() as answer:
+        try:
+            answer = open(make_memory_file("reader"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
+        except OSError as problem:
+            raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
+        with answer:
             process.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
             deadline = time.monotonic() + process.WALL_S + _GRACE_S
             poll = select.poll()
@@ -276,14 +280,6 @@ class Reader(Closable):
 
 def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
     return copy.name, copy.digest, exercise.id
-
-
-def _file_in_memory() -> BinaryIO:
-    """A file nobody else knows."""
-    try:
-        return open(make_memory_file("reader"), "w+b", buffering=0)  # noqa: PTH123 - a descriptor
-    except OSError as problem:
-        raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
 
 
 def _summary(copy: Copy, answer: bytes) -> FileSummary:

@@ -48,31 +48,29 @@ def guest_user(worker: int) -> int:
     return _FIRST_GUEST + worker % _GUESTS
 
 
-class Trial:
-    """A child process that sets up each kind, while this one goes on. Only for a process with one thread."""
+def begin_trial(*, with_guest: bool = True) -> Callable[[], Isolation]:
+    """Have a child process set up each kind, of a process with one thread; call what is returned once: it waits."""
+    root = os.geteuid() == 0
+    user = guest_user(os.getpid()) if root and with_guest else 0
+    reader, writer = os.pipe()
+    folder = tempfile.TemporaryDirectory(prefix="course-kit-")
+    child = fork_child(partial(_try_each, writer, folder.name, user))
+    os.close(writer)
 
-    def __init__(self, *, with_guest: bool = True) -> None:
-        """Begin; `outcome` has to be asked for, as it cleans up."""
-        self._root = os.geteuid() == 0
-        self._user = guest_user(os.getpid()) if self._root and with_guest else 0
-        self._reader, writer = os.pipe()
-        self._folder = tempfile.TemporaryDirectory(prefix="course-kit-")
-        self._child = fork_child(partial(_try_each, writer, self._folder.name, self._user))
-        os.close(writer)
-
-    def outcome(self) -> Isolation:
-        """Wait until all has been tried; which kinds work. Once only."""
-        with os.fdopen(self._reader) as lines:  # one for each kind that works, and reasons after "!"
+    def wait_for_outcome() -> Isolation:
+        with os.fdopen(reader) as lines:  # one for each kind that works, and reasons after "!"
             answers = [line.rstrip("\n") for line in lines]
-        os.waitpid(self._child, 0)
-        self._folder.cleanup()
-        if self._user and "network" not in answers:  # as root of a container that may not map a second user
-            alone = Trial(with_guest=False).outcome()
+        os.waitpid(child, 0)
+        folder.cleanup()
+        if user and "network" not in answers:  # as root of a container that may not map a second user
+            alone = begin_trial(with_guest=False)()
             if alone.network:
                 return alone
         reasons = "; ".join(dict.fromkeys(line[1:].strip() for line in answers if line.startswith("!")))
         kinds = {name: name in answers for name in ("network", "processes", "files", "landlock", "syscalls", "user")}
-        return Isolation(**kinds, root=self._root, reason=reasons)
+        return Isolation(**kinds, root=root, reason=reasons)
+
+    return wait_for_outcome
 
 
 def enter_network(user: int = 0) -> None:

@@ -7,7 +7,6 @@ wanted are forked from it, which share that cost, and their pages in memory as w
 from __future__ import annotations
 
 import socket
-import threading
 from typing import TYPE_CHECKING, cast
 
 from course_kit import environment
@@ -60,16 +59,11 @@ class WarmProcess(QuietChild):
         finally:
             for end in theirs:
                 end.close()
-        self._lock = threading.Lock()
-        self._using = workers
 
-    def leave(self) -> None:
-        """Say that one more worker has hung up; with the last one the process ends, with everything it has started."""
-        with self._lock:
-            self._using -= 1
-            if self._using:
-                return
-        self.wait_or_kill(_STOP_S)  # the forks die with it
+    def end_unless_used(self) -> None:
+        """With the last worker the process ends, and everything it has started."""
+        if all(channel.is_closed() for channel in self.channels):
+            self.wait_or_kill(_STOP_S)  # the forks die with it
 
     def last_words(self) -> str:
         """What was printed last, for a worker that no longer answers."""
@@ -160,10 +154,9 @@ class Worker(Closable):
 
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""
-        first, self._closing = not self._closing, True
+        self._closing = True
         self._channel.hang_up()  # it notices, ends what it has under way, and stops
-        if first:
-            self._process.leave()
+        self._process.end_unless_used()
 
     def _last_words(self) -> str:
         return "It was closed meanwhile." if self._closing else self._process.last_words()

@@ -49,11 +49,11 @@ def serve(channels: Sequence[Channel]) -> None:
         os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
     namespaces.forbid_tracing()
     adopt_orphans()
-    trial = isolation.Trial()
+    wait_for_outcome = isolation.begin_trial()
     try:
         warm_up()
     finally:
-        found = trial.outcome()
+        found = wait_for_outcome()
     view = file_view.view_of_program()
     pairs = [Launcher.pair() for _ in channels]
     ends = [*channels, *(end for pair in pairs for end in pair)]

@@ -79,7 +79,7 @@ def main() -> None:
         refuse_namespaces(_LANDLOCK if mode == BARE else {})
     namespaces.forbid_tracing()
     adopt_orphans()
-    found = isolation.Trial().outcome()
+    found = isolation.begin_trial()()
     handle, end = launcher.Launcher.pair()
     if os.fork() == 0:
         handle.close()
