@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.errors import GradingError
-from course_kit.grading.pool import Pool
+from course_kit.grading.pool import Graders, Pool
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -24,8 +24,8 @@ class SchedulerLostError(GradingError):
     """The scheduler of a cluster ended or became unreachable while submissions were graded."""
 
 
-class Cluster:
-    """Graders, see `Graders`: the workers of a Dask scheduler."""
+class Cluster(Graders):
+    """The workers of a Dask scheduler."""
 
     def __init__(self, address: str) -> None:
         try:

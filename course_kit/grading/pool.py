@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import os
 import threading
+from abc import abstractmethod
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
@@ -35,24 +36,20 @@ _AT_ONCE = 2  # requests to stop
 Thing = TypeVar("Thing")
 
 
-class Graders(Protocol):
+class Graders(Closable):
     """Where gradings are done: a `Pool` of this machine, or a cluster."""
 
-    @property
-    def slots(self) -> int:
-        """How many gradings are done side by side."""
+    slots: int  # how many gradings are done side by side
 
+    @abstractmethod
     def submit(self, request: GradingRequest) -> Future[Report]:
         """Have a submission graded some time."""
 
-    def require_reachable(self) -> None:
+    def require_reachable(self) -> None:  # workers of this machine that end are replaced
         """See that reports can still come back."""
 
-    def close(self) -> None:
-        """Stop; what is under way is given up."""
 
-
-class Pool(Closable):
+class Pool(Graders):
     """Workers of this machine; safe to use from many threads."""
 
     def __init__(self, slots: int) -> None:
@@ -67,9 +64,6 @@ class Pool(Closable):
     def submit(self, request: GradingRequest) -> Future[Report]:
         """See `Graders`."""
         return self._threads.submit(self.grade, request)
-
-    def require_reachable(self) -> None:
-        """See `Graders`; workers of this machine that end are replaced."""
 
     def grade(self, request: GradingRequest) -> Report:
         """Grade with a worker that is free; a report comes whatever happens."""
