@@ -287,9 +287,8 @@ def start_graders(options: argparse.Namespace, exercises: Sequence[Exercise]) ->
     from course_kit.grading.pool import start_pool
 
     started = start_pool(exercises, options.workers)
-    from course_kit.classroom import exports
+    import course_kit.classroom.exports  # noqa: F401 - needed at the end: now, while workers start, it costs no time
 
-    exports.get_ready()  # needed at the end: now it costs no time, as the workers take as long
     return started
 
 

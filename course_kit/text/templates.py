@@ -24,13 +24,6 @@ def render_template(template: Path, **values: object) -> Markup:
     return Markup(_environment(template.parent).get_template(template.name).render(values))  # noqa: S704 - it escapes
 
 
-def load_templates(folder: Path) -> None:
-    """Read all templates of a folder now: that takes a while, and whoever renders later need not wait for it."""
-    environment = _environment(folder)
-    for name in environment.list_templates(["html"]):
-        environment.get_template(name)
-
-
 @cache  # one for each folder of templates, of which there are few
 def _environment(folder: Path) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined

@@ -30,12 +30,6 @@ if TYPE_CHECKING:
 PAGE = "index.html"
 
 
-def get_ready() -> None:
-    """Load all that writing takes, while there is something else to wait for."""
-    page.get_ready()
-    html.get_ready()
-
-
 def write_all(book: Gradebook, out: Path) -> Path:
     """Write every export into a class run's output folder; returns the class page."""
     made = dict(export_files(book))

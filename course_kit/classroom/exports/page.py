@@ -16,7 +16,6 @@ from urllib.parse import quote
 from course_kit.classroom.exports import attention, lookalikes, texts
 from course_kit.classroom.records import STUDENTS, outcome_of, safe_name
 from course_kit.grading.model import catalogue
-from course_kit.text.templates import load_templates
 from course_kit.text.templates import render_template as fill_in
 
 if TYPE_CHECKING:
@@ -96,11 +95,6 @@ class HeatMap:
     columns: Sequence[str]
     rows: dict[str, list[int]]
     having: dict[str, list[GradeRecord]]
-
-
-def get_ready() -> None:
-    """Load the templates before there is a class to show."""
-    load_templates(_TEMPLATES)
 
 
 def render_class(

@@ -14,7 +14,7 @@ from course_kit import environment
 from course_kit.grading.checks.exchange_log import GRADER, NODE
 from course_kit.ros import graph_drawing, sequence
 from course_kit.text.console import in_points
-from course_kit.text.templates import load_templates, render_template
+from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,11 +56,6 @@ def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
             place = f"{name}, {file.describe_line(number)}" if name else file.describe_line(number)
             found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
     return found[:MOST_LINES]
-
-
-def get_ready() -> None:
-    """Load the templates before there is something to show."""
-    load_templates(_TEMPLATES)
 
 
 def render_html(report: Report, base: Path | None = None) -> str:
