@@ -229,8 +229,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     answers = (folder if exercise.files else program, notebook)
     with Reader() as readings:
         seen = {path: _glance(readings, path, exercise) for path in answers}
-        starters = readings.summarize_starters(exercise)
-    given = {"", *(starter.identity for starter in starters)}  # nobody has begun with these, nor with an empty program
+        given = {"", *(each.identity for each in readings.summarize_starters(exercise))}  # "": of an empty program
     changed = [path for path, glance in seen.items() if glance.identity not in given]
     fitting = [path for path in changed if seen[path].found]
     if len(changed) == 1 or len(fitting) == 1:
