@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from rclpy.action.client import ClientGoalHandle
     from rclpy.node import Node
     from rclpy.task import Future
-    from rclpy.timer import Timer
 
     from course_kit.ros.messages import ActionType, Message
 
@@ -55,9 +54,11 @@ class GoalClient(ActionClient):
         self.action_name = full_action_name(node, action)
         self._own_node = node
         self._feedback_message = action_type.Impl.FeedbackMessage
-        self.busy: dict[bytes, GoalTracker] = {}
-        self._watch: Timer | None = None
-        self._ended: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
+        self.busy: list[GoalTracker] = []  # of goals that have not ended
+        self._trackers: weakref.WeakValueDictionary[bytes, GoalTracker] = weakref.WeakValueDictionary()
+        self._watch = node.create_timer(
+            _LOOK, self._look_for_servers, callback_group=self.callback_group, autostart=False
+        )
 
     def add_future(self, future: Future) -> None:
         """Leave a future without an executor, so that it calls back at once, in the order in which things arrive."""
@@ -81,12 +82,10 @@ class GoalClient(ActionClient):
             await super().execute({"goal": taken_data.pop("goal")})
         for message in taken_data.pop("all_feedback"):
             await super().execute({"feedback": message})  # for whoever records; it has no callback of rclpy's
-            tracker = self._find(message.goal_id)  # it may be a goal of another client
-            if tracker is not None:
+            if tracker := self._trackers.get(bytes(message.goal_id.uuid)):  # else a goal of another client
                 tracker.take_feedback(message.feedback)
         for status in getattr(taken_data.get("status"), "status_list", ()):
-            tracker = self._find(status.goal_info.goal_id)
-            if tracker is not None:
+            if tracker := self._trackers.get(bytes(status.goal_info.goal_id.uuid)):
                 tracker.note_status(status_name(status.status))
         await super().execute(taken_data)
 
@@ -94,16 +93,11 @@ class GoalClient(ActionClient):
         """Send a goal; returns the future of rclpy's goal handle."""
         identifier = UUID(uuid=list(uuid.uuid4().bytes))
         tracker.identifier = bytes(identifier.uuid)
-        self.busy[tracker.identifier] = tracker
-        if self._watch is None:
-            self._watch = self._own_node.create_timer(_LOOK, self._look_for_servers, callback_group=self.callback_group)
+        self._trackers[tracker.identifier] = tracker
+        self.busy.append(tracker)
+        self._watch.reset()
         sent: Future = self.send_goal_async(goal, goal_uuid=identifier)
         return sent
-
-    def end(self, tracker: GoalTracker) -> None:
-        """Keep track of a goal only as long as somebody holds it: it has ended."""
-        if self.busy.pop(tracker.identifier, None) is not None:
-            self._ended[tracker.identifier] = tracker
 
     def has_server(self) -> bool:
         """Whether a server is connected; never when the node has been destroyed."""
@@ -119,28 +113,18 @@ class GoalClient(ActionClient):
 
     def destroy(self) -> None:
         """Destroy it, and the timer that belongs to it; goals that have not ended are lost."""
-        for tracker in list(self.busy.values()):
+        for tracker in list(self.busy):
             tracker.lose()
-        self._stop_watching()
+        self._own_node.destroy_timer(self._watch)
         super().destroy()
 
     def _look_for_servers(self) -> None:
         """Tell of goals whose server has gone: of itself no result would ever come."""
-        if self.busy:
-            servers = self.servers()
-            for tracker in list(self.busy.values()):
-                tracker.note_servers(servers)
-        else:
-            self._stop_watching()
-
-    def _stop_watching(self) -> None:
-        if self._watch is not None:
-            self._own_node.destroy_timer(self._watch)
-            self._watch = None
-
-    def _find(self, goal_id: UUID) -> GoalTracker | None:
-        identifier = bytes(goal_id.uuid)
-        return self.busy.get(identifier) or self._ended.get(identifier)
+        servers = self.servers()
+        for tracker in list(self.busy):
+            tracker.note_servers(servers)
+        if not self.busy:
+            self._watch.cancel()
 
 
 class GoalTracker:
@@ -236,7 +220,7 @@ class GoalTracker:
         if self.ended:
             return
         self.status, self.result, self.ended = status, result, True
-        self.client.end(self)
+        self.client.busy.remove(self)
         if self.on_result is not None and self.accepted is not None:
             self._call(self.on_result)
         self._notify_listeners()
