@@ -11,7 +11,7 @@ from course_kit.lab.calls import make_waker, message_of, require_message_type
 from course_kit.lab.errors import NoAnswerError
 from course_kit.ros import compat
 from course_kit.ros.messages import type_name
-from course_kit.ros.topic import as_offered, is_heard, is_hearing, publishers_of
+from course_kit.ros.topic import as_offered
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -55,7 +55,7 @@ class Subscription:
         self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
         if not lab.in_callback():
-            _wait_until(lambda: is_hearing(lab.node, self._subscription))
+            _wait_until(lambda: self._subscription.get_publisher_count() >= lab.node.count_publishers(self.topic))
 
     @property
     def is_open(self) -> bool:
@@ -113,7 +113,7 @@ def publish(lab: Engine, topic: str, message_type: type[Message], message: Messa
     require_message_type(message_type)
     ready = message_of(message_type, message, fields)
     publisher = lab.clients.publisher(message_type, topic)
-    _wait_until(lambda: is_heard(lab.node, publisher))
+    _wait_until(lambda: publisher.get_subscription_count() >= lab.node.count_subscribers(publisher.topic_name))
     if lab.in_callback():  # this is the thread that would deliver
         publisher.publish(ready)
         return
@@ -153,14 +153,15 @@ async def next_messages(
 
 
 def _why_none(lab: Engine, subscription: RclpySubscription) -> str:
-    found = publishers_of(lab.node, subscription.topic_name)
+    found = lab.node.get_publishers_info_by_topic(subscription.topic_name)
     if not found:
         return "No node publishes it."
-    types = sorted({end.type for end in found})
+    types = sorted({end.topic_type for end in found})
     wanted = type_name(subscription.msg_type)
     if types != [wanted]:
         return f"It is published as {', '.join(types)}, but you asked for {wanted}."
-    names = sorted({end.node for end in found})
+    known = [end.node_name for end in found]
+    names = sorted({"a node that is just starting" if name == "_NODE_NAME_UNKNOWN_" else name for name in known})
     for crash in (lab.failures.latest[name] for name in names if name in lab.failures.latest):
         return f"{crash.node} publishes it, but its {crash.callback or 'callback'} {crash.error} ({crash.place})."
     return f"{', '.join(names)} has a publisher for it but may not have published yet."

@@ -1,4 +1,4 @@
-"""A subscription that keeps what comes, and who is at the other end of a topic.
+"""A subscription that keeps what comes, and the quality of service that fits the other end of a topic.
 
 Nothing here waits: whoever reads spins, awaits, or looks now and then what has come.
 """
@@ -6,7 +6,6 @@ Nothing here waits: whoever reads spins, awaits, or looks now and then what has 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, TypedDict
 
@@ -14,10 +13,9 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
     from rclpy.node import Node
-    from rclpy.publisher import Publisher
     from rclpy.subscription import Subscription
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -75,46 +73,8 @@ class Inbox:
         return node.create_subscription(message_type, topic, take, qos, event_callbacks=events, raw=raw)
 
 
-_UNKNOWN, _NOT_YET_NAMED = "_NODE_NAME_UNKNOWN_", "a node that is just starting"
-
-
-@dataclass(frozen=True)
-class Endpoint:
-    """A publisher or a subscription on the graph."""
-
-    node: str
-    type: str
-    qos: QoSProfile
-
-
-def publishers_of(node: Node, topic: str) -> list[Endpoint]:
-    """Who publishes on a topic, as a node sees it."""
-    return _endpoints(node.get_publishers_info_by_topic(topic))
-
-
-def subscriptions_of(node: Node, topic: str) -> list[Endpoint]:
-    """Who subscribes to a topic, as a node sees it."""
-    return _endpoints(node.get_subscriptions_info_by_topic(topic))
-
-
-def is_heard(node: Node, publisher: Publisher) -> bool:
-    """Whether a publisher is connected with all subscriptions that are on the graph."""
-    return publisher.get_subscription_count() >= node.count_subscribers(publisher.topic_name)
-
-
-def is_hearing(node: Node, subscription: Subscription) -> bool:
-    """Whether a subscription is connected with all publishers that are on the graph; see `is_heard`."""
-    return subscription.get_publisher_count() >= node.count_publishers(subscription.topic_name)
-
-
 def as_offered(depth: int = 10, keepers: Sequence[TopicEndpointInfo] = ()) -> QoSProfile:
     """A profile for a subscription that connects with all publishers that are on the topic when it is made."""
     local = bool(keepers) and all(end.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for end in keepers)
     durability = DurabilityPolicy.TRANSIENT_LOCAL if local else DurabilityPolicy.VOLATILE
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_AVAILABLE, durability=durability)
-
-
-def _endpoints(found: Iterable[TopicEndpointInfo]) -> list[Endpoint]:
-    """An endpoint may be discovered before its node is; rmw then makes up a name."""
-    names = ((_NOT_YET_NAMED if end.node_name == _UNKNOWN else end.node_name, end) for end in found)
-    return [Endpoint(name, end.topic_type, end.qos_profile) for name, end in names]

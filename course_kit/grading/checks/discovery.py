@@ -90,7 +90,7 @@ class WantedEndpoint(ExerciseEndpoint):
         """The types with which the name is there."""
         if self.is_server:
             return [kind for name, kind in node.offers(self.kind) if name == self.name]
-        return [end.type for end in node.ends(self.kind, self.name)]
+        return [end.topic_type for end in node.ends(self.kind, self.name)]
 
 
 def expect_endpoints(context: CheckContext, ends: Sequence[WantedEndpoint]) -> Evidence:
@@ -228,20 +228,21 @@ def _not_offered(context: CheckContext, wanted: WantedEndpoint) -> Failed:
 
 def _require_topic(context: CheckContext, end: WantedEndpoint) -> None:
     verb, found, expected = _VERBS[end.kind], context.grader_node.ends(end.kind, end.name), end.describe()
-    fitting = [end_there for end_there in found if end_there.type == end.type]
+    fitting = [end_there for end_there in found if end_there.topic_type == end.type]
     if not found:
         others = [topic for topic in context.grader_node.topics() if not is_hidden(topic)]
         message = f"No node {verb} {end.name}.{name_nearest(end.name, others)}"
         evidence = Evidence("", expected, f"on the graph: {list_names(others, 'topic')}")
         raise Failed(evidence, message, "topic.silent")
     if not fitting:
-        evidence = Evidence("", expected, f"{verb} {end.name} [{found[0].type}]")
-        message = f"Your node {verb} {end.name} with type {found[0].type}, expected {end.type}."
+        evidence = Evidence("", expected, f"{verb} {end.name} [{found[0].topic_type}]")
+        message = f"Your node {verb} {end.name} with type {found[0].topic_type}, expected {end.type}."
         raise Failed(evidence, message, "type.interface")
-    reasons = [_mismatch(end_there.qos, publishes=end.kind == "publisher") for end_there in fitting]
+    reasons = [_mismatch(end_there.qos_profile, publishes=end.kind == "publisher") for end_there in fitting]
     if all(reasons):
-        evidence = Evidence("", expected, f"{verb} {end.name} with the QoS {_policies(fitting[0].qos)}")
-        message = f"Your end is {_policies(fitting[0].qos)}, the other one {_policies(_DEFAULT)}: they do not connect."
+        given = _policies(fitting[0].qos_profile)
+        evidence = Evidence("", expected, f"{verb} {end.name} with the QoS {given}")
+        message = f"Your end is {given}, the other one {_policies(_DEFAULT)}: they do not connect."
         raise Failed(evidence, f"{message} The middleware says: {reasons[0]}", "topic.qos")
 
 

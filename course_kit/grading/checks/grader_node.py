@@ -25,7 +25,7 @@ from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.names import is_hidden
 from course_kit.ros.service import ServiceClient
-from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox, publishers_of, subscriptions_of
+from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.publisher import Publisher
     from rclpy.subscription import Subscription
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
 
     from course_kit.grading.checks.exchange_log import ExchangeLog
     from course_kit.ros.messages import ActionType, Message, MessageType, ServiceType
-    from course_kit.ros.topic import Endpoint
 
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 _MOST_REQUESTS = 1000  # for a service of ours
@@ -178,10 +178,11 @@ class GraderNode:
         self._wait_set = None
         self.node.destroy_service(self._services.pop(name).rclpy_service)
 
-    def ends(self, kind: str, topic: str) -> list[Endpoint]:
+    def ends(self, kind: str, topic: str) -> list[TopicEndpointInfo]:
         """Who else is a "publisher" on a topic, or a "subscription" to it."""
-        found = publishers_of(self.node, topic) if kind == "publisher" else subscriptions_of(self.node, topic)
-        return [end for end in found if end.node != NAME]
+        publishers, subscriptions = self.node.get_publishers_info_by_topic, self.node.get_subscriptions_info_by_topic
+        found = publishers(topic) if kind == "publisher" else subscriptions(topic)
+        return [end for end in found if end.node_name != NAME]
 
     def see_graph(self) -> graph.Overview:
         """Who talks to whom at this moment, the grader where it stands in for somebody; of a crowd only a part."""
