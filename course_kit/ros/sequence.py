@@ -9,7 +9,7 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 from course_kit.text.templates import render_template
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _TEMPLATES = Path(__file__).with_name("templates")
+STYLE_SHEET = _TEMPLATES / "sequence.css"  # for the page that shows a drawing
 _WIDTH = 640  # user units, one of which is a pixel; a drawing is as wide unless its lifelines need more
 _GAP = 220  # between two lifelines at least, so that a short message stands on one or two lines
 _BOX = (102, 190)  # the least and the greatest width of a name's box
@@ -48,18 +49,6 @@ class Arrow:
         return self.text if self.kind == "note" else f"{self.sender} -> {self.receiver}{fault}: {self.text}"
 
 
-class DiagramRow(NamedTuple):
-    """One step of the drawing."""
-
-    kind: str
-    lines: list[str]
-    top: int
-    y: int
-    begin: int
-    end: int
-    middle: int
-
-
 def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summary: str) -> str:
     """The diagram as an `svg` element, which templates take as it is; empty without steps."""
     if not steps:
@@ -69,9 +58,10 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
     top = 19 + _LINE * max(len(lines) for _, _, lines in heads)
     rows, y = [], top
     for step, text in steps:
-        row = _row(step, text, places, y, width)
-        rows.append(row)
-        y = row.top + len(row.lines) * _LINE + (_BELOW_NOTE if step.kind == "note" else _ARROW)
+        begin, end, middle, lines = _place_step(step, text, places, width)
+        bottom = y + len(lines) * _LINE
+        rows.append((step.kind, lines, y, bottom + 4, begin, end, middle))
+        y = bottom + (_BELOW_NOTE if step.kind == "note" else _ARROW)
     return render_template(
         _TEMPLATES / "sequence.svg",
         rows=rows,
@@ -85,11 +75,6 @@ def sequence_svg(steps: Sequence[tuple[Arrow, str]], names: dict[str, str], summ
     )
 
 
-def sequence_css() -> str:
-    """The style sheet of these drawings, for the page that shows one."""
-    return render_template(_TEMPLATES / "sequence.css")
-
-
 def _lifelines(names: list[str], longest: int) -> tuple[int, dict[str, int], int]:
     """The width of a name's box, where each lifeline is, and the width of it all."""
     least, most = _BOX
@@ -100,7 +85,7 @@ def _lifelines(names: list[str], longest: int) -> tuple[int, dict[str, int], int
     return box, places, max(_WIDTH, places[names[-1]] + edge)
 
 
-def _row(step: Arrow, text: str, places: dict[str, int], top: int, width: int) -> DiagramRow:
+def _place_step(step: Arrow, text: str, places: dict[str, int], width: int) -> tuple[int, int, int, list[str]]:
     begin, end = places[step.sender], places[step.receiver]
     if step.kind == "note":
         middle, room = width // 2, width
@@ -110,7 +95,7 @@ def _row(step: Arrow, text: str, places: dict[str, int], top: int, width: int) -
     else:
         middle, room = (begin + end) // 2, abs(end - begin)
     lines = _wrap_label(("✗ " if step.kind == "failure" else "") + text, room - _MARGIN, _MOST_LINES)
-    return DiagramRow(step.kind, lines, top, top + len(lines) * _LINE + 4, begin, end, middle)
+    return begin, end, middle, lines
 
 
 def _wrap_label(text: str, room: int, most: int) -> list[str]:

@@ -94,7 +94,7 @@ def _values(report: Report, base: Path) -> dict[str, object]:
         "first_failed": next((check for check in report.run if check.status == "failed"), None),
         "link": partial(_link, base=base),
         "sequence_svg": sequence_svg,
-        "sequence_css": sequence.sequence_css(),
+        "sequence_css": render_template(sequence.STYLE_SHEET),
         "graph_css": render_template(graph_drawing.STYLE_SHEET),
         "drawing": graph_drawing,
         "is_page": False,

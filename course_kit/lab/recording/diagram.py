@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.lab.recording.arrows import arrows_of
 from course_kit.ros.names import short_name
-from course_kit.ros.sequence import Arrow, sequence_css, sequence_svg
+from course_kit.ros.sequence import STYLE_SHEET, Arrow, sequence_svg
 from course_kit.text.templates import render_template
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Diagram:
             render_template(
                 _TEMPLATE,
                 drawing=sequence_svg(steps, names, f"Sequence diagram: {self._summary()}"),
-                sequence_css=sequence_css(),
+                sequence_css=render_template(STYLE_SHEET),
                 steps=words,
                 missing=missing,
                 summary=self._summary(),
