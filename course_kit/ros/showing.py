@@ -7,7 +7,7 @@ megabytes. What `ros2` prints of messages is laid out as the real command does i
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Plain: TypeAlias = "int | float | bool | str | list[Plain] | dict[str, Plain] | None"
 
@@ -20,9 +20,33 @@ _PLAIN = frozenset({int, float, bool, type(None)})
 _PARAMETER_VALUE = {"type", "bool_value", "string_array_value"}
 
 
-def copy_message(value: object, elements: int = ELEMENTS, *, last: bool = False) -> Plain:
-    """Copy a message into numbers, strings, lists and dicts."""
-    return _Copy(elements, last=last).copy_value(value, DEPTH)
+def copy_message(  # noqa: PLR0911 - a table of types
+    value: Any, elements: int = ELEMENTS, *, last: bool = False, depth: int = DEPTH
+) -> Plain:
+    """Copy a message into numbers, strings, lists and dicts; of long sequences the first elements, or the last."""
+    kind = type(value)
+    if kind in _PLAIN:
+        return value  # type: ignore[no-any-return] # by the set
+    if kind is str:
+        return _shorten(value)
+
+    def copy(part: Any, depth: int) -> Plain:
+        return part if type(part) in _PLAIN else copy_message(part, elements, last=last, depth=depth)
+
+    names = _field_names(kind)
+    if names is not None:
+        if depth == 0:
+            return {"...": "..."}
+        more: dict[str, Plain] = {"...": f"+{len(names) - FIELDS} more"} if len(names) > FIELDS else {}
+        return {name: copy(getattr(value, name), depth - 1) for name in names[:FIELDS]} | more
+    if isinstance(value, dict):  # what the recorder notes of a callback or a goal
+        return {name: copy(part, depth - 1) for name, part in value.items()}
+    if isinstance(value, str) or not (hasattr(value, "__len__") and hasattr(value, "__getitem__")):
+        return _shorten(str(_as_python(value)))
+    copied = [copy(_as_python(each), depth) for each in (value[-elements:] if last else value[:elements])]
+    if len(value) <= elements:
+        return copied
+    return ["...", *copied] if last else [*copied, f"+{len(value) - elements} more"]
 
 
 def describe_message(value: Plain, digits: int | None = None) -> str:
@@ -36,46 +60,6 @@ def field_rows(value: Plain, path: str = "") -> list[list[str]]:
     if not isinstance(value, dict):
         return [[path, _element(value, None)]]
     return [row for name, part in value.items() for row in field_rows(part, f"{path}.{name}" if path else name)]
-
-
-class _Copy:
-    """One copy that is being made."""
-
-    def __init__(self, elements: int, *, last: bool) -> None:
-        self._elements, self._last = elements, last
-
-    def copy_value(self, value: object, depth: int) -> Plain:
-        kind = type(value)
-        if kind in _PLAIN:
-            return value  # type: ignore[return-value] # by the set
-        if kind is str:
-            return _shorten(str(value))
-        names = _field_names(kind)  # type: ignore[arg-type] # a class can be a key
-        if names is not None:
-            return self._message(value, names, depth)
-        if isinstance(value, dict):
-            return {str(name): self.copy_value(part, depth - 1) for name, part in list(value.items())[:FIELDS]}
-        if not isinstance(value, str) and hasattr(value, "__len__") and hasattr(value, "__getitem__"):
-            return self._sequence(value, len(value), depth)
-        return _shorten(str(_as_python(value)))
-
-    def _message(self, message: object, names: tuple[str, ...], depth: int) -> Plain:
-        if depth == 0:
-            return {"...": "..."}
-        copied: dict[str, Plain] = {}
-        for name in names[:FIELDS]:
-            value = getattr(message, name)
-            copied[name] = value if type(value) in _PLAIN else self.copy_value(value, depth - 1)
-        if len(names) > FIELDS:
-            copied["..."] = f"+{len(names) - FIELDS} more"
-        return copied
-
-    def _sequence(self, values: object, length: int, depth: int) -> Plain:
-        part = values[-self._elements :] if self._last else values[: self._elements]  # type: ignore[index] # it has it
-        copied = [self.copy_value(_as_python(element), depth) for element in part]
-        if length <= self._elements:
-            return copied
-        return ["...", *copied] if self._last else [*copied, f"+{length - self._elements} more"]
 
 
 @lru_cache(maxsize=256)
