@@ -7,7 +7,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.ros.flow_layout import BETWEEN_ROWS, lay_out
+from course_kit.ros.graph_drawing import BETWEEN_ROWS, lay_out
 
 WIDE, HIGH = 120.0, 40.0
 
