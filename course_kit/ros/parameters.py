@@ -23,9 +23,7 @@ NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
 _OF_ARRAYS = ("byte", "bool", "integer", "double", "string")
 TYPES = (NOT_SET, "bool", "integer", "double", "string", *(f"{word}_array" for word in _OF_ARRAYS))
-_SCALARS = (bool, int, float, str)  # of the types from 1 on; a bool is an int as well: it comes first
-_ELEMENTS = (bytes, bool, int, float, str)  # of the types from _ARRAYS on
-_ARRAYS = 5
+_ARRAYS = 5  # the first type of an array
 _INT64 = range(-(2**63), 2**63)
 LIST_SERVICE = "/list_parameters"  # a node that has it has parameter services
 # Every node has these, whatever its author declares.
@@ -155,30 +153,25 @@ def _is_empty_list(value: object) -> bool:
     return not isinstance(value, str) and hasattr(value, "__len__") and len(value) == 0
 
 
-def _kind_of(name: str, value: object, empty_list: int) -> int:
-    if value is None:
-        return 0
-    for number, scalar in enumerate(_SCALARS, start=1):
-        if isinstance(value, scalar):
-            _require_int64(name, [value])
-            return number
-    if not isinstance(value, (list, tuple)):
-        raise _explain_unfit(name, value, "A parameter is a bool, an int, a float, a str, or a list of one of these")
-    if not value:
+def _kind_of(name: str, value: Any, empty_list: int) -> int:
+    from rclpy import parameter
+
+    is_list = isinstance(value, (list, tuple))
+    if is_list and not value:
         return empty_list
-    for number, element in enumerate(_ELEMENTS, start=_ARRAYS):
-        if all(isinstance(item, element) and (element is bool or not isinstance(item, bool)) for item in value):
-            _require_int64(name, value)
-            return number
-    hint = ""
-    if all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
-        hint = f" Write {[float(item) for item in value]!r}."
-    raise _explain_unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
-
-
-def _require_int64(name: str, given: Sequence[object]) -> None:
-    if any(isinstance(item, int) and item not in _INT64 for item in given):
-        raise _explain_unfit(name, given[0], "An integer parameter has 64 bits")
+    try:
+        kind: int = parameter.Parameter.Type.from_parameter_value(value).value
+    except TypeError:
+        rule, hint = "A parameter is a bool, an int, a float, a str, or a list of one of these", ""
+        if is_list:
+            rule = "All elements of a list have one type: bool, int, float, str or bytes"
+            if all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
+                hint = f" Write {[float(item) for item in value]!r}."
+        raise _explain_unfit(name, value, rule, hint) from None
+    for item in value if is_list else [value]:
+        if isinstance(item, int) and item not in _INT64:
+            raise _explain_unfit(name, item, "An integer parameter has 64 bits")
+    return kind
 
 
 def _explain_unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
