@@ -18,15 +18,10 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
     from course_kit import environment
     from course_kit.grading.model import exercise_folders
-    from course_kit.integrations import grade_magics, magics
-    from course_kit.integrations.magics import hint_line
+    from course_kit.integrations.magics import register_magics
     from course_kit.interfaces.sources import PATH_VARIABLE
-    from course_kit.ros2cli.cli import ros2_line
 
-    magics.register_magics(shell)
-    shell.register_magics(grade_magics.GradeMagics)
-    shell.register_magic_function(hint_line, "line", "hint")
-    shell.register_magic_function(ros2_line, "line", "ros2")
+    register_magics(shell)
     environment.paths.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
     if path := exercise_folders.interface_path():  # of exercises that bring their types
         os.environ[PATH_VARIABLE] = path

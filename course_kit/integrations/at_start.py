@@ -11,23 +11,15 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
-_MAGICS = {
-    "line": ("check", "grade", "hint", "ros2", "ros_stop"),
-    "cell": ("submission", "interface"),
-    "line_cell": ("ros_launch", "ros_script"),
-}
+_MAGICS = ("check", "grade", "hint", "interface", "ros2", "ros_launch", "ros_script", "ros_stop", "submission")
 _NAMES = ("lab", "panels")
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called when a kernel starts."""
-    for kind, names in _MAGICS.items():
-        for name in names:
-            shell.register_magic_function(_loading(shell, name), kind, name)
+    shell.magics_manager.lazy_magics.update(dict.fromkeys(_MAGICS, "course_kit"))
 
     def before_cell(info: ExecutionInfo) -> None:
         from course_kit.environment import DomainError
@@ -49,14 +41,3 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
     shell.events.register("pre_run_cell", before_cell)
     shell.events.register("post_run_cell", after_cell)
-
-
-def _loading(shell: InteractiveShell, name: str) -> Callable[..., object]:
-    def load_and_run(line: str, cell: str | None = None) -> object:
-        shell.extension_manager.load_extension("course_kit")  # registers the magic itself in place of this
-        if cell is None:
-            return shell.run_line_magic(name, line)
-        return shell.run_cell_magic(name, line, cell)
-
-    load_and_run.__doc__ = f"Load the course, and run its %{name}."
-    return load_and_run

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import functools
 import html
 import os
@@ -12,11 +11,13 @@ import sys
 import tempfile
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import nbformat
+from IPython.core.error import UsageError
 from IPython.core.getipython import get_ipython
 from IPython.core.magic import Magics, cell_magic, line_magic, magics_class
+from IPython.core.magic_arguments import MagicArgumentParser
 from IPython.display import display
 
 from course_kit import environment
@@ -120,7 +121,7 @@ class GradeMagics(Magics):
         """Grade the notebook's submission, or a file: `%grade EXERCISE [FILE] [--only PART] [--seed N]`."""
         try:
             exercise, file, options = parse_line(line)
-        except ValueError:
+        except (UsageError, ValueError):
             raise GradingError(f"{USAGE} {the_exercises()}") from None
         from course_kit import grading
         from course_kit.learner import progress
@@ -258,14 +259,9 @@ def _in_an_autograder() -> bool:
     return NBGRADER in os.environ or bool(getattr(otter, "_grading_mode", False))
 
 
-class _LineParser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        raise ValueError(message)
-
-
 def parse_line(line: str) -> tuple[str, str | None, dict[str, Any]]:
     """Exercise, file and options of a `%grade` line."""
-    parser = _LineParser(add_help=False, allow_abbrev=False)
+    parser = MagicArgumentParser()
     parser.add_argument("exercise")
     parser.add_argument("file", nargs="?")
     parser.add_argument("--only", default="")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.integrations.grade_magics import complains, print_complaint, the_exercises
+from course_kit.integrations.grade_magics import GradeMagics, complains, print_complaint, the_exercises
 from course_kit.lab.errors import LabError
 
 if TYPE_CHECKING:
@@ -38,11 +38,16 @@ class MagicError(LabError):
 
 def register_magics(shell: InteractiveShell) -> None:
     """Make the magics known to an IPython shell."""
+    from course_kit.ros2cli.cli import ros2_line
+
+    shell.register_magics(GradeMagics)
     shell.register_magic_function(interface, "cell", "interface")
     shell.register_magic_function(ros_script, "line_cell", "ros_script")
     shell.register_magic_function(ros_launch, "line_cell", "ros_launch")
     shell.register_magic_function(ros_stop, "line", "ros_stop")
     shell.register_magic_function(check_line, "line", "check")
+    shell.register_magic_function(hint_line, "line", "hint")
+    shell.register_magic_function(ros2_line, "line", "ros2")
 
 
 def interface(line: str, cell: str) -> None:
