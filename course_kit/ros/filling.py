@@ -59,8 +59,10 @@ def unknown_field(field: object, known: Fields, owner: str) -> str:
 
 
 def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: bool) -> None:
+    from course_kit.interfaces.message_fields import message_fields
+
     known = message.get_fields_and_field_types()
-    kinds = _read_kinds(type(message)) if from_yaml else {}
+    kinds = {field.name: field.type for field in message_fields(type(message))} if from_yaml else {}
     for name, value in fields.items():
         field = f"{path}{name}"
         if name not in known:
@@ -77,12 +79,6 @@ def _put(message: Message, fields: Fields, owner: str, path: str, *, from_yaml: 
         except (AssertionError, TypeError, ValueError, OverflowError) as error:
             owner = owner or describe_type(type(message))
             raise BadFieldError(explain_refusal(name, value, known[name], owner)) from error
-
-
-def _read_kinds(message_type: type[Message]) -> dict[str, FieldType]:
-    from course_kit.interfaces.message_fields import message_fields
-
-    return {field.name: field.type for field in message_fields(message_type)}
 
 
 def explain_refusal(field: object, value: object, field_type: str, owner: str) -> str:

@@ -35,7 +35,6 @@ LISTENS = Role("topic", "listens to", offers=False, inward=True)
 ROLES = (SERVES, CALLS, RUNS, SENDS_GOALS, PUBLISHES, LISTENS)
 KINDS = ("service", "action", "topic")
 _MISSING = {"service": "No node serves", "action": "No node runs", "topic": "No node publishes"}
-_UNUSED = "No node listens to"
 # So many of the first bytes of an endpoint's identifier are the same within one process, at least with Fast DDS
 # (GuidUtils.hpp).
 _PROCESS = 8
@@ -79,7 +78,7 @@ class Overview(NamedTuple):
             if not any(use.role.offers for use in uses):
                 remarks.append(f"{_MISSING[kind]} {name}.")
             elif kind == "topic" and all(use.role.offers for use in uses):
-                remarks.append(f"{_UNUSED} {name}.")
+                remarks.append(f"No node listens to {name}.")
             if len(types) > 1:
                 remarks.append(f"{name} is used with {len(types)} types, which never meet: {', '.join(types)}.")
             if remarks:
@@ -91,11 +90,8 @@ def read_graph(node: Node, *, plumbing: bool = False, most: int | None = None) -
     """The graph as a node sees it, or so many nodes of it."""
     visible = [name for name in node_names(node) if plumbing or not names.is_hidden(name)][:most]
     uses = {use for name in set(visible) for use in uses_of(node, name) if plumbing or not is_plumbing(use)}
-    return Overview(tuple(visible), tuple(sorted(uses, key=_order)))
-
-
-def _order(use: ChannelUse) -> tuple[str, int, bool, str]:
-    return use.node, KINDS.index(use.role.kind), not use.role.offers, use.channel
+    order = sorted(uses, key=lambda use: (use.node, KINDS.index(use.role.kind), not use.role.offers, use.channel))
+    return Overview(tuple(visible), tuple(order))
 
 
 def is_plumbing(use: ChannelUse) -> bool:
