@@ -5,7 +5,6 @@ Terminals complete `ros2` with Tab, and notebooks are exported as `export` says.
 
 from __future__ import annotations
 
-import copy
 import json
 import os
 import shutil
@@ -55,9 +54,9 @@ def set_exports(config: Config) -> None:
     """Have a server export as `jupyter nbconvert` does here; what the user has set counts."""
     from traitlets.config import Config
 
-    own = copy.deepcopy(config)
-    config.merge(Config(json.loads(_EXPORTS.read_text(encoding="utf-8"))))
-    config.merge(own)
+    exports = Config(json.loads(_EXPORTS.read_text(encoding="utf-8")))
+    exports.merge(config)
+    config.update(exports)
 
 
 def _load_jupyter_server_extension(server: ServerApp) -> None:
