@@ -23,7 +23,8 @@ NOT_SET = "not set"
 # By rcl_interfaces/msg/ParameterType; the field of ParameterValue that holds the value is called after the type.
 _OF_ARRAYS = ("byte", "bool", "integer", "double", "string")
 TYPES = (NOT_SET, "bool", "integer", "double", "string", *(f"{word}_array" for word in _OF_ARRAYS))
-_ARRAYS = 5  # the first type of an array
+_ARRAYS = 5  # the first of them
+_ELEMENTS = (bytes, bool, int, float, str)  # of the arrays; from the second on also the types from 1 on
 _INT64 = range(-(2**63), 2**63)
 LIST_SERVICE = "/list_parameters"  # a node that has it has parameter services
 # Every node has these, whatever its author declares.
@@ -154,24 +155,23 @@ def _is_empty_list(value: object) -> bool:
 
 
 def _kind_of(name: str, value: Any, empty_list: int) -> int:
-    from rclpy import parameter
-
+    if value is None:
+        return 0
     is_list = isinstance(value, (list, tuple))
     if is_list and not value:
         return empty_list
-    try:
-        kind: int = parameter.Parameter.Type.from_parameter_value(value).value
-    except TypeError:
-        rule, hint = "A parameter is a bool, an int, a float, a str, or a list of one of these", ""
-        if is_list:
-            rule = "All elements of a list have one type: bool, int, float, str or bytes"
-            if all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
-                hint = f" Write {[float(item) for item in value]!r}."
-        raise _explain_unfit(name, value, rule, hint) from None
-    for item in value if is_list else [value]:
-        if isinstance(item, int) and item not in _INT64:
-            raise _explain_unfit(name, item, "An integer parameter has 64 bits")
-    return kind
+    first, kinds, items = (_ARRAYS, _ELEMENTS, value) if is_list else (1, _ELEMENTS[1:], [value])
+    for number, kind in enumerate(kinds, first):
+        if all(isinstance(item, kind) and (kind is bool or not isinstance(item, bool)) for item in items):
+            if kind is int and any(item not in _INT64 for item in items):
+                raise _explain_unfit(name, items[0], "An integer parameter has 64 bits")
+            return number
+    if not is_list:
+        raise _explain_unfit(name, value, "A parameter is a bool, an int, a float, a str, or a list of one of these")
+    hint = ""
+    if all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
+        hint = f" Write {[float(item) for item in value]!r}."
+    raise _explain_unfit(name, value, "All elements of a list have one type: bool, int, float, str or bytes", hint)
 
 
 def _explain_unfit(name: str, value: object, rule: str, hint: str = "") -> BadFieldError:
