@@ -164,7 +164,6 @@ def call_blocking(
 def publish(topic: str, message_type: type[Message], message: Message = None, /, **fields: object) -> None:
     """Publish one message: `lab.publish("/chatter", String, data="hello")`.
 
-    The first one on a topic waits for the subscriptions that are on the graph (1 s at most), so that it is not lost.
     Returns when the callbacks of this lab's own subscriptions have had the message (1 s at most).
 
     Args:

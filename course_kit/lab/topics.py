@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-import time
 from typing import TYPE_CHECKING
 
 from course_kit.lab.calls import make_waker, message_of, require_message_type
@@ -23,18 +22,8 @@ if TYPE_CHECKING:
     from course_kit.ros.filling import Fields
     from course_kit.ros.messages import Message
 
-_MATCHING = 1.0  # seconds a new publisher waits for the subscriptions that are on the graph
 _DELIVERY = 1.0  # seconds the lab's own subscriptions are given to take what was published
-_POLL = 0.005
 _DEPTH = 10
-
-
-def _wait_until(condition: Callable[[], bool]) -> None:
-    """Wait for something on the graph, at most one second."""
-    deadline = time.monotonic() + _MATCHING
-    pause = threading.Event()  # the graph has no event to wait for in rclpy: look often, with a deadline
-    while not condition() and time.monotonic() < deadline:
-        pause.wait(_POLL)
 
 
 class Subscription:
@@ -54,8 +43,6 @@ class Subscription:
         self._open = True
         self._subscription = lab.clients.subscription(message_type, topic, callback, qos or as_offered(_DEPTH))
         self.topic: str = self._subscription.topic_name
-        if not lab.in_callback():
-            _wait_until(lambda: self._subscription.get_publisher_count() >= lab.node.count_publishers(self.topic))
 
     @property
     def is_open(self) -> bool:
@@ -109,11 +96,10 @@ class DeliveryWait:
 
 
 def publish(lab: Engine, topic: str, message_type: type[Message], message: Message, fields: Fields) -> None:
-    """Publish a message once the topic's subscriptions are connected; return when those of this lab have had it."""
+    """Publish a message; return when the subscriptions of this lab have had it."""
     require_message_type(message_type)
     ready = message_of(message_type, message, fields)
     publisher = lab.clients.publisher(message_type, topic)
-    _wait_until(lambda: publisher.get_subscription_count() >= lab.node.count_subscribers(publisher.topic_name))
     if lab.in_callback():  # this is the thread that would deliver
         publisher.publish(ready)
         return

@@ -18,6 +18,7 @@ from std_srvs.srv import SetBool, Trigger
 from course_kit import lab
 from course_kit.lab.calls import message_of
 from tests.lab.nodes import Faulty, OwnBaseError, Raising, SpeechlessError, Switch, Talker
+from tests.ros.two_nodes import TwoNodes
 
 if TYPE_CHECKING:
     from course_kit.lab.runtime.core import Lab
@@ -333,6 +334,21 @@ def test_topics() -> None:
     lab.start(Listener)
     lab.publish("/said", String, data="hello")
     assert heard == ["hello"]  # its callback has run when publish returns
+
+
+def test_the_first_message_is_not_lost_where_both_ends_are_on_the_graph(own_lab: Lab) -> None:
+    far = TwoNodes(own_lab.engine.executor_thread.context.get_domain_id(), ("far", "other"))
+    heard: list[str] = []
+    far.nodes[0].create_subscription(String, "/there", lambda message: heard.append(message.data), 10)
+    publisher = far.nodes[0].create_publisher(String, "/back", 10)
+    node = own_lab.engine.node
+    far.spin_until(lambda: node.count_subscribers("/there") == 1 == node.count_publishers("/back"))
+    lab.publish("/there", String, data="there")
+    far.spin_until(lambda: bool(heard))
+    lab.subscribe("/back", String, lambda message: heard.append(message.data))
+    publisher.publish(String(data="back"))
+    far.spin_until(lambda: heard == ["there", "back"])
+    far.close()
 
 
 def test_no_message_says_why() -> None:
