@@ -33,7 +33,7 @@ def copy_message(  # noqa: PLR0911 - a table of types
     def copy(part: Any, depth: int) -> Plain:
         return part if type(part) in _PLAIN else copy_message(part, elements, last=last, depth=depth)
 
-    names = _field_names(kind)
+    names = _field_names(kind)  # type: ignore[arg-type] # a class can be a key
     if names is not None:
         if depth == 0:
             return {"...": "..."}
