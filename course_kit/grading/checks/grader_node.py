@@ -23,7 +23,7 @@ from course_kit.grading.checks.exchange_log import GRADER, in_one_line
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
-from course_kit.ros.names import is_hidden
+from course_kit.ros.names import is_hidden, is_of_ros
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox
 
@@ -43,7 +43,6 @@ _MOST_REQUESTS = 1000  # for a service of ours
 _AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
 _MOST_SEEN = 30  # nodes that are drawn
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
-_OF_EVERY_NODE = ("/rosout", "/parameter_events")
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
 AnyInbox = TypeVar("AnyInbox", bound=Inbox)
@@ -180,8 +179,7 @@ class GraderNode:
 
     def ends(self, kind: str, topic: str) -> list[TopicEndpointInfo]:
         """Who else is a "publisher" on a topic, or a "subscription" to it."""
-        publishers, subscriptions = self.node.get_publishers_info_by_topic, self.node.get_subscriptions_info_by_topic
-        found = publishers(topic) if kind == "publisher" else subscriptions(topic)
+        found: list[TopicEndpointInfo] = getattr(self.node, f"get_{kind}s_info_by_topic")(topic)
         return [end for end in found if end.node_name != NAME]
 
     def see_graph(self) -> graph.Overview:
@@ -194,7 +192,7 @@ class GraderNode:
 
     def topics(self) -> list[str]:
         """The names of all topics but those every node has and those only the grader uses."""
-        names = (name for name, _ in self.node.get_topic_names_and_types() if name not in _OF_EVERY_NODE)
+        names = (name for name, _ in self.node.get_topic_names_and_types() if not is_of_ros(name))
         return [name for name in names if self.ends("publisher", name) or self.ends("subscription", name)]
 
     def nodes(self) -> list[str]:
