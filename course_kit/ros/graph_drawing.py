@@ -70,14 +70,13 @@ def graph_svg(seen: Overview, elsewhere: Mapping[str, Sequence[str]] = _NOWHERE)
     arrows = {_arrow(use): use for use in first}
     # What the notebook hears leads back to it, where it sends something, too: else all of it were one long flow.
     found = lay_out(sizes, list(arrows), {key: int(key[0] != NODE) for key in boxes}, (NODE, LAB))
-    parts = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in Counter(kind for kind, _ in boxes).items()]
     return render_template(
         _TEMPLATES / "graph.svg",
         boxes=[(box, *map(round, (*found.places[key], *box.size))) for key, box in boxes.items()],
         arrows=[(use, short_name(use.node), *_draw_arrow(found.ways[arrow])) for arrow, use in arrows.items()],
         width=round(found.size[0]),
         height=round(found.size[1]),
-        summary=f"The ROS graph: {', '.join(parts)}.",
+        summary=f"The ROS graph: {count_parts(seen)}.",
     )
 
 
@@ -140,6 +139,12 @@ def _draw_arrow(way: list[Point]) -> tuple[str, str]:
         line += f"C{middle} {y} {middle} {b} {a} {b}"
     x, y = points[-1]
     return line, f"M{x + step} {y}l{-step} -5v10z"
+
+
+def count_parts(seen: Overview) -> str:
+    """How many nodes and channels of each kind there are, in words."""
+    counts = Counter(kind for kind, _ in boxes_of(seen))
+    return ", ".join(f"{count} {kind}{'s' * (count > 1)}" for kind, count in counts.items())
 
 
 def in_sentences(seen: Overview) -> list[str]:
