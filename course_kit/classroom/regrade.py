@@ -130,7 +130,8 @@ class Regrade:
         for record in sorted(self._new, key=_key):
             old = before[_key(record)]
             if record.status != "error":
-                pairs.append(GradeChange(old, self._run.adjust_record(record)))
+                now = self._run.instructions.adjust_record(record, self._run.exercises)
+                pairs.append(GradeChange(old, now))
         return [change for change in pairs if change.is_one]
 
     def _take_stock(self, stops: Callable[[], int]) -> list[list[ClassSubmission]]:

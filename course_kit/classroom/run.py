@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom import run_folder, submissions
 from course_kit.classroom.grading_loop import ClassGrading
-from course_kit.classroom.intake import collecting, table
+from course_kit.classroom.intake import collecting
 from course_kit.classroom.records import Gradebook, RecordFolder
 from course_kit.classroom.rules import instructor
 from course_kit.classroom.rules.people import People
@@ -66,13 +66,7 @@ def open_class(plan: Plan, stops: Callable[[], int] = lambda: 0) -> ClassRun:
     graded_earlier = sorted({record.entry.exercise for record in earlier})
     exercises = (*plan.exercises, *(run_folder.exercise_of(plan.out, name) for name in graded_earlier))
     instructions = instructor.read_instructions(plan.out, exercises)
-    try:
-        intake = collecting.collect_submissions(
-            plan.sources, plan.exercises, plan.out / WORKSPACE, plan.layout, reader, plan.roster
-        )
-    except ReadingStoppedError:
-        raise KeyboardInterrupt from None  # nothing has begun
-    table.write_intake(intake, plan.out)
+    intake = _collect(plan, plan.out / WORKSPACE, reader)
     require_submissions(intake, plan.sources, plan.exercises)
     # What the instructor has written is about this class: that is seen before hours go into grading it.
     people = People((*intake.entries, *intake.others, *(record.entry for record in earlier)))
@@ -137,10 +131,6 @@ class ClassRun:
         """The results there are, of what is handed in; nothing is graded."""
         found = (self._records.find(entry) for entry in self.intake.entries)
         return self._gradebook([record for record in found if record is not None])
-
-    def adjust_record(self, record: GradeRecord) -> GradeRecord:
-        """A result with its lateness, penalty, override and comment."""
-        return self.instructions.adjust_record(record, self.exercises)
 
     @property
     def seed(self) -> int:
@@ -209,13 +199,17 @@ def look_only(plan: Plan, stopped: Callable[[], bool] = lambda: False) -> Intake
     """Find the submissions and write their table into the output folder; nothing else is written there."""
     require_folders_apart(plan.sources, plan.out)
     with tempfile.TemporaryDirectory(prefix="course-kit-intake-") as folder:
-        try:
-            found = collecting.collect_submissions(
-                plan.sources, plan.exercises, Path(folder) / WORKSPACE, plan.layout, Reader(stopped), plan.roster
-            )
-        except ReadingStoppedError:
-            raise KeyboardInterrupt from None
-        table.write_intake(found, plan.out)
+        return _collect(plan, Path(folder) / WORKSPACE, Reader(stopped))
+
+
+def _collect(plan: Plan, workspace: Path, reader: Reader) -> Intake:
+    try:
+        found = collecting.collect_submissions(
+            plan.sources, plan.exercises, workspace, plan.layout, reader, plan.roster
+        )
+    except ReadingStoppedError:
+        raise KeyboardInterrupt from None  # nothing has begun
+    collecting.write_intake(found, plan.out)
     return found
 
 

@@ -204,15 +204,15 @@ def _students_with_practice_seed(book: Gradebook, exercise: Exercise, seeds: See
 
 def _dry_run(plan: Plan) -> int:
     """Print the table of what would be graded."""
-    from course_kit.classroom.intake import table
+    from course_kit.classroom.intake import collecting
     from course_kit.classroom.run import look_only, require_submissions
     from course_kit.text.sanitize import make_printable
 
     with count_interrupts() as stops:
         found = look_only(plan, lambda: stops() > 0)
-    print(make_printable(table.format_intake(found)))
+    print(make_printable(collecting.format_intake(found)))
     say_of_intake(found, plan.exercises)
-    print(plan.out / table.FILE)
+    print(plan.out / collecting.FILE)
     require_submissions(found, plan.sources, plan.exercises)
     if found.dropped:
         note(_left_out(found.dropped, (*found.entries, *found.others)))

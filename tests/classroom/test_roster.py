@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.classroom.intake import collecting, roster, table
+from course_kit.classroom.intake import collecting, roster
 from course_kit.grading import GradingError
 
 from .accidents import SERVICE, program
@@ -90,7 +90,7 @@ def test_a_list_gives_names_and_says_who_is_absent(
     absent, name = away.student, away.name
     assert name == ("" if text == NO_HEADER else "Ned Absent")
     assert (absent, SERVICE.id) in found.missing
-    assert [row.why for row in table.intake_rows(found) if row.student == absent] == ["not handed in"]
+    assert [row.why for row in collecting.intake_rows(found) if row.student == absent] == ["not handed in"]
     if text != NO_HEADER:
         names = {entry.student: entry.name for entry in found.entries}
         assert sorted(names.values()) == sorted(person.name for person in PEOPLE)

@@ -13,7 +13,7 @@ import pytest
 
 from course_kit.authoring import check
 from course_kit.classroom import exports
-from course_kit.classroom.intake import collecting, table
+from course_kit.classroom.intake import collecting
 from course_kit.cli.main import build_parser
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.ros2cli import parser as ros2_parser
@@ -93,7 +93,7 @@ def test_an_intake_tells_of_every_accident_what_it_told(
     source = system_inboxes.Maker(system, tmp_path).source
     found = collecting.collect_submissions(source, (SERVICE,), tmp_path / "handed_in")
     assert all((found.root / entry.source).is_file() for entry in found.entries)
-    written = table.write_intake(found, tmp_path)
+    written = collecting.write_intake(found, tmp_path)
     frozen(f"intake_{system.replace(' ', '_')}.txt", written.read_text(encoding="utf-8-sig"))
 
 

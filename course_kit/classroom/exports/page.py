@@ -19,7 +19,7 @@ from course_kit.grading.model import catalogue
 from course_kit.text.templates import render_template as fill_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.classroom.exports.changes import ResultChange
     from course_kit.classroom.records import Gradebook, GradeRecord
@@ -175,13 +175,27 @@ def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
     """Over the exercises, and for each over how well its submissions did."""
     if len(book.exercises) > 1:
         titles = [exercise.title for exercise in book.exercises]
-        having = _having_diagnoses(book.graded_records())
-        yield HeatMap("Submissions with a diagnosis, by exercise", titles, diagnoses_by_exercise(book), having)
+        order = [exercise.id for exercise in book.exercises]
+        caption = "Submissions with a diagnosis, by exercise"
+        yield _heat_map(caption, titles, book.graded_records(), lambda record: order.index(record.entry.exercise))
     for exercise in book.exercises:
-        records = book.graded_records(exercise.id)
-        title = f"{exercise.title}: submissions with a diagnosis, by score"
-        having = _having_diagnoses(records)
-        yield HeatMap(title, BANDS, diagnoses_by_band(records), having)
+        caption = f"{exercise.title}: submissions with a diagnosis, by score"
+        yield _heat_map(caption, BANDS, book.graded_records(exercise.id), _band)
+
+
+def _heat_map(
+    caption: str, columns: Sequence[str], records: Sequence[GradeRecord], column_of: Callable[[GradeRecord], int]
+) -> HeatMap:
+    """For each diagnosis how many records of each column have it, the most frequent first."""
+    having: dict[str, list[GradeRecord]] = {}
+    for record in records:
+        for code in record.diagnoses:
+            having.setdefault(code, []).append(record)
+    rows = {}
+    for code, found in sorted(having.items(), key=lambda item: (-len(item[1]), item[0])):
+        counts = Counter(map(column_of, found))
+        rows[code] = [counts[column] for column in range(len(columns))]
+    return HeatMap(caption, columns, rows, having)
 
 
 def _count_noun(count: int, noun: str) -> str:
@@ -210,36 +224,6 @@ def count_checks(records: Sequence[GradeRecord]) -> list[CheckCount]:
     return list(found.values())
 
 
-def diagnoses_by_exercise(book: Gradebook) -> dict[str, list[int]]:
-    """For each diagnosis how many submissions of each exercise have it, the most frequent first."""
-    order = [exercise.id for exercise in book.exercises]
-    return _table(
-        ((code, order.index(record.entry.exercise)) for record in book.graded_records() for code in record.diagnoses),
-        len(order),
-    )
-
-
-def diagnoses_by_band(records: Sequence[GradeRecord]) -> dict[str, list[int]]:
-    """For each diagnosis how many submissions of each of `BANDS` have it, the most frequent first."""
-    return _table(((code, _band(record)) for record in records for code in record.diagnoses), len(BANDS))
-
-
-def _having_diagnoses(records: Sequence[GradeRecord]) -> dict[str, list[GradeRecord]]:
-    """For each diagnosis the records that have it."""
-    table: dict[str, list[GradeRecord]] = {}
-    for record in records:
-        for code in record.diagnoses:
-            table.setdefault(code, []).append(record)
-    return table
-
-
 def _band(record: GradeRecord) -> int:
     reached = record.score / record.max_score if record.max_score else 0.0
     return min(len(BANDS) - 1, int(reached * len(BANDS)))
-
-
-def _table(places: Iterable[tuple[str, int]], width: int) -> dict[str, list[int]]:
-    table: dict[str, list[int]] = {}
-    for code, column in places:
-        table.setdefault(code, [0] * width)[column] += 1
-    return dict(sorted(table.items(), key=lambda item: (-sum(item[1]), item[0])))

@@ -51,10 +51,6 @@ class Mistakes:
         """Note a mistake of the whole file."""
         self.found.append((sys.maxsize, what))
 
-    def require_none(self) -> None:
-        """Tell what was found."""
-        require_none([self])
-
     def __str__(self) -> str:
         lines = [what for _, what in sorted(self.found, key=lambda mistake: mistake[0])]
         more = len(lines) - _MOST_TOLD
@@ -87,7 +83,7 @@ def read_rows(
         header = [cell.strip().lower() for cell in next(reader, [])]
         if missing := [column for column in required if column not in header]:
             mistakes.add(1, f"the column {_quote(missing)} is missing; it needs {_quote([*required, *optional])}")
-            mistakes.require_none()
+            require_none([mistakes])
         wanted = {column: header.index(column) for column in (*required, *optional) if column in header}
         before = reader.line_num
         for cells in reader:
@@ -98,7 +94,7 @@ def read_rows(
             before = reader.line_num
     except csv.Error as problem:
         mistakes.add(reader.line_num, str(problem))
-    mistakes.require_none()
+    require_none([mistakes])
     return rows
 
 

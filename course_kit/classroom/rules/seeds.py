@@ -7,7 +7,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from course_kit.classroom.intake import roster
-from course_kit.classroom.rules.people import Mistakes, StudentTable, read_rows
+from course_kit.classroom.rules.people import Mistakes, StudentTable, read_rows, require_none
 from course_kit.grading.errors import GradingError
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def match_class(seeds: Seeds, entries: Iterable[Entry], people: People) -> Seeds
     found = seeds.match_people(people)
     if absent := sorted({entry.student for entry in entries if found.find(entry.student) is None}):
         found.mistakes.add_of_all(f"there is no seed for: {', '.join(absent)}")
-    found.mistakes.require_none()
+    require_none([found.mistakes])
     return found
 
 
@@ -40,7 +40,7 @@ def read_seeds(path: Path) -> Seeds:
             found.mistakes.add(row.line, f"the seed '{text}' is not a whole number from 0 to {(1 << _BITS) - 1}")
         else:
             found.put(row, "", int(text))
-    found.mistakes.require_none()
+    require_none([found.mistakes])
     return found
 
 
