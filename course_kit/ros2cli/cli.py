@@ -102,9 +102,9 @@ def run_command(
 ) -> int:
     """Run one command of the course kit's own."""
     if "_ARGCOMPLETE" in os.environ:
-        from course_kit.ros2cli import completion
+        import argcomplete
 
-        completion.complete_line(build_parser(list(COMMANDS)))
+        argcomplete.autocomplete(build_parser(list(COMMANDS)), always_complete_options=False)  # does not return
     try:
         parser = command_parser(arguments)
         options = parser.parse_args(list(arguments))

@@ -8,20 +8,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import argparse
     from argparse import Namespace
     from collections.abc import Callable, Iterable
 
     from course_kit.ros2cli.graph import Graph, Names
 
 _PATIENCE = 2.0  # seconds; somebody is waiting with a finger on the Tab key
-
-
-def complete_line(parser: argparse.ArgumentParser) -> None:
-    """Answer the shell what may stand next in the parser's command line; does not return."""
-    import argcomplete
-
-    argcomplete.autocomplete(parser, always_complete_options=False)
 
 
 def list_candidates(wanted: str, given: Namespace, begun: str) -> list[str]:

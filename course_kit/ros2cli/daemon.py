@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_kit import environment
+from course_kit.ros.graph import Overview
 from course_kit.ros2cli.graph import Graph, is_local_only, participant_sockets
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def graph_for(session: Session, timeout: float, *, daemon: bool = True) -> Graph
         return session.observe(timeout)
     environment.apply_settings()
     if nobody_there():
-        return Graph.without_nodes()
+        return Graph(Overview((), ()), {}, {}, {}, {})
     reply = ask_daemon(timeout)
     return Graph.from_json(reply) if reply else session.observe(timeout)
 
@@ -153,12 +154,6 @@ def ask_daemon(timeout: float) -> dict[str, Any] | None:
     except OSError:  # no writable place for a socket: the command looks for itself
         return None
     return reply
-
-
-def stop_daemon() -> bool:
-    """Stop the daemon of these settings; whether there was one."""
-    environment.apply_settings()
-    return DaemonSocket.for_settings().ask({"do": "stop"}, 5.0) is not None
 
 
 def _start() -> bool:

@@ -44,11 +44,6 @@ class Graph(NamedTuple):
     counts: dict[str, tuple[int, int]]
 
     @classmethod
-    def without_nodes(cls) -> Graph:
-        """A graph with nobody on it."""
-        return cls(Overview((), ()), {}, {}, {}, {})
-
-    @classmethod
     def from_json(cls, reply: dict[str, Any]) -> Graph:
         """The reverse of `to_json`."""
         nodes, uses, topics, services, endpoints, counts = reply["graph"]

@@ -7,44 +7,32 @@ import sys
 import time
 from collections import deque
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from rclpy.qos import QoSPresetProfiles, QoSProfile
 
 from course_kit.ros.messages import type_name
 from course_kit.ros.names import did_you_mean
-from course_kit.ros.topic import Inbox, as_offered
+from course_kit.ros.topic import as_offered
 from course_kit.ros2cli import values
 from course_kit.ros2cli.session import CommandError, Session
+from course_kit.ros2cli.text import layout_of, to_csv, to_yaml
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from rclpy.publisher import Publisher
     from rclpy.subscription import Subscription
 
     from course_kit.ros.messages import Message, MessageType
     from course_kit.ros.topic import MessageInfo
-    from course_kit.ros2cli.text import Layout
 
+T = TypeVar("T")
 REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
 _WORD_AFTER = 10.0  # seconds without a message until the command says so
 _SPIN_S = 0.5
 _NS = 1e9
-
-
-class _InfoInbox(Inbox):
-    """An inbox that keeps what rclpy tells of each message beside it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.infos: deque[MessageInfo] = deque()
-
-    def take(self, message: Message, info: MessageInfo) -> None:
-        """Take one message in."""
-        self.infos.append(info)
-        super().take(message, info)
 
 
 class ReceivedMessage(NamedTuple):
@@ -59,15 +47,15 @@ class Listener:
     """A subscription that hands messages on."""
 
     def __init__(self, options: Namespace, session: Session, topic: str) -> None:
-        self._options, self._session, self._topic = options, session, topic
-        self._inbox = _InfoInbox()
+        self.options, self._session, self.topic = options, session, topic
+        self._received: deque[ReceivedMessage] = deque()
         self._matches = _filter_of(getattr(options, "filter_expr", None))
+        if (window := getattr(options, "window", 1)) < 1:
+            raise CommandError(f"--window must be a number of messages, at least 1, not {window}.")
 
-    def echo(self, layout: Layout) -> None:
+    def echo(self) -> None:
         """Print messages as YAML or CSV, for as long as they come."""
-        from course_kit.ros2cli.text import to_csv, to_yaml
-
-        options = self._options
+        options, layout = self.options, layout_of(self.options)
         self.subscribe(wait=False, raw=options.raw)
         while True:
             received = self.next_message()
@@ -88,30 +76,36 @@ class Listener:
     def subscribe(self, *, wait: bool, raw: bool = False) -> None:
         """Subscribe."""
         node = self._session.node
-        named = getattr(self._options, "message_type", None)
+        named = getattr(self.options, "message_type", None)
         message_type = values.find_type(named or self._type_on_graph(wait=wait), "msg")
-        profile = _profile(self._options, as_offered(keepers=node.get_publishers_info_by_topic(self._topic)))
-        self._inbox.subscribe(node, message_type, self._topic, profile, raw=raw)
+        profile = _profile(self.options, as_offered(keepers=node.get_publishers_info_by_topic(self.topic)))
+        self._subscribe(message_type, profile, raw=raw)
 
     def subscribe_to(self, message_type: MessageType, profile: str) -> Subscription:
         """Subscribe to messages of a known type with a profile of rclpy's, whether or not somebody publishes them."""
         qos = QoSPresetProfiles.get_from_short_key(profile)
-        return self._inbox.subscribe(self._session.node, message_type, self._topic, qos)
+        return self._subscribe(message_type, qos, raw=False)
+
+    def _subscribe(self, message_type: MessageType, qos: QoSProfile, *, raw: bool) -> Subscription:
+        def take(message: Any, info: MessageInfo) -> None:
+            self._received.append(ReceivedMessage(info["received_timestamp"] / _NS, message, info))
+
+        callback: Callable[..., None] = take  # of two arguments, which rclpy allows and its types do not tell
+        return self._session.node.create_subscription(message_type, self.topic, callback, qos, raw=raw)
 
     def next_message(self) -> ReceivedMessage:
         """The next message."""
         began = time.monotonic()
-        timeout = math.inf if self._options.timeout is None else self._options.timeout
+        timeout = math.inf if self.options.timeout is None else self.options.timeout
         has_warned = False
-        while not self._session.spin_until(lambda: bool(self._inbox.messages), min(_SPIN_S, timeout)):
+        while not self._session.spin_until(lambda: bool(self._received), min(_SPIN_S, timeout)):
             waited = time.monotonic() - began
             if waited >= timeout:
                 raise CommandError(f"{self._silence(timeout)} A longer wait: --timeout SECONDS, or none for any time.")
             if waited >= _WORD_AFTER and not has_warned:
                 has_warned = True
                 sys.stderr.write(f"{self._silence(_WORD_AFTER)} Still listening; Ctrl-C ends it.\n")
-        inbox = self._inbox
-        return ReceivedMessage(inbox.times.popleft(), inbox.messages.popleft(), inbox.infos.popleft())
+        return self._received.popleft()
 
     def next_matching(self) -> ReceivedMessage:
         """The next message for which the filter holds."""
@@ -120,38 +114,38 @@ class Listener:
         return received
 
     def _silence(self, seconds: float) -> str:
-        publishers = self._session.node.count_publishers(self._topic)
+        publishers = self._session.node.count_publishers(self.topic)
         who = f"{publishers or 'no'} publisher{'' if publishers == 1 else 's'} on it."
-        return f"No message on {self._topic} for {seconds:g} s; {who}"
+        return f"No message on {self.topic} for {seconds:g} s; {who}"
 
     def _type_on_graph(self, *, wait: bool) -> str:
         topics = self._session.observe(values.LOOK_S).topics
-        while self._topic not in topics:
-            near = did_you_mean(self._topic, topics)
+        while self.topic not in topics:
+            near = did_you_mean(self.topic, topics)
             if not wait:
-                raise CommandError(f"Could not determine the type of {self._topic}: nobody uses this topic.{near}")
-            sys.stderr.write(f"Waiting for {self._topic}, which nobody uses yet.{near} Ctrl-C ends it.\n")
+                raise CommandError(f"Could not determine the type of {self.topic}: nobody uses this topic.{near}")
+            sys.stderr.write(f"Waiting for {self.topic}, which nobody uses yet.{near} Ctrl-C ends it.\n")
             topics = self._wait_for_topic()
-        if len(topics[self._topic]) > 1:
+        if len(topics[self.topic]) > 1:
             raise CommandError(
-                f"{self._topic} has the types {', '.join(topics[self._topic])} at once: name the one to listen to."
+                f"{self.topic} has the types {', '.join(topics[self.topic])} at once: name the one to listen to."
             )
-        return topics[self._topic][0]
+        return topics[self.topic][0]
 
     def _wait_for_topic(self) -> dict[str, list[str]]:
         found: dict[str, list[str]] = {}
 
         def is_there() -> bool:
             found.update(self._session.node.get_topic_names_and_types())
-            return self._topic in found
+            return self.topic in found
 
-        timeout = math.inf if self._options.timeout is None else self._options.timeout
+        timeout = math.inf if self.options.timeout is None else self.options.timeout
         if not self._session.wait_on_graph(is_there, timeout):
-            raise CommandError(f"{self._topic} has not appeared within {timeout:g} s.")
+            raise CommandError(f"{self.topic} has not appeared within {timeout:g} s.")
         return found
 
     def _field(self, message: Any) -> Any:
-        for name in filter(None, (self._options.field or "").split(".")):
+        for name in filter(None, (self.options.field or "").split(".")):
             known: dict[str, str] = getattr(message, "get_fields_and_field_types", dict)()
             if name not in known:
                 raise CommandError(f"There is no field {name!r} in the message.{did_you_mean(name, known)}")
@@ -183,49 +177,51 @@ def _profile(options: Namespace, otherwise: QoSProfile) -> QoSProfile:
     return profile
 
 
-def print_rate(listener: Listener, window: int) -> None:
-    """Print once a second how often messages have come, over the last `window` of them, for as long as they come."""
-    times: deque[float] = deque(maxlen=_require_window(window) + 1)
+def print_rate(listener: Listener) -> None:
+    """Print once a second how often messages have come, over the last `window` of them."""
     listener.subscribe(wait=True)
-    report_at = time.monotonic() + REPORT_EVERY
-    while True:
-        times.append(listener.next_matching().at)
-        if time.monotonic() >= report_at and len(times) > 1:
-            gaps = [later - earlier for earlier, later in pairwise(times)]
-            mean = sum(gaps) / len(gaps)
-            print(f"average rate: {1.0 / mean if mean else math.inf:.3f}\n\t{_spread(gaps)}", flush=True)
-            report_at = time.monotonic() + REPORT_EVERY
+    for times in _collect(listener, listener.options.window + 1, lambda received: received.at, least=2):
+        gaps = [later - earlier for earlier, later in pairwise(times)]
+        mean = sum(gaps) / len(gaps)
+        print(f"average rate: {1.0 / mean if mean else math.inf:.3f}\n\t{_spread(gaps)}", flush=True)
 
 
-def print_delay(listener: Listener, window: int) -> None:
+def print_delay(listener: Listener) -> None:
     """Print once a second how old messages are when they come, by the stamp in their header."""
-    delays: deque[float] = deque(maxlen=_require_window(window))
-    listener.subscribe(wait=True)
-    report_at = time.monotonic() + REPORT_EVERY
-    while True:
-        received = listener.next_message()
+
+    def delay_of(received: ReceivedMessage) -> float:
         stamp = getattr(getattr(received.message, "header", None), "stamp", None)
         if stamp is None:
             raise CommandError(
                 "msg does not have header: only messages with a std_msgs/Header say when they were sent."
             )
-        delays.append(received.at - stamp.sec - stamp.nanosec / _NS)
-        if time.monotonic() >= report_at:
-            print(f"average delay: {sum(delays) / len(delays):.3f}\n\t{_spread(delays)}", flush=True)
-            report_at = time.monotonic() + REPORT_EVERY
+        return float(received.at - stamp.sec - stamp.nanosec / _NS)
+
+    listener.subscribe(wait=True)
+    for delays in _collect(listener, listener.options.window, delay_of):
+        print(f"average delay: {sum(delays) / len(delays):.3f}\n\t{_spread(delays)}", flush=True)
 
 
-def print_bandwidth(listener: Listener, topic: str, window: int) -> None:
-    """Print once a second how many bytes come, for as long as messages come."""
-    sizes: deque[tuple[float, int]] = deque(maxlen=_require_window(window))
+def print_bandwidth(listener: Listener) -> None:
+    """Print once a second how many bytes come."""
     listener.subscribe(wait=True, raw=True)
-    print(f"Subscribed to [{topic}]", flush=True)
+    print(f"Subscribed to [{listener.topic}]", flush=True)
+    for sizes in _collect(
+        listener, listener.options.window, lambda received: (received.at, len(received.message)), least=2
+    ):
+        print(_bandwidth_line(list(sizes), time.time()), flush=True)
+
+
+def _collect(
+    listener: Listener, window: int, read: Callable[[ReceivedMessage], T], *, least: int = 1
+) -> Iterator[deque[T]]:
+    """What is read of the last messages, at least so many, once a second and for as long as they come."""
+    found: deque[T] = deque(maxlen=window)
     report_at = time.monotonic() + REPORT_EVERY
     while True:
-        received = listener.next_message()
-        sizes.append((received.at, len(received.message)))
-        if time.monotonic() >= report_at and len(sizes) > 1:
-            print(_bandwidth_line(list(sizes), time.time()), flush=True)
+        found.append(read(listener.next_matching()))
+        if time.monotonic() >= report_at and len(found) >= least:
+            yield found
             report_at = time.monotonic() + REPORT_EVERY
 
 
@@ -249,10 +245,7 @@ def _spread(values: deque[float] | list[float]) -> str:
     return f"min: {min(values):.3f}s max: {max(values):.3f}s std dev: {pstdev(values):.5f}s window: {len(values)}"
 
 
-def _require_window(window: int) -> int:
-    if window < 1:
-        raise CommandError(f"--window must be a number of messages, at least 1, not {window}.")
-    return window
+VERBS = {"echo": Listener.echo, "hz": print_rate, "delay": print_delay, "bw": print_bandwidth}
 
 
 def _filter_of(expression: str | None) -> Callable[[Message], bool]:

@@ -119,13 +119,10 @@ class Observer:
         named: dict[bool, set[bytes]] = {True: set(), False: set()}
         for topic, _ in self._node.get_topic_names_and_types(no_demangle=True):
             if topic != _DISCOVERY_TOPIC:
-                for info in self._both_ends(topic):
+                ends = self._node.get_publishers_info_by_topic(topic, no_mangle=True)
+                for info in (*ends, *self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)):
                     named[info.node_name != _UNKNOWN].add(bytes(info.endpoint_gid[:_PARTICIPANT]))
         return named[False] <= named[True]
-
-    def _both_ends(self, topic: str) -> Iterator[TopicEndpointInfo]:
-        yield from self._node.get_publishers_info_by_topic(topic, no_mangle=True)
-        yield from self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
 
     def _read(self) -> Graph:
         node = self._node
@@ -146,12 +143,10 @@ class Observer:
     def _ends(self, topic: str) -> TopicEndpoints:
         publishers = self._node.get_publishers_info_by_topic(topic)
         subscriptions = self._node.get_subscriptions_info_by_topic(topic)
-        return TopicEndpoints(
-            *([_plain(end) for end in ends if self._is_of_others(end)] for ends in (publishers, subscriptions))
-        )
+        return TopicEndpoints(*map(self._of_others, (publishers, subscriptions)))
 
-    def _is_of_others(self, info: TopicEndpointInfo) -> bool:
-        return full_name(info.node_name, info.node_namespace) != self.name
+    def _of_others(self, ends: list[TopicEndpointInfo]) -> list[EndpointFacts]:
+        return [_plain(end) for end in ends if full_name(end.node_name, end.node_namespace) != self.name]
 
 
 @contextmanager

@@ -143,7 +143,7 @@ def add_verbs(place: argparse.ArgumentParser) -> Verbs:
 def add_verb(verbs: Verbs, name: str, run: Run, purpose: str) -> argparse.ArgumentParser:
     """One verb, run by `run(options, session)`."""
     verb = verbs.add_parser(name, help=purpose, description=purpose)
-    verb.set_defaults(run=run)
+    verb.set_defaults(run=run, verb=name)
     return verb
 
 

@@ -63,9 +63,11 @@ def _start(options: Namespace, session: Session) -> None:
 
 def _stop(options: Namespace, session: Session) -> None:
     del options, session
-    from course_kit.ros2cli.daemon import stop_daemon
+    from course_kit.ros2cli.daemon import DaemonSocket
 
-    print("The daemon has been stopped" if stop_daemon() else "The daemon is not running")
+    environment.apply_settings()
+    stopped = DaemonSocket.for_settings().ask({"do": "stop"}, 5.0) is not None
+    print("The daemon has been stopped" if stopped else "The daemon is not running")
 
 
 def _status(options: Namespace, session: Session) -> None:

@@ -79,7 +79,8 @@ def _package(options: Namespace, session: Session) -> None:
 def _show(options: Namespace, session: Session) -> None:
     del session
     name = sys.stdin.readline().strip() if options.type == "-" else options.type
-    for line in shown_lines(name, comments=not options.no_comments, inner_comments=options.all_comments):
+    text = _find_interface(name, interfaces.text_of).rstrip("\n")
+    for line in _lines(text, name.partition("/")[0], not options.no_comments, options.all_comments, ""):
         print(line)
 
 
@@ -104,12 +105,6 @@ def _find_interface(name: str, find: Callable[[str], T]) -> T:
         raise CommandError(f"Unknown interface '{name}'.{did_you_mean(name, names)}") from problem
     except ValueError as problem:
         raise CommandError(str(problem)) from problem
-
-
-def shown_lines(name: str, *, comments: bool, inner_comments: bool) -> Iterator[str]:
-    """The lines of an interface's text."""
-    text = _find_interface(name, interfaces.text_of).rstrip("\n")
-    yield from _lines(text, name.partition("/")[0], comments, inner_comments, "")
 
 
 def _lines(text: str, package: str, comments: bool, inner_comments: bool, indent: str) -> Iterator[str]:

@@ -14,7 +14,7 @@ from course_kit.ros2cli.parser import (
     add_values,
     add_verbs,
 )
-from course_kit.ros2cli.text import add_layout, layout_of
+from course_kit.ros2cli.text import add_layout
 from course_kit.ros2cli.verbs._listing import (
     add_about,
     add_find,
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
     from course_kit.ros2cli.graph import EndpointFacts, Graph, Names
-    from course_kit.ros2cli.listening import Listener
-    from course_kit.ros2cli.parser import Run, Verbs
+    from course_kit.ros2cli.parser import Verbs
     from course_kit.ros2cli.session import Session
 
 # Every command's own node brings these two, also where nobody else is.
@@ -61,17 +60,17 @@ def add_to(place: ArgumentParser) -> None:
     info = add_about(verbs, "topic", "info", _info, "Show the type of a topic and how many are on it")
     info.add_argument("-v", "--verbose", action="store_true", help="nodes and quality of service too")
     add_graph_options(info)
-    _add_echo(add_about(verbs, "topic", "echo", _echo, "Show the messages of a topic"))
+    _add_echo(add_about(verbs, "topic", "echo", _listen, "Show the messages of a topic"))
     _add_pub(add_about(verbs, "topic", "pub", _pub, "Publish messages"))
-    hz = _add_measure(verbs, "hz", _hz, "Show how often messages come")
+    hz = _add_measure(verbs, "hz", "Show how often messages come")
     _add_filter(hz, "count")
     hz.add_argument("--wall-time", action="store_true", help="no effect: the time is the computer's anyway")
-    _add_measure(verbs, "bw", _bw, "Show how many bytes come", window=100)
-    _add_measure(verbs, "delay", _delay, "Show how old messages are when they come, by their header")
+    _add_measure(verbs, "bw", "Show how many bytes come", window=100)
+    _add_measure(verbs, "delay", "Show how old messages are when they come, by their header")
 
 
-def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 10000) -> ArgumentParser:
-    verb = add_about(verbs, "topic", name, run, purpose)
+def _add_measure(verbs: Verbs, name: str, purpose: str, window: int = 10000) -> ArgumentParser:
+    verb = add_about(verbs, "topic", name, _listen, purpose)
     verb.add_argument("-w", "--window", type=int, default=window, metavar="N", help="count over the last N messages")
     _add_qos(verb)
     add_patience(verb)
@@ -79,12 +78,8 @@ def _add_measure(verbs: Verbs, name: str, run: Run, purpose: str, window: int = 
 
 
 def _add_filter(verb: ArgumentParser, do: str) -> None:
-    verb.add_argument(
-        "--filter",
-        dest="filter_expr",
-        metavar="EXPR",
-        help=f"{do} only messages m for which this Python is true",
-    )
+    what = f"{do} only messages m for which this Python is true"
+    verb.add_argument("--filter", dest="filter_expr", metavar="EXPR", help=what)
 
 
 def _add_qos(verb: ArgumentParser) -> None:
@@ -186,32 +181,11 @@ def _topics(graph: Graph) -> Names:
     return {**_ALWAYS, **graph.topics}
 
 
-def _echo(options: Namespace, session: Session) -> None:
-    _listener(options, session).echo(layout_of(options))
-
-
-def _hz(options: Namespace, session: Session) -> None:
+def _listen(options: Namespace, session: Session) -> None:
+    """What `echo`, `hz`, `delay` and `bw` do, each by its function."""
     from course_kit.ros2cli import listening
 
-    listening.print_rate(_listener(options, session), options.window)
-
-
-def _delay(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli import listening
-
-    listening.print_delay(_listener(options, session), options.window)
-
-
-def _bw(options: Namespace, session: Session) -> None:
-    from course_kit.ros2cli import listening
-
-    listening.print_bandwidth(_listener(options, session), checked_name(options.topic_name), options.window)
-
-
-def _listener(options: Namespace, session: Session) -> Listener:
-    from course_kit.ros2cli.listening import Listener
-
-    return Listener(options, session, checked_name(options.topic_name))
+    listening.VERBS[options.verb](listening.Listener(options, session, checked_name(options.topic_name)))
 
 
 def _pub(options: Namespace, session: Session) -> None:
