@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
-from course_kit.authoring import carried_exercises
+from course_kit.authoring.edition_plan import carried_files
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import load_exercise
@@ -77,7 +77,7 @@ def _kit(exercise_id: str) -> Iterator[tuple[str, bytes, int]]:
         raise GradingError("An autograder is made from the course's folder. Run ./course export there.")
     exercise = load_exercise(exercise_id)
     if exercise_folders.is_added(exercise.folder):  # its files are not among those of the kit
-        for name, path in carried_exercises.carried_files(exercise).items():
+        for name, path in carried_files(exercise).items():
             yield f"{prefix}{name}", path.read_bytes(), _ORDINARY
     for part in _PARTS:
         top = root / part

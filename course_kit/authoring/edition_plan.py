@@ -1,41 +1,37 @@
 """What the student edition will hold, decided before anything is written: each file, and why others stay out.
 
 Files that git does not know stay out, as nobody has said that they belong to the course. Of an exercise only the files
-go in that it is known to need, as they were committed: a file of one that git calls changed may hold its solution.
+go in that it is known to need, as they were committed: a file of one that git calls changed may hold its solution. It
+needs its exercise.toml, starter and notebook, its checks with the modules beside them that they import, its interfaces
+and pictures. That holds for exercises of other folders, too, and for what goes into an autograder.
 """
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 from dataclasses import dataclass, field
-from enum import Enum
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from course_kit.authoring import carried_exercises
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import Exercise, load_exercise
+from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise_table
+from course_kit.grading.model.exercise_folders import INTERFACES, TOML
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterator
 
 
 README = Path(__file__).parent / "student" / "README.md"
 LIST = Path(__file__).with_name("edition.toml")
 _EXERCISES = "exercises"
-
-
-class Owner(Enum):
-    """Who a file is for."""
-
-    STUDENTS = "students"
-    INSTRUCTORS = "instructors"
-    UNDECIDED = "undecided"  # on no list: somebody has to say
+_PICTURES = (".png", ".svg", ".jpg", ".jpeg", ".gif")
+_KINDS = (".msg", ".srv", ".action")
 
 
 class Parts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -44,15 +40,15 @@ class Parts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     students: frozenset[str]  # what the student edition is made of
     instructors: frozenset[str]  # what is left out on purpose
 
-    def owner(self, name: str) -> Owner:
-        """Who a file is for; the longest path on the lists decides."""
+    def owner(self, name: str) -> str:
+        """Who a file is for: "students" or "instructors", by the longest path on the lists; "" if it is on none."""
         path = PurePosixPath(name)
         for part in map(str, (path, *path.parents)):
             if part in self.instructors:
-                return Owner.INSTRUCTORS
+                return "instructors"
             if part in self.students:
-                return Owner.STUDENTS
-        return Owner.UNDECIDED
+                return "students"
+        return ""
 
 
 def read_parts() -> Parts:
@@ -89,30 +85,30 @@ def plan_edition(root: Path, without: Collection[str] = ()) -> EditionPlan:
     of_exercises: dict[str, list[str]] = {}
     for name in sorted(found.known | found.new):
         owner = parts.owner(name)
-        if owner is not Owner.STUDENTS:
-            (made.instructors if owner is Owner.INSTRUCTORS else made.undecided).append(name)
+        if owner != "students":
+            (made.instructors if owner == "instructors" else made.undecided).append(name)
         elif name not in found.known:
             made.untracked.append(name)
         elif exercise_id := _exercise_of(name):
             of_exercises.setdefault(exercise_id, []).append(name)
         else:
             made.files[name] = root / name
-    added = carried_exercises.added_exercises()
+    added = added_exercises()
     _require_all(without, {*of_exercises, *added})
-    made.changed = sorted(name for name in found.changed if parts.owner(name) is Owner.STUDENTS)
+    made.changed = sorted(name for name in found.changed if parts.owner(name) == "students")
     _require_pristine([name for name in made.changed if name.startswith(f"{_EXERCISES}/")], without)
     for exercise_id, names in of_exercises.items():
         if exercise_id in without:
             made.instructors += names
             made.unwanted.append(exercise_id)
-        elif any(name.endswith(f"/{exercise_id}/{exercise_folders.TOML}") for name in names):
+        elif any(name.endswith(f"/{exercise_id}/{TOML}") for name in names):
             needed = _put(made, load_exercise(exercise_id, root / _EXERCISES), names)
             made.instructors += [name for name in names if name not in needed]
         else:
             made.files.update({name: root / name for name in names})
     made.unwanted += [name for name in added if name in without]
     for exercise in (load_exercise(name) for name in added if name not in without):
-        _put(made, exercise, carried_exercises.carried_files(exercise))
+        _put(made, exercise, carried_files(exercise))
         made.added[exercise.id] = exercise.folder
     made.files["README.md"] = README
     return made
@@ -120,7 +116,7 @@ def plan_edition(root: Path, without: Collection[str] = ()) -> EditionPlan:
 
 def _put(made: EditionPlan, exercise: Exercise, names: Collection[str]) -> dict[str, Path]:
     """Put an exercise in, of these files those that it is known to need; returns all of the latter."""
-    needed = carried_exercises.carried_files(exercise)
+    needed = carried_files(exercise)
     made.files.update({name: path for name, path in needed.items() if name in names})
     (made.drills if exercise.practice else made.exercises).append(exercise.id)
     made.solutions[exercise.id] = exercise.solution
@@ -183,3 +179,39 @@ def _git(root: Path, *arguments: str) -> frozenset[str]:
     """The names that git lists."""
     listed = subprocess.run(["git", *arguments, "-z"], cwd=root, capture_output=True, check=True)
     return frozenset(name for name in os.fsdecode(listed.stdout).split("\0") if name)
+
+
+def carried_files(exercise: Exercise) -> dict[str, Path]:
+    """The files of an exercise, by the names they have in a course's folder."""
+    folder = exercise.folder
+    found = {folder / TOML, *(folder / name for name in exercise.starters), *_checks(folder)}
+    found |= {path for path in (folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
+    found |= {path for path in folder.glob("*") if path.suffix.lower() in _PICTURES}
+    place = exercise_folders.path_below(folder)
+    return {f"{_EXERCISES}/{place}/{path.relative_to(folder).as_posix()}": path for path in sorted(found)}
+
+
+def added_exercises() -> list[str]:
+    """The ids of the exercises that lie in other folders, those too that the course has itself."""
+    found = exercise_folders.find_exercises().folders
+    return sorted(name for name, places in found.items() if any(map(exercise_folders.is_added, places)))
+
+
+def _checks(folder: Path) -> set[Path]:
+    """The exercise's file of checks and what that imports from beside it, in any number of steps."""
+    found: set[Path] = set()
+    grader = read_exercise_table(folder).get("grader")
+    waiting = [folder / grader] if isinstance(grader, str) and grader.endswith(".py") else []
+    while waiting:
+        path = waiting.pop()
+        if path not in found and path.is_file():
+            found.add(path)
+            waiting += [path.parent / name for name in _list_imported_files(path)]
+    return found
+
+
+def _list_imported_files(path: Path) -> Iterator[str]:
+    """The files that `from .module import ...` and `from . import module` of a file may name."""
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            yield from ([f"{node.module}.py"] if node.module else [f"{alias.name}.py" for alias in node.names])

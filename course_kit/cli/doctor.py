@@ -107,16 +107,14 @@ def check_python() -> Finding:
 
 def check_packages() -> Finding:
     """Whether packages have lost files to others."""
-    from course_kit.environment import packages as installed
-
-    requirement = installed.find_damaged_package()
+    requirement = checkup.find_damaged_package()
     if not requirement:
         return Finding("packages", "no package has overwritten files of another package")
     return Finding(
         "packages",
-        f"{installed.OLD_NAME} has overwritten files of {requirement}, which JupyterLab uses",
+        f"{checkup.OLD_NAME} has overwritten files of {requirement}, which JupyterLab uses",
         "note" if environment.checkout_folder() is None else "bad",  # only ./course has the say in what is installed
-        f"Install {requirement} again: {installed.reinstall_command(requirement)}",
+        f"Install {requirement} again: {checkup.reinstall_command(requirement)}",
     )
 
 

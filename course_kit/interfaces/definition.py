@@ -195,23 +195,22 @@ class MessageDefinition:
 
 @dataclass(frozen=True)
 class ServiceDefinition:
-    """A service: its request and response, and the event that service introspection publishes."""
+    """A service: its request and response."""
 
     name: TypeName
     module: str
     request: MessageDefinition
     response: MessageDefinition
-    event: MessageDefinition = field(init=False)
 
-    def __post_init__(self) -> None:
-        """Derive the event message as rosidl_parser does."""
+    @property
+    def event(self) -> MessageDefinition:
+        """What service introspection publishes, derived as rosidl_parser does it."""
         fields = (
             Field("info", FieldType("service_msgs/msg/ServiceEventInfo")),
             Field("request", FieldType(str(self.request.name), "sequence", 1)),
             Field("response", FieldType(str(self.response.name), "sequence", 1)),
         )
-        event = MessageDefinition(_with_suffix(self.name, "_Event"), self.module, fields)
-        object.__setattr__(self, "event", event)
+        return MessageDefinition(_with_suffix(self.name, "_Event"), self.module, fields)
 
 
 @dataclass(frozen=True)

@@ -53,13 +53,6 @@ def camel_case(name: str) -> str:
     return joined if joined[:1].isalpha() else ""
 
 
-def snake_case(name: str) -> str:
-    """A name as fields are written: maxSpeed -> max_speed; "" if nothing is left of it."""
-    spaced = re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name)
-    joined = "_".join(re.findall(r"[a-z0-9]+", spaced.lower()))
-    return joined if joined[:1].isalpha() else ""
-
-
 def for_unknown_type(text: str, name: str, primitives: Iterable[str]) -> str:
     """What was expected instead of an unknown type."""
     if name in primitives:
@@ -87,8 +80,9 @@ def for_field_name(name: str, rest: str) -> str:
         return f"Expected the name alone, without {name[-1]!r}."
     if "," in name or rest.startswith(","):
         return "Expected one field a line, each with its own type."
-    suggestion = snake_case(name)
-    example = f", such as {suggestion}" if suggestion else ""
+    spaced = re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name)
+    suggestion = "_".join(re.findall(r"[a-z0-9]+", spaced.lower()))  # max_speed for maxSpeed
+    example = f", such as {suggestion}" if suggestion[:1].isalpha() else ""
     return (
         f"{name!r} cannot name a field: expected lower-case letters, digits and single underscores, "
         f"starting with a letter{example}."

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.integrations import jupyter
-from course_kit.presentation import demos, preparing, web
-from course_kit.presentation.demos import PresentationError
+from course_kit.presentation import preparing, web
+from course_kit.presentation.preparing import PresentationError
 from course_kit.process.child import Child
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _SHUTDOWN_S = 20.0  # Jupyter ends its kernels first
 
 def present_notebook(root: Path, name: str, arguments: Sequence[str]) -> int:
     """Show a notebook to a class until it is over."""
-    opened = demos.find_notebook(root, name)
+    opened = preparing.find_notebook(root, name)
     for number in _ENDING:
         signal.signal(number, _end)
     with _own_domain() as domain_id:

@@ -4,7 +4,7 @@ The exercise's grader and the notebook's panel both use it: `draw` the scenarios
 It needs no ROS. A learner calls `show()`.
 """
 
-from course_kit.quiz.bank import DEFAULT_SEED, PATTERNS, Scenario, bank, reasons_as_shown
+from course_kit.quiz.bank import DEFAULT_SEED, PATTERNS, Questions, Scenario, bank, reasons_as_shown, show
 from course_kit.quiz.bank import draw_scenarios as draw
 from course_kit.quiz.bank import graded_scenarios as graded
 from course_kit.quiz.bank import practice_scenarios as practice
@@ -12,7 +12,6 @@ from course_kit.quiz.marking import PASS_SHARE, MarkedAnswers, Marks, mark, mark
 from course_kit.quiz.marking import HalfMarks as Half
 from course_kit.quiz.marking import NoAnswer as Unusable
 from course_kit.quiz.marking import nearest_id as nearest
-from course_kit.quiz.showing import Questions, show
 
 __all__ = [
     "DEFAULT_SEED",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
+import sys
 from contextlib import suppress
+from importlib import import_module, metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from course_kit.environment import packages
 from course_kit.interfaces.known_types import package_prefixes
 
 if TYPE_CHECKING:
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 
     from course_kit.ros2cli.graph import EndpointFacts, Graph
 
+# What ros-rosidl-parser calls `lark`, whose files it overwrites. pyproject.toml keeps uv from installing that; whoever
+# installs the kit's wheel with pip gets both.
+OLD_NAME = "lark-parser"
 _OF_EVERY_NODE = {"/parameter_events", "/rosout"}
 _VERSION = re.compile(r"<version[^>]*>\s*([^<\s]+)\s*</version>")
 _DURATIONS = ("lifespan", "deadline", "liveliness_lease_duration")
@@ -35,9 +40,24 @@ def run_checks(graph: Graph) -> list[CheckupResult]:
 
 
 def _package_check() -> CheckupResult:
-    broken = packages.find_damaged_package()
-    text = f"{broken} has lost files, to {packages.OLD_NAME}. Run: {packages.reinstall_command(broken)}"
+    broken = find_damaged_package()
+    text = f"{broken} has lost files, to {OLD_NAME}. Run: {reinstall_command(broken)}"
     return CheckupResult("package", [text] if broken else [], [])
+
+
+def find_damaged_package() -> str:
+    """The requirement of a package that has lost files, "lark==1.3.1"; empty where all are whole."""
+    with suppress(metadata.PackageNotFoundError, ImportError):  # an installed ROS 2 brings its own
+        wanted = metadata.version("lark")
+        return "" if getattr(import_module("lark"), "__version__", "") == wanted else f"lark=={wanted}"
+    return ""
+
+
+def reinstall_command(requirement: str) -> str:
+    """The command that installs a package of this Python again, and nothing else; uv makes environments without pip."""
+    pip = [sys.executable, "-m", "pip", "install", "--force-reinstall"]
+    uv = ["uv", "pip", "install", "--python", sys.executable, "--reinstall"]
+    return shlex.join([*(pip if any(metadata.distributions(name="pip")) else uv), "--no-deps", requirement])
 
 
 def version_of_package(name: str) -> str:

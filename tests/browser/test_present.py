@@ -15,7 +15,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
-from course_kit.presentation import projected
+from course_kit.presentation import preparing
 from tests.browser.learner import ARTIFACTS, page, served
 from tests.course_copy import REPOSITORY, copy_with_notebooks
 from tests.waiting import wait_until
@@ -135,7 +135,7 @@ def test_the_notes_follow_the_class_and_lead_it(stage: Stage) -> None:
     asked: list[str] = []
     stage.page.context.on("request", lambda request: asked.append(request.url))
     stage.open("03_silent_parameter")
-    cells = projected.speaker_script(
+    cells = preparing.speaker_script(
         nbformat.read(REPOSITORY / "notebooks/demos/03_silent_parameter.ipynb", as_version=4)
     )
     notes = stage.open_notes()

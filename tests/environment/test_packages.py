@@ -7,7 +7,7 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
-from course_kit.environment import packages
+from course_kit.ros2cli import checkup
 from tests.environment.overwritten import overwrite_lark
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ def look(folder: Path) -> str:
         [
             sys.executable,
             "-c",
-            "from course_kit.environment.packages import find_damaged_package; print(find_damaged_package())",
+            "from course_kit.ros2cli.checkup import find_damaged_package; print(find_damaged_package())",
         ],
         env={**os.environ, "PYTHONPATH": str(folder)},
         capture_output=True,
@@ -31,7 +31,7 @@ def look(folder: Path) -> str:
 
 
 def test_the_environment_of_these_tests_has_one_good_lark() -> None:
-    assert packages.find_damaged_package() == ""
+    assert checkup.find_damaged_package() == ""
     done = subprocess.run([sys.executable, "-W", "error", "-c", "from lark import ParseTree"], check=False)
     assert done.returncode == 0
 

@@ -10,7 +10,7 @@ import pytest
 from nbclient import NotebookClient
 
 from course_kit.authoring import edition_notebooks
-from course_kit.presentation import projected
+from course_kit.presentation import preparing
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 DEMOS = sorted((REPOSITORY / "notebooks/demos").glob("*.ipynb"))
@@ -44,10 +44,10 @@ def test_it_fails_first_and_works_after_its_repair(path: Path) -> None:
 @pytest.mark.parametrize("path", DEMOS[::3], ids=lambda path: path.stem)
 def test_the_repair_in_place_of_the_failing_cell_is_all_it_takes(path: Path, domain: int) -> None:
     assert domain
-    notebook = projected.project_notebook(read(path))
-    failing = [cell for cell in notebook.cells if cell.metadata.get(projected.OURS)]
+    notebook = preparing.project_notebook(read(path))
+    failing = [cell for cell in notebook.cells if cell.metadata.get(preparing.OURS)]
     assert len(failing) == 1
-    failing[0].source = failing[0].metadata[projected.OURS][projected.REPAIRED]
+    failing[0].source = failing[0].metadata[preparing.OURS][preparing.REPAIRED]
     assert verdicts(run(notebook, path.parent)) == ["It works"]
 
 
@@ -56,13 +56,13 @@ def test_the_student_edition_shows_the_failure_without_the_answer(domain: int) -
     notebook = edition_notebooks.remove_answers(read(DEMOS[0]))
     assert verdicts(notebook) == ["It fails"]
     assert verdicts(run(notebook, DEMOS[0].parent)) == ["It fails"]
-    assert not any(projected.repairs_of(cell) for cell in notebook.cells)
+    assert not any(preparing.repairs_of(cell) for cell in notebook.cells)
 
 
 @pytest.mark.answers
 @demos
 def test_a_class_sees_neither_notes_nor_remarks_nor_outputs(path: Path) -> None:
-    whole, shown = read(path), projected.project_notebook(read(path))
+    whole, shown = read(path), preparing.project_notebook(read(path))
     left = {cell.id for cell in shown.cells}
     remarks = [cell for cell in whole.cells if cell.metadata.get("tags") or cell.metadata.get("slideshow")]
     assert len(remarks) > 5
@@ -76,10 +76,10 @@ def test_a_class_sees_neither_notes_nor_remarks_nor_outputs(path: Path) -> None:
 @pytest.mark.answers
 @demos
 def test_the_speaker_has_notes_for_the_beginning_and_the_repair_and_a_time(path: Path) -> None:
-    spoken = projected.speaker_script(read(path))
+    spoken = preparing.speaker_script(read(path))
     assert spoken[0].notes
     assert [bool(cell.notes) for cell in spoken if cell.kind == "repair"] == [True]
-    assert projected.talk_minutes(read(path)) > 0
+    assert preparing.talk_minutes(read(path)) > 0
     assert all(cell.label for cell in spoken)
-    shown = [cell.id for cell in projected.project_notebook(read(path)).cells]
+    shown = [cell.id for cell in preparing.project_notebook(read(path)).cells]
     assert [cell.cell_id for cell in spoken if cell.kind != "repair"] == shown

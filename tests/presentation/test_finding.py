@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.presentation import demos
+from course_kit.presentation import preparing
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,4 +42,4 @@ def root(tmp_path: Path) -> Path:
     ],
 )
 def test_a_number_a_name_a_part_of_it_or_a_path_will_do(root: Path, name: str, meant: str) -> None:
-    assert demos.find_notebook(root, name) == root / "notebooks" / f"{meant}.ipynb"
+    assert preparing.find_notebook(root, name) == root / "notebooks" / f"{meant}.ipynb"

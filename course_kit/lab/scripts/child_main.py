@@ -181,21 +181,15 @@ def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:
 def own_traceback(error: BaseException, path: str) -> str:
     """The traceback with the lines of the program itself, under its plain name."""
     report = traceback.TracebackException.from_exception(error)
-    for part in _chain(report):
+    part: traceback.TracebackException | None = report
+    while part is not None:
         own = [frame for frame in part.stack if frame.filename == path]
         without_columns = [traceback.FrameSummary(path, frame.lineno, frame.name, line=frame.line) for frame in own]
         part.stack = traceback.StackSummary.from_list(without_columns)
+        part = part.__cause__ or part.__context__
     text = "".join(report.format(chain=True)).replace(path, Path(path).name)
     # To rclpy it is a TypeError without a text; ours has one, and a name that says nothing to a learner.
     return text.replace("course_kit.lab.recording.hooks.WrongResponseError", "TypeError")
-
-
-def _chain(report: traceback.TracebackException | None) -> list[traceback.TracebackException]:
-    found = []
-    while report is not None:
-        found.append(report)
-        report = report.__cause__ or report.__context__
-    return found
 
 
 def main() -> int:
