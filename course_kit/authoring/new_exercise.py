@@ -81,18 +81,13 @@ def refresh_exercise(exercise: Exercise) -> list[Path]:
     cells = before[notebook]
     if exercise_folders.is_added(exercise.folder) and not exercise.files:
         (program,) = programs
-        after[program] = _put_title_into_docstring(after[program], exercise)
+        after[program] = re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{exercise.title}.', after[program])
         cells = _renewed_notebook(cells, exercise, after[program])
     after[notebook] = task_text.fill_notebook(cells, exercise)
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])
     return changed
-
-
-def _put_title_into_docstring(starter: str, exercise: Exercise) -> str:
-    """A starter whose docstring begins with the exercise's title."""
-    return re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{exercise.title}.', starter)
 
 
 def _require_usable(name: str) -> None:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import nbformat
 
 from course_kit import environment
-from course_kit.authoring import edition_notebooks, edition_plan, leaks
+from course_kit.authoring import edition_plan, leaks
 from course_kit.grading.errors import GradingError
 from course_kit.text.console import note
 from course_kit.text.sanitize import one_line
@@ -148,8 +148,8 @@ def _leave_answers_out(target: Path, name: str) -> None:
         notebook = nbformat.read(target, as_version=4)
     except (ValueError, KeyError, AttributeError) as problem:
         raise GradingError(f"{name} is not a notebook: {problem}. Repair or remove it.") from problem
-    if edition_notebooks.has_answers(notebook):
-        nbformat.write(edition_notebooks.remove_answers(notebook), target)
+    if edition_plan.has_answers(notebook):
+        nbformat.write(edition_plan.remove_answers(notebook), target)
 
 
 def _count(number: int, thing: str) -> str:

@@ -69,21 +69,17 @@ def judge_variants(sets: Corpus, reports: Reports) -> Iterator[str | tuple[Proof
     yield from _not_full_marks(sets.of_kind("variant"), reports)
 
 
-def _is_added(sets: Corpus) -> bool:
-    """Whether its programs lie beside it, in the folder of an instructor."""
-    return (sets.exercise.folder / exercise_folders.PROOF).is_dir()
-
-
 def judge_broken(sets: Corpus, reports: Reports) -> Iterator[str | tuple[ProofSubmission, str]]:
     """Each broken program gets the diagnosis it is named after and no other, with evidence and a hint.
 
     Beside an exercise of another folder it may have any name, and then loses points.
     """
+    in_own_folder = (sets.exercise.folder / exercise_folders.PROOF).is_dir()
     for proof in sets.of_kind("broken"):
         report = reports[proof]
         got = {check.diagnosis for check in report.checks if check.status == "failed"}
         is_code = proof.name in catalogue.catalogue()
-        if not is_code and not _is_added(sets):
+        if not is_code and not in_own_folder:
             yield proof, "it is named after a code that diagnoses.toml does not have."
         elif is_code and got != {proof.name}:
             yield proof, f"it should get this code alone, and gets: {describe_report(report)}"

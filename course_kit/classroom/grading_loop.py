@@ -40,19 +40,18 @@ _PACKAGES = ("grading", "graders", "quiz", "ros")  # that have a part in a verdi
 class RunProgress:
     """How a run goes: a line that is written over on a terminal, a line now and then elsewhere."""
 
-    def __init__(self, stream: IO[str], clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, stream: IO[str]) -> None:
         self._stream = stream
-        self._clock = clock
         self._live = stream.isatty()
         self._counts: Counter[str] = Counter()
         self._total = self._before = self._now = 0
-        self._began = self._shown = clock()
+        self._began = self._shown = time.monotonic()
 
     def begin(self, total: int, ready: Sequence[GradeRecord]) -> None:
         """So many submissions, and the results that exist; what was counted before is over."""
         self._total, self._before, self._now = total, len(ready), 0
         self._counts = Counter(outcome_of(record) for record in ready)
-        self._began = self._clock()
+        self._began = time.monotonic()
         known = f", {len(ready)} of them already have a result from an earlier run" if ready else ""
         self._print(f"{total} submission{'s' * (total != 1)}{known}.")
 
@@ -63,7 +62,7 @@ class RunProgress:
 
     def tick(self) -> None:
         """Some time has passed."""
-        now = self._clock()
+        now = time.monotonic()
         if self._live:
             self._stream.write(f"\r\x1b[K{self.line()}")
             self._stream.flush()
@@ -89,7 +88,7 @@ class RunProgress:
     def _estimate_time_left(self, count: int) -> str:
         if self._now < _TOO_EARLY or count >= self._total:
             return ""
-        seconds = round((self._total - count) * (self._clock() - self._began) / self._now)
+        seconds = round((self._total - count) * (time.monotonic() - self._began) / self._now)
         minutes, rest = divmod(seconds, _MINUTE)
         return f"; about {f'{minutes} min ' if minutes else ''}{rest} s left"
 

@@ -78,7 +78,7 @@ def open_class(plan: Plan, stops: Callable[[], int] = lambda: 0) -> ClassRun:
 
 def _choose_seed(plan: Plan, records: RecordFolder) -> int:
     """The run's seed: that of the earlier run when it is gone on with."""
-    before = run_folder.seed_of(plan.out)
+    before = run_folder.read_note(plan.out).seed
     if not plan.resume and (before is not None or any(records)):
         raise GradingError(
             f"{plan.out} holds the results of an earlier run. Add --resume to continue it, or name another folder."

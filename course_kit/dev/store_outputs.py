@@ -13,7 +13,7 @@ import nbformat
 from nbclient import NotebookClient
 
 from course_kit import environment
-from course_kit.authoring.edition_notebooks import number_anew
+from course_kit.authoring.edition_plan import number_anew
 from course_kit.authoring.new_exercise import METADATA
 from course_kit.dev import lesson_steps
 from course_kit.text.console import refuse

@@ -10,12 +10,8 @@ import tempfile
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import platformdirs
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 PACKAGE = Path(__file__).resolve().parent.parent
 LEARNER_FOLDER = "my-course"  # in a clone: where a learner works; `course_kit.learner.workspace` makes it
@@ -27,7 +23,7 @@ CELL_PROGRAMS = "scripts"  # in `run_dir`, side by side: what cells have saved
 _NAME = "ros2-course"
 _APPLICATION = "ros2-course-kit"
 _LOGS_KEPT = 40
-_FILES = (".dockerenv", "run/.containerenv", "run/systemd/container")  # Docker, Podman, systemd-nspawn
+_FILES = ("/.dockerenv", "/run/.containerenv", "/run/systemd/container")  # Docker, Podman, systemd-nspawn
 _VARIABLES = ("container", "KUBERNETES_SERVICE_HOST")  # most engines set the first for all processes
 
 
@@ -206,8 +202,8 @@ def put_scripts_first() -> None:
     os.environ["PATH"] = with_scripts_first(os.environ.get("PATH"))
 
 
-def sign_of_container(root: Path = Path("/"), environ: Mapping[str, str] = os.environ) -> str:
+def sign_of_container() -> str:
     """What shows that this is a container, for people: `/.dockerenv`; empty where nothing does."""
-    signs = [f"/{name}" for name in _FILES if (root / name).exists()]
-    signs += [f"the variable {name}" for name in _VARIABLES if environ.get(name)]
+    signs = [name for name in _FILES if Path(name).exists()]
+    signs += [f"the variable {name}" for name in _VARIABLES if os.environ.get(name)]
     return next(iter(signs), "")

@@ -174,6 +174,9 @@ class Field:
     line: Line = field(default=Line(0, ""), compare=False)
 
 
+_GOAL_ID = Field("goal_id", FieldType("unique_identifier_msgs/msg/UUID"))
+
+
 @dataclass(frozen=True)
 class Constant:
     """One constant, such as `string CELSIUS=celsius`."""
@@ -226,7 +229,7 @@ class ActionDefinition:
     @property
     def send_goal(self) -> ServiceDefinition:
         """The service a goal is sent with."""
-        request = (_goal_id(), Field("goal", FieldType(str(self.goal.name))))
+        request = (_GOAL_ID, Field("goal", FieldType(str(self.goal.name))))
         response = (Field("accepted", FieldType("boolean")), Field("stamp", FieldType("builtin_interfaces/msg/Time")))
         return self._service("_SendGoal", request, response)
 
@@ -234,12 +237,12 @@ class ActionDefinition:
     def get_result(self) -> ServiceDefinition:
         """The service a result is fetched with."""
         response = (Field("status", FieldType("int8")), Field("result", FieldType(str(self.result.name))))
-        return self._service("_GetResult", (_goal_id(),), response)
+        return self._service("_GetResult", (_GOAL_ID,), response)
 
     @property
     def feedback_message(self) -> MessageDefinition:
         """The message on the action's feedback topic."""
-        fields = (_goal_id(), Field("feedback", FieldType(str(self.feedback.name))))
+        fields = (_GOAL_ID, Field("feedback", FieldType(str(self.feedback.name))))
         return MessageDefinition(_with_suffix(self.name, "_FeedbackMessage"), self.module, fields)
 
     def _service(self, suffix: str, request: tuple[Field, ...], response: tuple[Field, ...]) -> ServiceDefinition:
@@ -263,7 +266,3 @@ def module_name(name: str) -> str:
 
 def _with_suffix(name: TypeName, suffix: str) -> TypeName:
     return name._replace(name=name.name + suffix)
-
-
-def _goal_id() -> Field:
-    return Field("goal_id", FieldType("unique_identifier_msgs/msg/UUID"))

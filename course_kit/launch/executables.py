@@ -39,8 +39,9 @@ def find_command(package: str | None, executable: str, near: Sequence[Path] = ()
     for place in _package_places(package, folders):
         if found := _of_source(place, executable) or _find_in_folder(place, executable):
             return found
-    if found := _entry_point(package, executable):
-        return found
+    if target := _entry_points(package).get(executable):
+        module, _, function = target.partition(":")
+        return _call(module, function, executable)
     for folder in folders:
         if found := _find_in_folder(folder, executable):
             return found
@@ -171,14 +172,6 @@ def _entry_points(package: str) -> dict[str, str]:
     except (PackageNotFoundError, ValueError):
         return {}
     return {point.name: point.value for point in points if point.group == "console_scripts"}
-
-
-def _entry_point(package: str, executable: str) -> list[str] | None:
-    target = _entry_points(package).get(executable)
-    if target is None:
-        return None
-    module, _, function = target.partition(":")
-    return _call(module, function, executable)
 
 
 def _not_found(package: str, executable: str, folders: list[Path]) -> ProgramError:

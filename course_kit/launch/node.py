@@ -283,7 +283,10 @@ class Node(ExecuteProcess):
         if isinstance(parameters, Mapping):
             values = values_of(parameters, context)
             text = yaml.safe_dump({whose: {"ros__parameters": values}}, default_flow_style=False)
-            return self._file_of(text, temporary)
+            with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
+                file.write(text)
+            temporary.append(Path(file.name))
+            return ["--params-file", file.name]
         if isinstance(parameters, (str, PurePath, Substitution, list, tuple)):
             path = context.file.parent / as_text(parameters, context)
             if path.is_file():
@@ -293,13 +296,6 @@ class Node(ExecuteProcess):
             )
             return []
         raise LaunchError(f"Node(parameters=[{parameters!r}]): expected a dict of values or the path of a file.")
-
-    @staticmethod
-    def _file_of(text: str, temporary: list[Path]) -> list[str]:
-        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", encoding="utf-8", delete=False) as file:
-            file.write(text)
-        temporary.append(Path(file.name))
-        return ["--params-file", file.name]
 
 
 def join_namespace(outer: str, inner: str) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 
 import nbformat
 
-from course_kit.authoring.edition_notebooks import ANSWER, INSTRUCTOR
+from course_kit.authoring.edition_plan import ANSWER, INSTRUCTOR
 from course_kit.environment import PACKAGE
 from course_kit.grading.errors import GradingError
 from course_kit.interfaces.hints import nearest_name

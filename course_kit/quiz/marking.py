@@ -86,11 +86,9 @@ class MarkedAnswers:
         return self.points >= PASS_SHARE * self.max_points
 
 
-def mark(
-    scenarios: Sequence[Scenario], answers: Mapping[Any, object], known: Collection[str] | None = None
-) -> MarkedAnswers:
+def mark(scenarios: Sequence[Scenario], answers: Mapping[Any, object]) -> MarkedAnswers:
     """Mark the answers to `scenarios`."""
-    known = bank() if known is None else known
+    known = bank()
     given = {_plain(name): answer for name, answer in answers.items()}
     drawn = [scenario.id for scenario in scenarios]
     strangers = [name for name in given if name not in known and name not in drawn]

@@ -115,7 +115,7 @@ def run_command(
     except CommandError as error:
         sys.stdout.flush()
         sys.stderr.write(f"{error}\n")
-        return error.exit_code
+        return 1
     except SystemExit as leaving:  # argparse, which has said why
         return leaving.code if isinstance(leaving.code, int) else 1
     except KeyboardInterrupt:

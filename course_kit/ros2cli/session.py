@@ -29,9 +29,8 @@ _LAST_WORDS = 0.5  # seconds for an answer that was under way when its server le
 class CommandError(Exception):
     """A verb cannot do what was asked; the message is the one line that goes to stderr."""
 
-    def __init__(self, message: str, exit_code: int = 1) -> None:
+    def __init__(self, message: str) -> None:
         super().__init__(" ".join(message.split()))
-        self.exit_code = exit_code
 
 
 class Session:

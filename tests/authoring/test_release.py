@@ -16,7 +16,7 @@ import nbformat
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import edition_notebooks, edition_plan, release
+from course_kit.authoring import edition_plan, release
 from course_kit.cli import main as cli
 from course_kit.grading.errors import GradingError
 from tests.course_copy import TEMPERATURE
@@ -86,7 +86,7 @@ def test_it_has_the_course_and_none_of_the_answers(student: Path) -> None:
     assert answers
     assert not [path for path in student.rglob("*") if path.is_file() and path.read_bytes() in answers]
     for path in student.glob("notebooks/**/*.ipynb"):
-        assert not edition_notebooks.has_answers(nbformat.read(path, as_version=4)), path
+        assert not edition_plan.has_answers(nbformat.read(path, as_version=4)), path
 
 
 def test_no_program_in_it_scores(edition: Edition) -> None:
@@ -214,7 +214,7 @@ def test_cells_tagged_answer_are_left_out_and_the_others_numbered_anew() -> None
             cell("1 + 2", execution_count=3, outputs=[result]),
         ]
     )
-    kept = edition_notebooks.remove_answers(notebook).cells
+    kept = edition_plan.remove_answers(notebook).cells
     assert [one.source for one in kept] == ["broken()", "later()", "1 + 2"]
     assert [one.execution_count for one in kept] == [1, None, 2]
     assert kept[2].outputs[0].execution_count == 2

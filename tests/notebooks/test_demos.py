@@ -9,7 +9,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from course_kit.authoring import edition_notebooks
+from course_kit.authoring import edition_plan
 from course_kit.presentation import preparing
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -53,7 +53,7 @@ def test_the_repair_in_place_of_the_failing_cell_is_all_it_takes(path: Path, dom
 
 def test_the_student_edition_shows_the_failure_without_the_answer(domain: int) -> None:
     assert domain
-    notebook = edition_notebooks.remove_answers(read(DEMOS[0]))
+    notebook = edition_plan.remove_answers(read(DEMOS[0]))
     assert verdicts(notebook) == ["It fails"]
     assert verdicts(run(notebook, DEMOS[0].parent)) == ["It fails"]
     assert not any(preparing.repairs_of(cell) for cell in notebook.cells)

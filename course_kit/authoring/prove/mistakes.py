@@ -30,6 +30,7 @@ _MIXED_UP = {"min": "max", "max": "min", "all": "any", "any": "all", "isfinite":
 _SLIGHTLY = 1e-3  # of a number
 _SYMMETRIC = {"dist", "min", "max", "hypot", "isclose"}
 _SENTENCE = re.compile(r"[A-Za-z] [A-Za-z]")
+_NO_OWNERS = ("self", "rclpy", "math", "threading", "time", "node", "executor")  # of what a mistake would mix up
 _OTHER_FIELDS = 2  # of the same thing, that are taken for the right one
 
 
@@ -165,7 +166,7 @@ def _fields(program: ParsedProgram) -> dict[tuple[ast.AST | None, str], dict[str
     """The fields that each function uses of each thing; a vector has all three."""
     found: dict[tuple[ast.AST | None, str], dict[str, None]] = {}
     for node in ast.walk(program.tree):
-        if isinstance(node, ast.Attribute) and not _is_module_or_self(node.value):
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) not in _NO_OWNERS:
             fields = found.setdefault(_attribute_owner(program, node), {})
             fields[node.attr] = None
             if node.attr in ("x", "y", "z"):
@@ -173,10 +174,6 @@ def _fields(program: ParsedProgram) -> dict[tuple[ast.AST | None, str], dict[str
             elif node.attr in ("linear", "angular"):
                 fields |= dict.fromkeys(("linear", "angular"))
     return found
-
-
-def _is_module_or_self(node: ast.expr) -> bool:
-    return isinstance(node, ast.Name) and node.id in ("self", "rclpy", "math", "threading", "time", "node", "executor")
 
 
 def change_conditions(program: ParsedProgram) -> Iterator[Mutation]:

@@ -84,7 +84,11 @@ def group_by_attention(book: Gradebook, called: Mapping[str, StudentLabel]) -> l
         AttentionGroup(
             "doubtful",
             "Graded, but check the choice of file",
-            _of_records([record for record in book.records if record.entry.worry], called, _doubt),
+            _of_records(
+                [record for record in book.records if record.entry.worry],
+                called,
+                lambda record: f"{record.entry.source}: {record.entry.worry}",
+            ),
             "All choices, with their reasons, are in intake.csv.",
             urgent=True,
         ),
@@ -150,10 +154,6 @@ def _how_it_went(record: GradeRecord) -> str:
     state = outcome_of(record)
     points = f"{format_number(score_of(record) or 0.0)} of {format_number(record.max_score)}"
     return points if state == "not passed" else f"{state}, {points}"
-
-
-def _doubt(record: GradeRecord) -> str:
-    return f"{record.entry.source}: {record.entry.worry}"
 
 
 def _choice(record: GradeRecord) -> str:

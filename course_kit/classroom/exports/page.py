@@ -165,10 +165,15 @@ def _facts(book: Gradebook) -> Iterator[tuple[str, int]]:
 
 
 def _figure(exercise: Exercise, records: Sequence[GradeRecord]) -> Figure:
+    """How many have how many points: a bar for each point, or ten where there are many; the last is full marks."""
     points = [found for record in records if (found := texts.score_of(record)) is not None]
     average, middle = (mean(points), median(points)) if points else (None, None)
     passed = sum(record.passed for record in records)
-    return Figure(exercise, count_scores(exercise, records), len(records), passed, average, middle)
+    steps = int(exercise.points) if exercise.points == int(exercise.points) and exercise.points < _MOST_BARS else 10
+    width = exercise.points / steps
+    counts = Counter(min(steps, max(0, math.floor(point / width + 1e-9))) for point in points)
+    bars = [Bar(step * width, f"{step * width:g}", counts[step]) for step in range(steps + 1)]
+    return Figure(exercise, bars, len(records), passed, average, middle)
 
 
 def _heat_maps(book: Gradebook) -> Iterator[HeatMap]:
@@ -201,15 +206,6 @@ def _heat_map(
 def _count_noun(count: int, noun: str) -> str:
     """`1 student`, `2 students`."""
     return f"{count} {noun if count == 1 else noun + 's'}"
-
-
-def count_scores(exercise: Exercise, records: Sequence[GradeRecord]) -> list[Bar]:
-    """How many have how many points: a bar for each point, or ten where there are many; the last is full marks."""
-    points = [found for record in records if (found := texts.score_of(record)) is not None]
-    steps = int(exercise.points) if exercise.points == int(exercise.points) and exercise.points < _MOST_BARS else 10
-    width = exercise.points / steps
-    counts = Counter(min(steps, max(0, math.floor(point / width + 1e-9))) for point in points)
-    return [Bar(step * width, f"{step * width:g}", counts[step]) for step in range(steps + 1)]
 
 
 def count_checks(records: Sequence[GradeRecord]) -> list[CheckCount]:

@@ -250,7 +250,8 @@ class Chooser:
             return ""
         path = self._root / file.path
         if glance.identity:
-            for other in _others_of_course(exercise):
+            course = exercise.folder.parent
+            for other in (load_exercise(name, course) for name in list_exercise_ids(course) if name != exercise.id):
                 if self._summarize_file(file, other).found:
                     return f"it holds {other.asks_for}, which {other.id} asks for"
             return "" if fits else f"it does not contain {exercise.asks_for}"
@@ -288,12 +289,6 @@ def _as_one(files: Sequence[HandIn], exercise: Exercise) -> list[HandIn]:
 def may_be_submission(item: Item, exercise: Exercise) -> bool:
     """Whether an item is of a kind that can be handed in."""
     return item.is_program or (bool(exercise.files) and (item.is_zip or item.kind == listing.FOLDER))
-
-
-def _others_of_course(exercise: Exercise) -> Iterator[Exercise]:
-    """The exercises beside one, in its folder."""
-    folder = exercise.folder.parent
-    return (load_exercise(name, folder) for name in list_exercise_ids(folder) if name != exercise.id)
 
 
 def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:

@@ -38,7 +38,6 @@ class Matcher:
     """Finds people on a class list."""
 
     def __init__(self, roster: Roster) -> None:
-        self._roster = roster
         self._by_value: dict[tuple[str, str], list[Person]] = defaultdict(list)
         self._by_name: dict[str, list[Person]] = defaultdict(list)
         self._groups: dict[str, list[Person]] = defaultdict(list)

@@ -240,7 +240,8 @@ class CopiedFolder(Folder):
             state = source.lstat()
             if state.st_size > LARGEST_OF_ONE:
                 return f"it is too much: at most {LARGEST_OF_ONE // 1024**2} MB are read"
-            with open(source, "rb", opener=_not_through_a_link) as file:
+            apart = os.O_NOFOLLOW | os.O_NONBLOCK
+            with open(source, "rb", opener=lambda path, flags: os.open(path, flags | apart)) as file:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with target.open("wb") as copy:
                     shutil.copyfileobj(file, copy)
@@ -250,10 +251,6 @@ class CopiedFolder(Folder):
                 raise  # a full disk is nobody's fault
             return f"it cannot be read: {problem.strerror}"
         return ""
-
-
-def _not_through_a_link(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
 
 
 class JoinedListings:

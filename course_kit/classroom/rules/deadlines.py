@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from datetime import tzinfo
 
-    from course_kit.classroom.records import Entry
-
 FILE, EXTENSIONS = "class.toml", "extensions.csv"
 _DAY_S, _MINUTE_S, _ALL = 86_400, 60, 100
 _Number: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=sys.float_info.max)]
@@ -193,11 +191,6 @@ def _with_extensions(rules: Deadlines, path: Path, exercises: Sequence[Exercise]
     return replace(rules, extensions=found)
 
 
-def submission_moment(entry: Entry, zone: tzinfo | None = None) -> datetime | None:
-    """When an entry was handed in; None where nothing tells. `zone` gives abbreviations such as CET their meaning."""
-    return parse_stamp(entry.platform.get(SUBMITTED_AT, ""), zone)
-
-
 def comes_twice(moment: datetime) -> bool:
     """Whether clocks showed this time twice, and nothing tells which of the two is meant."""
     return isinstance(moment.tzinfo, ZoneInfo) and moment.utcoffset() > moment.replace(fold=1).utcoffset()  # type: ignore[operator]
@@ -207,6 +200,7 @@ def parse_stamp(text: str, zone: tzinfo | None = None) -> datetime | None:
     """What nbgrader has noted: `2026-11-20 22:59:00.000000 UTC`; None where its zone is not known.
 
     Without a zone it is UTC, as nbgrader takes it. A time that comes twice is the earlier, if its zone does not tell.
+    `zone` gives abbreviations such as CET their meaning.
     """
     match = _STAMP.fullmatch(text.strip())
     if match is None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.classroom.records import Entry, GradeRecord
 from course_kit.classroom.rules import deadlines
-from course_kit.classroom.rules.deadlines import submission_moment
+from course_kit.classroom.rules.deadlines import SUBMITTED_AT
 from course_kit.classroom.rules.people import (
     Mistakes,
     StudentTable,
@@ -63,7 +63,7 @@ class Instructions:
         """A result with its lateness, penalty, override and comment."""
         entry = record.entry
         exercise = next(exercise for exercise in exercises if exercise.id == entry.exercise)
-        moment = submission_moment(entry, self.deadlines.zone)
+        moment = deadlines.parse_stamp(entry.platform.get(SUBMITTED_AT, ""), self.deadlines.zone)
         found = self.deadlines.judge(entry.student, exercise, moment, marked=entry.late)
         if decided := self.overrides.find(entry.student, exercise.id):
             found = replace(found, override=decided.score, added=decided.added, comment=decided.comment)

@@ -2,8 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.lab.recording.arrows import NOBODY, UNSEEN, arrows_of
-from course_kit.lab.recording.diagram import DRAWN, draw_diagram
+from course_kit.lab.recording.diagram import DRAWN, NOBODY, UNSEEN, arrows_of, draw_diagram
 from course_kit.lab.recording.events import KEPT, Event, Recording
 from course_kit.ros.sequence import Arrow
 

@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from course_kit.lab.recording.arrows import RUN, UNSEEN, arrows_of
-from course_kit.lab.recording.diagram import Diagram
+from course_kit.lab.recording.diagram import RUN, UNSEEN, Diagram, arrows_of
 from course_kit.lab.recording.events import Event
 from course_kit.ros.sequence import Arrow
 
