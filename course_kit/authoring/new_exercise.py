@@ -1,28 +1,30 @@
 """`course-kit new exercise`: the folder of an exercise that works at once, for an author to change.
 
 The texts that learners read are written once: the sentences of the task in exercise.toml, the program to begin with in
-the starter. The starter's docstring and the notebook are made from them, and made anew by `refresh`.
+the starter. The starter's docstring and the notebook are made from them, and made anew by `refresh`. The sentences
+stand where the lines are that begin with "- " or "|"; what is before the first and after the last of those stays.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import keyword
 import os
 import re
 import tempfile
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.authoring import task_text
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import Exercise, read_exercise
+from course_kit.grading.model.exercise import Exercise, Sentence, read_exercise
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
 
 KINDS = ("service", "action", "parameters", "topic")
@@ -32,8 +34,10 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*\Z")
 _LONGEST = 40
 _IN_PLACE_OF_NAME, _IN_PLACE_OF_CLASS = "@ID@", "@CLASS@"
 
-_TITLE, _ANSWER = "title", "answer"  # the cells that are made anew; that of the task is filled by `task_text`
+_TITLE, _ANSWER = "title", "answer"  # the cells that are made anew; that of the task is filled by `fill_notebook`
 _QUOTES = '"""'
+_WIDTH = 118  # columns of a starter's docstring
+_PLACES = ("- ", "|")
 _MAIN = "\ndef main("
 METADATA = {
     "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
@@ -77,13 +81,13 @@ def refresh_exercise(exercise: Exercise) -> list[Path]:
     programs = [exercise.folder / name for name in exercise.files or (exercise.starter,) if name.endswith(".py")]
     notebook = exercise.folder / exercise.notebook
     before = {path: path.read_text(encoding="utf-8") for path in (*programs, notebook)}
-    after = {path: task_text.fill_starter(before[path], exercise, path.name) for path in programs}
+    after = {path: fill_starter(before[path], exercise, path.name) for path in programs}
     cells = before[notebook]
     if exercise_folders.is_added(exercise.folder) and not exercise.files:
         (program,) = programs
         after[program] = re.sub(r'\A\s*"""[^\n]*', lambda _: f'"""{exercise.title}.', after[program])
         cells = _renewed_notebook(cells, exercise, after[program])
-    after[notebook] = task_text.fill_notebook(cells, exercise)
+    after[notebook] = fill_notebook(cells, exercise)
     changed = [path for path in after if after[path].split() != before[path].split()]  # lines may be wrapped elsewhere
     for path in changed:
         write_atomically(path, after[path])
@@ -156,3 +160,107 @@ def _cell(name: str, kind: str, source: str) -> dict[str, Any]:
 
 def _as_text(notebook: dict[str, Any]) -> str:
     return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+
+
+def format_sentences(sentences: Sequence[Sentence], *, width: int = 0) -> str:
+    """Sentences as a list in Markdown, with tables where there are rows."""
+    parts = [
+        _table(group) if rows else "\n".join(_items(group, width))
+        for rows, group in _group_rows(sentences)  # a list is a group, and so is each table
+    ]
+    return "\n\n".join(parts)
+
+
+def group_by_cell(sentences: Sequence[Sentence]) -> dict[str, list[Sentence]]:
+    """The sentences by the notebook's cell in which they stand."""
+    cells: dict[str, list[Sentence]] = {}
+    cell = ""
+    for sentence in sentences:
+        cell = sentence.cell or cell
+        cells.setdefault(cell, []).append(sentence)
+    return cells
+
+
+def sentences_of(exercise: Exercise, file: str) -> Sequence[Sentence]:
+    """What stands in a starter: of several each has its own cell, and the launch file all that no program has."""
+    if not exercise.files:
+        return exercise.sentences
+    cells, own = group_by_cell(exercise.sentences), {name.partition(".")[0] for name in exercise.files}
+    if file != exercise.launch_file:
+        return cells[file.partition(".")[0]]
+    own.remove(file.partition(".")[0])
+    return [sentence for cell, sentences in cells.items() if cell not in own for sentence in sentences]
+
+
+def fill_starter(text: str, exercise: Exercise, name: str) -> str:
+    """A starter's program with the sentences of its exercise in its docstring."""
+    before, *rest = text.split(_QUOTES, 2)
+    if len(rest) != 2 or before.strip():  # noqa: PLR2004 - the docstring and what follows
+        raise GradingError(f"{name} does not begin with a docstring, into which its task belongs.")
+    block = format_sentences(sentences_of(exercise, name), width=_WIDTH)
+    docstring = replace_block(rest[0], block, f"the docstring of {name}")
+    return _QUOTES.join([before, docstring, rest[1]])
+
+
+def fill_notebook(text: str, exercise: Exercise) -> str:
+    """A notebook's file with the sentences of its exercise in its cells."""
+    notebook = json.loads(text)
+    for name, sentences in group_by_cell(exercise.sentences).items():
+        cell = next((cell for cell in notebook["cells"] if cell.get("id") == name), None)
+        if cell is None:
+            raise GradingError(f"{exercise.notebook} has no cell with the id '{name}', where a sentence is to stand.")
+        where = f"the cell '{name}' of {exercise.notebook}"
+        source = replace_block("".join(cell["source"]), format_sentences(sentences), where)
+        cell["source"] = source.splitlines(keepends=True)
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+
+
+def replace_block(text: str, block: str, where: str) -> str:
+    """A text in which `block` stands where lists and tables were."""
+    lines = text.splitlines()
+    marked = [number for number, line in enumerate(lines) if line.startswith(_PLACES)]
+    if not marked:
+        raise GradingError(f"{where} has no line that begins with '- ', which is where the sentences go.")
+    last = marked[-1]
+    while last + 1 < len(lines) and lines[last + 1].startswith("  "):
+        last += 1
+    end = "\n" if text.endswith("\n") else ""
+    return "\n".join([*lines[: marked[0]], block, *lines[last + 1 :]]) + end
+
+
+def _group_rows(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sentence]]]:
+    table = 0
+
+    def kind(sentence: Sentence) -> tuple[bool, int]:
+        nonlocal table
+        table += sentence.is_row and bool(sentence.heading)
+        return sentence.is_row, table if sentence.is_row else 0
+
+    for (rows, _), group in itertools.groupby(sentences, kind):
+        yield rows, list(group)
+
+
+def _items(sentences: Iterable[Sentence], width: int) -> Iterable[str]:
+    items: list[list[str]] = []
+    for sentence in sentences:
+        if sentence.heading or not items:
+            bold = sentence.heading if width else f"**{sentence.heading}**"
+            items.append([bold] if sentence.heading else [])
+        items[-1].append(sentence.text)
+    for words in items:
+        text = "- " + " ".join(words)
+        if width:
+            text = textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+        yield text
+
+
+def _table(rows: Sequence[Sentence]) -> str:
+    header = [rows[0].heading] if rows[0].heading else []
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in (*header, *(row.text for row in rows))]
+    if odd := [line for line in cells if len(line) != len(cells[0])]:
+        raise GradingError(f"The row '| {' | '.join(odd[0])} |' does not have {len(cells[0])} cells as its table has.")
+    widths = [max(len(cell) for cell in column) for column in zip(*cells, strict=True)]
+    lines = ["| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in cells]
+    if header:
+        lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(lines)

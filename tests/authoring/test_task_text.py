@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.authoring import corpus, new_exercise, task_text
+from course_kit.authoring import corpus, new_exercise
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Sentence, load_exercise
 
@@ -33,9 +33,9 @@ def test_starter_carries_the_whole_task(name: str) -> None:
     told = set()
     for file in exercise.files or (exercise.starter,):
         if file.endswith(".py"):
-            sentences = task_text.sentences_of(exercise, file)
+            sentences = new_exercise.sentences_of(exercise, file)
             docstring = ast.get_docstring(ast.parse((exercise.folder / file).read_text())) or ""
-            assert " ".join(words(task_text.format_sentences(sentences, width=100))) in " ".join(words(docstring))
+            assert " ".join(words(new_exercise.format_sentences(sentences, width=100))) in " ".join(words(docstring))
             told.update(one.id for one in sentences)
     assert told == {one.id for one in exercise.sentences}
 
@@ -46,7 +46,8 @@ def test_notebook_carries_the_whole_task_in_this_order(name: str) -> None:
     cells = json.loads((exercise.folder / exercise.notebook).read_text())["cells"]
     prose = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
     places = [
-        prose.index(task_text.format_sentences(told)) for told in task_text.group_by_cell(exercise.sentences).values()
+        prose.index(new_exercise.format_sentences(told))
+        for told in new_exercise.group_by_cell(exercise.sentences).values()
     ]
     assert places == sorted(places)
 
@@ -57,14 +58,14 @@ def test_nothing_is_left_to_write(name: str) -> None:
     for file in (*(exercise.files or (exercise.starter,)), exercise.notebook):
         before = after = (exercise.folder / file).read_text()
         if file == exercise.notebook:
-            after = task_text.fill_notebook(before, exercise)
+            after = new_exercise.fill_notebook(before, exercise)
         elif file.endswith(".py"):
-            after = task_text.fill_starter(before, exercise, file)
+            after = new_exercise.fill_starter(before, exercise, file)
         assert words(after) == words(before), f"run ./course new exercise {name} --refresh"
 
 
 def test_sentences_become_a_list_with_bold_headings_and_tables() -> None:
-    text = task_text.format_sentences([FIRST, SECOND, ROW, NEXT, Sentence("e", "An end.", heading="Last.")])
+    text = new_exercise.format_sentences([FIRST, SECOND, ROW, NEXT, Sentence("e", "An end.", heading="Last.")])
     assert text.splitlines() == [
         "- **One.** A first. A second.",
         "",

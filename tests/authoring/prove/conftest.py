@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit.authoring.prove import mutants, proving
+from course_kit.authoring.prove import proving
 from course_kit.grading.model.exercise import Exercise, load_exercise
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Tiny:
         return load_exercise("tiny", self.folder / "exercises")
 
     def declare(self, text: str) -> None:
-        (self.exercise.solution.parent / mutants.FILE).write_text(text)
+        (self.exercise.solution.parent / proving.FILE).write_text(text)
 
     def prove(self) -> GraderProof:
         return proving.prove_grader(self.exercise, workers=1)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import environment
-from course_kit.authoring.prove import mutants
+from course_kit.authoring.prove import proving
 from course_kit.grading import GradingError
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ REASON = 'reason = "It does not matter."\n'
 def covered(tmp_path: Path, *more: str) -> list[str]:
     path = tmp_path / "equivalent.toml"
     path.write_text("[[equivalent]]\n" + LINES + OPERATORS + REASON + "".join(f"{line}\n" for line in more))
-    entries = mutants.read_equivalents(path)
-    return [one.key for one in mutants.make_mutants(SOURCE) if any(entry.covers(one) for entry in entries)]
+    entries = proving.read_equivalents(path)
+    return [one.key for one in proving.make_mutants(SOURCE) if any(entry.covers(one) for entry in entries)]
 
 
 def test_an_entry_is_about_an_operator_on_a_line_wherever_it_stands(tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_a_wrong_entry_is_named(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "equivalent.toml"
     path.write_text(text)
     with pytest.raises(GradingError, match=said):
-        mutants.read_equivalents(path)
+        proving.read_equivalents(path)
 
 
 @pytest.mark.parametrize("name", ["temperature_service", "move_robot", "robot_parameters"])
@@ -59,7 +59,7 @@ def test_each_declaration_of_the_course_is_about_a_mutant_that_there_is(name: st
     root = environment.checkout_folder()
     assert root is not None
     folder = root / "solutions" / name
-    made = mutants.make_mutants((folder / f"{name}.py").read_text(), starts_itself=False)
-    entries = mutants.read_equivalents(folder / mutants.FILE)
+    made = proving.make_mutants((folder / f"{name}.py").read_text(), starts_itself=False)
+    entries = proving.read_equivalents(folder / proving.FILE)
     assert entries
     assert [str(one) for one in entries if not any(one.covers(mutant) for mutant in made)] == []

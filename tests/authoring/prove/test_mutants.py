@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from course_kit.authoring.prove import mutants
+from course_kit.authoring.prove import proving
 
 NODE = '''"""A node."""
 
@@ -72,8 +72,8 @@ PUBLISH = "self.out.publish(Float64(data=message.data * factor))"
 
 
 @cache
-def made(source: str) -> tuple[mutants.Mutant, ...]:
-    return tuple(mutants.make_mutants(source))
+def made(source: str) -> tuple[proving.Mutant, ...]:
+    return tuple(proving.make_mutants(source))
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_each_kind_of_mistake(source: str, operator: str, wanted: list[str]) -> 
     assert [one.change for one in made(source) if one.operator == operator] == wanted
 
 
-def only(source: str, operator: str, part: str) -> mutants.Mutant:
+def only(source: str, operator: str, part: str) -> proving.Mutant:
     """The one mutant of an operator whose text has this part."""
     found = [one for one in made(source) if one.operator == operator and part in one.source]
     assert len(found) == 1, [one.key for one in found]
@@ -179,7 +179,7 @@ def test_what_nobody_can_see_is_no_mistake(seen: str, unseen: str) -> None:
     """Fields set to their default, words that are free, the end of a program, and main where the class is started."""
     kinds = {"assignment left out", "keyword left out", "another text", "value left out of a text", "call left out"}
     found = [
-        [one.operator for one in mutants.make_mutants(source, starts_itself=False) if one.operator in kinds]
+        [one.operator for one in proving.make_mutants(source, starts_itself=False) if one.operator in kinds]
         for source in (seen, unseen)
     ]
     assert found[0]
