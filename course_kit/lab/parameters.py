@@ -243,8 +243,6 @@ class Values(dict[str, Any]):
     def __repr__(self) -> str:
         return "\n".join(f"{name}: {value!r}" for name, value in self.items()) or "no parameters"
 
-    __str__ = __repr__
-
 
 class Outcome:
     """What came of setting parameters; true if all were set."""
@@ -325,8 +323,6 @@ class Descriptors(list[Descriptor]):
 
     def __repr__(self) -> str:
         return "\n".join(str(value) for value in self) or "no parameters"
-
-    __str__ = __repr__
 
 
 def _hint(value: object, reason: str) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.interfaces.known_types import package_prefixes
 from course_kit.launch.errors import ProgramError
 from course_kit.launch.package_index import PACKAGE_PATH, is_one, read_programs, sources_near
 from course_kit.ros.names import did_you_mean
@@ -96,10 +97,8 @@ def _courses() -> list[Path]:
     return [folder for folder in (environment.learner_folder(), environment.course_files()) if folder is not None]
 
 
-def _lib_folders() -> Iterator[Path]:
-    for prefix in (*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix):
-        if prefix:
-            yield Path(prefix) / "lib"
+def _lib_folders() -> list[Path]:
+    return [Path(prefix, "lib") for prefix in package_prefixes()]
 
 
 def _package_places(package: str, folders: list[Path]) -> Iterator[Path]:

@@ -291,7 +291,7 @@ class Diagram:
             )
         )
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """The diagram in numbered lines of at most 80 columns."""
         if not self.arrows:
             return _EMPTY
@@ -301,9 +301,6 @@ class Diagram:
             text = f"{number:>{digits}}. {_ends(arrow)}  {_line(_label(arrow))}"
             lines += textwrap.wrap(text, WIDTH, subsequent_indent=" " * (digits + 4), break_on_hyphens=False)
         return "\n".join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         if not self.arrows:

@@ -161,7 +161,7 @@ class Timeline:
         """The threads, in the order in which they were first busy."""
         return list(dict.fromkeys(span.lane for span in self.busy))
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """What each thread did, in words; repetitions appear once."""
         if not self.busy:
             return _EMPTY
@@ -174,9 +174,6 @@ class Timeline:
             lines.append("waiting to be handled")
             lines += [f"    {text}" for text in dict.fromkeys(_how_long(wait) for wait in self.waiting)]
         return "\n".join(lines)
-
-    def __repr__(self) -> str:
-        return str(self)
 
     def html(self) -> str:
         """The drawing as HTML, with the words and times below it."""
