@@ -46,8 +46,8 @@ def list_candidates(wanted: str, given: Namespace, begun: str) -> list[str]:
 def _parameters(node_name: str) -> list[str]:
     from course_kit.ros import parameters
     from course_kit.ros.names import from_root
+    from course_kit.ros2cli.parameters import ParameterClient
     from course_kit.ros2cli.session import Session
-    from course_kit.ros2cli.verbs.param import ParameterClient
 
     session = Session(visits=True)
     try:

@@ -231,9 +231,9 @@ def test_what_rclpy_says_about_requests_is_not_taken_for_the_submissions_words(p
 @pytest.mark.parametrize("written", ["/limiter", "limiter"])
 def test_a_parameter_file_may_leave_out_the_slash(written: str, tmp_path: Any) -> None:
     """rclpy's own function takes one form before 7.1.8, and both after it; ours asks it for neither."""
-    from course_kit.ros2cli.verbs import param
+    from course_kit.ros2cli import parameters
 
     path = tmp_path / "limiter.yaml"
     path.write_text(f"{written}:\n  ros__parameters:\n    max_speed: 1.5\n")
-    (parameter,) = param.load_parameters(str(path), "/limiter", use_wildcard=True)
+    (parameter,) = parameters.load_parameters(str(path), "/limiter", use_wildcard=True)
     assert (parameter.name, parameter.value.double_value) == ("max_speed", 1.5)

@@ -1,35 +1,27 @@
-"""`ros2 param`: list, get, set, describe, dump, load, delete, through the parameter services of nodes.
-
-See "Parameters" among the ROS 2 concepts.
-"""
+"""`ros2 param`: list, get, set, describe, dump, load, delete."""
 
 from __future__ import annotations
 
 import re
 import sys
-import tempfile
 import time
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from course_kit.ros import parameters
 from course_kit.ros.names import did_you_mean
 from course_kit.ros2cli.graph import visible_names
+from course_kit.ros2cli.parameters import ParameterClient, load_parameters
 from course_kit.ros2cli.parser import add_graph_options, add_named, add_verb, add_verbs
 from course_kit.ros2cli.session import CommandError, Session
 from course_kit.ros2cli.verbs._listing import add_of_kind, checked_name, graph_of
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
 
     from course_kit.ros.messages import Message
     from course_kit.ros2cli.graph import Graph
     from course_kit.ros2cli.parser import Run, Verbs
 
-T = TypeVar("T")
-PARAMETERS = "ros__parameters"
-_ANY_NUMBER, _ANY_ONE = "**", "*"
-_EVERY_NODE = f"/{_ANY_NUMBER}"
 _STARTS_WITHIN = 1.5  # seconds; launch files start a node and `ros2 param set` for it at the same time
 _LOOK_EVERY = 0.1
 
@@ -167,7 +159,7 @@ def _dump(options: Namespace, session: Session) -> None:
         while len(groups) > 1 and isinstance(place.get(groups[0], {}), dict):  # else a parameter has the group's name
             place = place.setdefault(groups.pop(0), {})
         place[".".join(groups)] = _plain_value(value)
-    print(yaml.safe_dump({checked_name(options.node_name): {PARAMETERS: found}}, default_flow_style=False))
+    print(yaml.safe_dump({checked_name(options.node_name): {"ros__parameters": found}}, default_flow_style=False))
 
 
 def _load(options: Namespace, session: Session) -> None:
@@ -212,112 +204,3 @@ def _parse(name: str, text: str) -> Message:
         return Parameter(name=name, value=get_parameter_value(text))
     except (YAMLError, AssertionError, ValueError, OverflowError) as error:
         raise CommandError(f"{text!r} is not a parameter value: {str(error).splitlines()[0]}.") from error
-
-
-def load_parameters(path: str, node: str, *, use_wildcard: bool) -> list[Message]:
-    """The parameters for a node in a file of parameters, as rcl_interfaces/msg/Parameter."""
-    sections = list(_sections(_document(path), "", path))
-    wanted = [pair for pair in sections if _is_for(pair[0], node) and (use_wildcard or _ANY_ONE not in pair[0])]
-    if not wanted:
-        names = [name for name, _ in sections]
-        there = f"It has some for {', '.join(names)}." if names else "It has no parameters at all."
-        near = did_you_mean(node, names)
-        raise CommandError(f"{path} has no parameters for {node}. {there}{near}")
-    together: dict[str, Any] = {}
-    for _, values in sorted(wanted, key=lambda section: _ANY_ONE not in section[0]):  # the general ones first
-        _merge(together, values)
-    return _as_rclpy_reads(together, path)
-
-
-def _document(path: str) -> dict[Any, Any]:
-    from yaml import MarkedYAMLError, YAMLError, safe_load
-
-    try:
-        with open(path, encoding="utf-8") as file:  # noqa: PTH123 - an OSError names what was given
-            loaded = safe_load(file)
-    except OSError as error:
-        raise CommandError(f"{path}: {error.strerror}.") from error
-    except (YAMLError, ValueError) as error:
-        marked = error.problem_mark if isinstance(error, MarkedYAMLError) else None
-        place = f" (line {marked.line + 1})" if marked else ""
-        problem = (error.problem if isinstance(error, MarkedYAMLError) else None) or str(error).splitlines()[0]
-        raise CommandError(f"{path} is not valid YAML: {problem}{place}.") from error
-    if not isinstance(loaded, dict):
-        raise CommandError(
-            f"{path} is not a file of parameters. One looks like `robot: {{{PARAMETERS}: {{speed: 1.0}}}}`."
-        )
-    return loaded
-
-
-def _sections(part: dict[Any, Any], name: str, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Pattern and parameters of each section; sections may lie in each other, as namespaces do."""
-    for key, value in part.items():
-        inner = f"{name}/{str(key).strip('/')}"
-        if not isinstance(value, dict):
-            raise CommandError(f"{path} is not a file of parameters: there is no {PARAMETERS} under {inner}.")
-        if PARAMETERS in value:
-            if not isinstance(value[PARAMETERS], dict):
-                raise CommandError(f"{path}: {PARAMETERS} of {inner} has to hold names and values.")
-            yield inner, value[PARAMETERS]
-        yield from _sections({key: rest for key, rest in value.items() if key != PARAMETERS}, inner, path)
-
-
-def _is_for(pattern: str, node: str) -> bool:
-    parts = (re.escape(part) for part in pattern.split("/")[1:])
-    whole = "".join(
-        r"(?:/\w+)*" if part == re.escape(_ANY_NUMBER) else rf"/{part.replace(re.escape(_ANY_ONE), r'[^/]*')}"
-        for part in parts
-    )
-    return re.fullmatch(whole, node) is not None
-
-
-def _merge(into: dict[str, Any], values: dict[str, Any]) -> None:
-    """Add values; groups of parameters, which are mappings, are merged and not replaced."""
-    for name, value in values.items():
-        if isinstance(value, dict) and isinstance(into.get(name), dict):
-            _merge(into[name], value)
-        else:
-            into[str(name)] = value
-
-
-def _as_rclpy_reads(values: dict[str, Any], path: str) -> list[Message]:
-    """The parameters as rclpy makes them of such a file, its types included."""
-    from rclpy.parameter import parameter_dict_from_yaml_file
-    from yaml import safe_dump
-
-    with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
-        safe_dump({_EVERY_NODE: {PARAMETERS: values}}, file, allow_unicode=True)
-        file.flush()
-        try:
-            return list(parameter_dict_from_yaml_file(file.name, use_wildcard=True).values())
-        except (RuntimeError, AttributeError, TypeError, ValueError, AssertionError) as error:
-            raise CommandError(f"{path} holds a value that no parameter can have: {str(error).strip()}") from error
-
-
-class ParameterClient:
-    """Asks one node for its parameters."""
-
-    def __init__(self, session: Session, node_name: str, timeout: float) -> None:
-        self._session, self._name, self._timeout = session, node_name, timeout
-
-    def ask(self, steps: parameters.Steps[T]) -> T:
-        """What one of the verbs of `course_kit.ros.parameters` returns."""
-        return parameters.run_steps(steps, self._answer)
-
-    def require_declared(self, name: str) -> Message:
-        """The ParameterValue of `name`; of type 0 where it is declared without a value."""
-        (found,) = self.ask(parameters.ask_values([name]))
-        if found.type == 0 and name not in (known := self.ask(parameters.ask_names())):
-            raise CommandError(f"Parameter not set: {self._name} has no {name!r}.{did_you_mean(name, known)}")
-        return found
-
-    def _answer(self, question: parameters.Question) -> Message:
-        from course_kit.ros.service import ServiceClient
-
-        client = ServiceClient(self._session.node, question.interface, f"{self._name}/{question.service}")
-        try:
-            if not self._session.wait_on_graph(client.is_ready, self._timeout):
-                raise CommandError(f"{self._name} offers no parameter services within {self._timeout:g} s.")
-            return self._session.answer_of(client, question.request, self._timeout, self._name)
-        finally:
-            client.destroy()
