@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     Where = tuple[str, str, str]
 
 _NODE = "_course_kit_node"  # on a timer: the name of its node
+_SEQUENCE = "_course_kit_sequence"  # on a future: the number of its request
 _WHERE = "_course_kit_where"  # on a client, service, publisher or subscription: what `identify` has found out
 # rclpy publishes these on its own; a learner never meant to.
 _SILENT_TOPICS = frozenset({"/parameter_events", "/rosout", "/_lab/nodes", "/_lab/stop"})  # the last two are the lab's
@@ -235,6 +236,7 @@ class MessageHooks:
                 future = client.get_pending_request(sequence)
             except KeyError:  # nobody waits
                 return
+            setattr(future, _SEQUENCE, sequence)  # for whoever has asked, and looks for it only now
             self._emit("response_received", client, response, sequence)
             if client not in self.direct:
                 future._set_executor(executor)  # noqa: SLF001 - as rclpy does, so that callbacks run as tasks
@@ -306,13 +308,13 @@ def _is_of_ros(channel: str) -> bool:
 
 
 def _sequence_of(client: Client, future: Future) -> int:
-    """The number of a request just sent; 0 if its answer has come and gone already."""
+    """The number of a request just sent, whose answer may have come and gone already."""
     with client._lock:  # noqa: SLF001
         pending = client._pending_requests  # noqa: SLF001
         for number in reversed(pending):  # it is the newest one, unless two threads use one client
             if pending[number] is future:
                 return int(number)
-    return 0
+    return int(vars(future).get(_SEQUENCE, 0))
 
 
 def failure_text(error: BaseException) -> str:

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from course_kit import lab
+from course_kit.lab.recording import hooks
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -86,6 +87,14 @@ def test_a_callback_that_awaits_gives_its_thread_back() -> None:
     for one, other in itertools.pairwise(busy):
         assert one.end is not None
         assert one.begin <= one.end <= other.begin  # one thread is never in two callbacks
+    assert timeline().waiting == []
+
+
+def test_a_request_is_known_also_where_its_answer_came_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    find_sequence = hooks._sequence_of
+    monkeypatch.setattr(hooks, "_sequence_of", lambda *asked: wait_until(asked[1].done) or find_sequence(*asked))
+    lab.start(Adder)
+    lab.call_blocking("/add", AddTwoInts, a=21)
     assert timeline().waiting == []
 
 
