@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 ID = "gate_and_guard"
+PARTS = ("gate", "guard", "pair")
 _TOML = """
 format_version = 1
 id = "gate_and_guard"
@@ -19,6 +20,7 @@ points = 5.0
 pass_mark = 2.0
 files = ["gate.py", "guard.py", "pair.launch.py", "pair.yaml"]
 launch_file = "pair.launch.py"
+parts = ["gate", "guard", "pair"]
 notebook = "gate_and_guard.ipynb"
 grader = "checks.py"
 solution = "solution"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,14 +18,17 @@ from course_kit.grading.model.report import CheckReport, CheckResult, Report
 from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
-from course_kit.grading.workers.worker import Worker
+from course_kit.grading.workers.worker import Worker, side_by_side
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.model.submission import Submission
 
 _NOT_STARTED = ("start.", "limit.")
+_DIGITS = 6  # of points
 
 
 @dataclass(frozen=True)
@@ -86,14 +89,13 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if path is not None:
         name = submission.decode_name(str(path))
         try:
-            with (
-                copy_file(Path(path), several=bool(exercise.files)) as copy,
-                Reader() as reader,
-                Worker() if worker is None else nullcontext(worker) as used,  # gets warm while the file is read
-            ):
+            with copy_file(Path(path), several=bool(exercise.files)) as copy, Reader() as reader, ExitStack() as stack:
+                number = 1 if only else max(1, len(exercise.parts))
+                new = () if worker else side_by_side(number)  # they get warm while the file is read
+                workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
                 request = GradingRequest(exercise, text, name, seed, only=only, require_isolation=require_isolation)
-                return grade_submission(request, used)
+                return grade_submission(request, *workers)
         except submission.UnreadableError as problem:
             return report_unreadable(exercise, name, submission.decode_name(str(problem)))
     if attach and require_isolation:
@@ -103,18 +105,19 @@ def grade(  # noqa: PLR0913 - the options of one verb
     name = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
-        return _grade(exercise, job, name, used, require_isolation)
+        return _grade(exercise, job, name, (used,), require_isolation)
 
 
-def grade_submission(request: GradingRequest, worker: Worker | None = None) -> Report:
-    """Grade a submission that has been read."""
+def grade_submission(request: GradingRequest, *workers: Worker) -> Report:
+    """Grade a submission that has been read; several workers grade the parts of an exercise at the same time."""
     job = exercise_job.make_job(request.exercise, request.text, request.seed)
     hidden = (*job.hidden, *request.hidden)
     job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
     missing = [name for name in request.exercise.files if name not in request.text.files]
     note = f"missing: {', '.join(missing)}" if missing else request.text.note
     title = f"{request.shown} ({note})" if note else request.shown
-    with Worker() if worker is None else nullcontext(worker) as used:
+    with ExitStack() as stack:
+        used = workers or (stack.enter_context(Worker()),)
         return _grade(request.exercise, job, title, used, request.require_isolation)
 
 
@@ -134,9 +137,9 @@ def report_unreadable(exercise: Exercise, shown: str, problem: str, status: str 
     )
 
 
-def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_isolation: bool) -> Report:
+def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], require_isolation: bool) -> Report:
     began = time.monotonic()
-    found = worker.ready()
+    found = workers[0].ready()
     if require_isolation:
         found.require()
     isolation = found.describe()
@@ -144,11 +147,41 @@ def _grade(exercise: Exercise, job: Job, shown: str, worker: Worker, require_iso
         isolation = "none: the node was running already, and the grader only talked to it"
     elif job.mode == "exec":
         isolation += ". The command saw your environment variables and worked in your folder"
-    outcome = worker.grade(job)
+    outcome = _grade_parts(exercise, job, workers)
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
     report = _report(exercise, shown, outcome, isolation, began)
     return report.of_part(job.only) if job.only else report
+
+
+def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> GradingOutcome:
+    """Grade each part of an exercise by itself, as many at a time as there are workers; other jobs have one."""
+    parts = exercise.parts if job.mode == "run" and not job.only else ()
+    outcomes: list[GradingOutcome] = []
+    waiting = list(parts or (job.only,))
+    while waiting:
+        asked = [(worker, waiting.pop(0)) for worker in workers[: len(waiting)]]
+        for worker, part in asked:
+            worker.send(replace(job, only=part))
+        outcomes += [worker.receive(job) for worker, _ in asked]
+        failed = sum(each["max_points"] for each in outcomes[-1]["results"] if each["status"] == "failed")
+        if job.first_failure and failed:
+            return _join(outcomes)
+    outcome = _join(outcomes)
+    worth = sum(each["max_points"] for each in outcome["results"])
+    if parts and not outcome["problem"] and round(worth - job.points, _DIGITS):
+        outcome["problem"] = f"the checks of its parts are worth {worth:g} together, but the exercise {job.points:g}"
+    return outcome
+
+
+def _join(outcomes: Sequence[GradingOutcome]) -> GradingOutcome:
+    return {
+        "results": [result for outcome in outcomes for result in outcome["results"]],
+        "stdout": "".join(outcome["stdout"] for outcome in outcomes),
+        "stderr": "".join(outcome["stderr"] for outcome in outcomes),
+        "problem": next((outcome["problem"] for outcome in outcomes if outcome["problem"]), ""),
+        "again": False,
+    }
 
 
 def _domain() -> int:

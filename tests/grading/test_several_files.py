@@ -12,7 +12,7 @@ from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.render.html import render_page
 from course_kit.grading.render.text import render_text
 from tests import several_files
-from tests.several_files import ID
+from tests.several_files import ID, PARTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,9 +25,14 @@ def grade(tmp_path: Path, worker: grading.Worker) -> Callable[[Path], grading.Re
     return lambda path: grading.grade(ID, path, worker=worker, exercises=made.parent, seed=3)
 
 
-def test_each_program_of_a_folder_is_started_by_its_name(tmp_path: Path, grade: Callable[..., grading.Report]) -> None:
-    report = grade(several_files.write_files(tmp_path / "mine"))
-    assert [check.status for check in report.checks] == ["passed"] * 3, report
+def test_parts_graded_side_by_side_are_all_checks_of_the_exercise(tmp_path: Path) -> None:
+    made = several_files.write(tmp_path / "exercises")
+    report = grading.grade(ID, made / "solution", exercises=made.parent, seed=3)
+    assert [(check.id, check.status) for check in report.checks] == [(part, "passed") for part in PARTS], report
+    toml = made / "exercise.toml"
+    toml.write_text(toml.read_text().replace(', "pair"]', "]"))
+    report = grading.grade(ID, made / "solution", exercises=made.parent, seed=3)
+    assert "the checks of its parts are worth 3 together, but the exercise 5" in report.problem
 
 
 def test_a_missing_file_and_one_that_is_no_python_cost_only_what_needs_them(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import psutil
 import pytest
 
-from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder
+from course_kit.process.child import INTO_STDOUT, PIPE, Child, Ladder, fork_child
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -119,3 +119,26 @@ def test_the_end_of_a_child_is_waited_for(seconds: float | None) -> None:
     assert child.wait(seconds) == 7
     assert child.wait(seconds) == 7
     assert child.wait_or_kill(0.0) == 7
+
+
+def status_of(child: int) -> int:
+    _, status = os.waitpid(child, 0)
+    return os.waitstatus_to_exitcode(status)
+
+
+def raises() -> None:
+    raise LookupError("told on stderr")
+
+
+def test_it_ends_after_the_function() -> None:
+    reader, writer = os.pipe()
+    child = fork_child(lambda: os.write(writer, b"done in the child"))
+    os.close(writer)
+    with os.fdopen(reader, "rb") as told:
+        assert told.read() == b"done in the child"
+    assert (status_of(child), child != os.getpid()) == (0, True)
+
+
+def test_what_the_function_raises_ends_the_child_and_is_told(capfd: pytest.CaptureFixture[str]) -> None:
+    assert status_of(fork_child(raises)) == 1
+    assert "LookupError: told on stderr" in capfd.readouterr().err

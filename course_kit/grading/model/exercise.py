@@ -77,6 +77,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     variable: str = ""  # what a submission sets instead, in exercises without ROS
     files: tuple[_FileName, ...] = ()  # the names of all files of a submission, where it has several
     launch_file: str = ""  # the one of them that starts the others together
+    parts: tuple[_Identifier, ...] = ()  # what its checks' ids begin with, where each part is graded by itself
     seed: int | None = None  # what the checks draw from when nobody gives a seed; drawn itself when None
     limits: Limits = Limits()  # what a submission may use
     hints: tuple[Hint, ...] = ()  # the ladder, from a nudge to a push

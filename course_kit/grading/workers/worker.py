@@ -7,6 +7,7 @@ wanted are forked from it, which share that cost, and their pages in memory as w
 from __future__ import annotations
 
 import socket
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, cast
 
 from course_kit import environment
@@ -17,7 +18,7 @@ from course_kit.process import Closable
 from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -138,15 +139,23 @@ class Worker(Closable):
             raise GradingError(str(problem_text))
         return Isolation(**self._greeting["isolation"])
 
-    def grade(self, job: Job) -> GradingOutcome:
-        """Grade one submission; returns the outcome as the supervisor describes it."""
+    def send(self, job: Job) -> None:
+        """Have it grade one submission; `receive` waits for what comes of it."""
         self.ready()
-        try:
+        with self._explain_end():
             self._channel.send({"job": job})
-            outcome = self._channel.receive(job.limits.wall_s + _GRACE_S)
+
+    def receive(self, job: Job) -> GradingOutcome:
+        """Wait until the job that was sent is done; returns the outcome as the supervisor describes it."""
+        with self._explain_end():
+            return cast("GradingOutcome", self._channel.receive(job.limits.wall_s + _GRACE_S))
+
+    @contextmanager
+    def _explain_end(self) -> Iterator[None]:
+        try:
+            yield
         except (ChannelClosedError, TimeoutError) as problem:
             raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
-        return cast("GradingOutcome", outcome)
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""

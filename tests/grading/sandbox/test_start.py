@@ -23,7 +23,9 @@ FULL = {"mode": "run", "name": "no/such/folder.py", "source": "print('begins')"}
 
 @pytest.mark.parametrize("odd", [GONE, FULL])
 def test_a_program_that_cannot_be_started_is_no_grade(worker: grading.Worker, odd: dict[str, Any]) -> None:
-    outcome = worker.grade(replace(exercise_job.make_job_of_node(load_exercise(EXERCISE), 3), **odd))
+    job = replace(exercise_job.make_job_of_node(load_exercise(EXERCISE), 3), **odd)
+    worker.send(job)
+    outcome = worker.receive(job)
     assert (outcome["results"], outcome["stdout"]) == ([], "")
     assert "the program could not be started: [Errno 2] No such file or directory" in outcome["problem"]
 

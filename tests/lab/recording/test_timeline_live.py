@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from example_interfaces.action import Fibonacci
@@ -17,10 +17,9 @@ from std_srvs.srv import Trigger
 
 from course_kit import lab
 from course_kit.lab.recording import hooks
+from course_kit.lab.recording.events import Event
+from course_kit.lab.recording.timeline import Timeline
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from course_kit.lab.recording.timeline import Timeline
 
 pytestmark = pytest.mark.usefixtures("recording")
 
@@ -177,3 +176,19 @@ def test_nothing_recorded_is_said_and_a_new_recording_forgets() -> None:
     wait_until(lambda: "adder answers /add" in str(timeline()))
     lab.record()
     assert "text/html" not in timeline()._repr_mimebundle_()
+
+
+def drawn(milliseconds: float) -> str:
+    """A program whose callback has taken so long."""
+    what = {"what": "service", "thread": "MainThread", "ident": 1, "process": 1, "failed": False}
+    begun = Event("callback_begun", "/slow", "/slow", "std_srvs/srv/Trigger", what, 1, 0)
+    ended = Event("callback_ended", "/slow", "/slow", "std_srvs/srv/Trigger", what, 1, int(milliseconds * 1_000_000))
+    return Timeline([], [begun, ended]).html()
+
+
+def test_a_long_name_of_a_thread_takes_no_room_from_its_time_line() -> None:
+    html = drawn(100.0)
+    assert re.search(r'class="ck-lane" x="0"[^>]*>[^<]*main thread<', html)
+    bar = re.search(r'<rect x="(\d+)"[^>]*width="(\d+)"', html)
+    assert bar is not None
+    assert (int(bar[1]), int(bar[2])) == (1, 540)
