@@ -391,7 +391,8 @@ class RobotModel(Model):
         if failed.breaks in _moves.ASPECTS:
             failed.diagnosis = None  # which is about moves alone
         without = "with z = 0" if special == "any_z" else "when nothing else is sent to your node"
-        failed.message, failed.breaks = f"{failed.message} The same moves work {without}.", special
+        failed.message = f"{failed.message} The same moves work {without}."
+        failed.instead, failed.breaks = failed.breaks, special
 
     def start_afresh(self, node: GradedNode) -> None:
         """Start the program again, at one of the robot's two speeds, and with it the model; a stranger's goes on."""

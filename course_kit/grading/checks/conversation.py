@@ -193,13 +193,16 @@ class Conversation:
 
     def verdict_of(self, part: CheckPart) -> Evidence:
         """What came of it for one of its checks; raises NotRun, or GradingError, where it could not be judged."""
-        if part.id in self._failed:
-            raise self._failed[part.id]
+        failed, hindered_by = self._failed.get(part.id), self._hindered.get(part.id)
+        if failed is not None:
+            simpler = next((other for other in self.parts if other.id == failed.instead), None)
+            if simpler is None or simpler.id not in self._failed:
+                raise failed
+            hindered_by = simpler.title
         done = self._done[part.id]
         if not done and part.id in self._unseen:
             raise GradingError(f'the machine is too busy to judge "{part.title}": grade it again later.')
         if not done and any(rule.check in (part.id, "") for rule in rules_of(self.model)):
-            hindered_by = self._hindered.get(part.id)
             raise NotRun(f'because "{hindered_by}" did not pass.' if hindered_by else "because no time was left.")
         return Evidence("a conversation drawn by the seed", part.title, f"{done} drawn steps, each as it should be")
 

@@ -32,6 +32,7 @@ class Failed(Exception):  # noqa: N818 - it is a verdict, not an error
         self.message = message  # what happened in this case, in one or two sentences for the learner
         self.diagnosis = diagnosis  # a code of the catalogue when the cause is established, else None
         self.breaks = breaks  # the sentence of the exercise that is broken, where the check proves several
+        self.instead = ""  # the check that it would cost by itself; where that is lost, too, nothing else is to blame
         self.steps: tuple[Arrow, ...] = ()  # what crossed the wire; taken from the record of the check when empty
 
 

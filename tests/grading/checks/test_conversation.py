@@ -169,3 +169,21 @@ def test_a_program_that_had_no_time_to_come_up_again_is_not_blamed_for_that(monk
     assert {found["a"], found["b"]} <= {"passed", 'because "c" did not pass.', "because no time was left."}
     monkeypatch.setattr(Letters, "begin", lambda _, node: node.context.time_is_up() and fail("start", "start.crash"))
     assert judge(checks_of(Letters), Late())["a"] == "start is wrong."  # which is not for want of time
+
+
+@pytest.mark.parametrize(("also_a", "of_c"), [(True, 'because "a" did not pass.'), (False, "c is wrong.")])
+def test_what_a_simpler_cause_explains_costs_nothing_more(*, also_a: bool, of_c: str) -> None:
+    class Blamed(Letters):
+        @step_rule("a")
+        def ask_a(self, node: GradedNode) -> None:
+            if node.context.ask("a") and also_a:  # type: ignore[attr-defined]
+                fail("a")
+
+        @step_rule("c")
+        def ask_c(self, node: GradedNode) -> None:
+            node.context.ask("c")  # type: ignore[attr-defined]
+            failed = Failed(Evidence("c"), "c is wrong.")
+            failed.instead = "a"
+            raise failed
+
+    assert judge(checks_of(Blamed), StandIn())["c"] == of_c
