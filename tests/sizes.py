@@ -86,7 +86,7 @@ SLOW = (
     "tests/grading/checks/test_sending_attacks.py",
     "tests/grading/sandbox/",
     "tests/grading/test_engine.py",
-    "tests/grading/checks/test_exchange_log.py",
+    "tests/grading/checks/test_evidence.py",
     "tests/grading/test_first_failure.py",
     "tests/grading/test_linear.py",
     "tests/grading/test_needs.py",

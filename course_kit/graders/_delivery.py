@@ -11,7 +11,7 @@ from std_srvs.srv import SetBool
 
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import are_same, describe_value
-from course_kit.grading.checks.exchange_log import in_one_line
+from course_kit.grading.checks.evidence import in_one_line
 from course_kit.grading.checks.graded_goal import SUCCEEDED
 from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed, GradedGoal, GradedNode, offer_service
 

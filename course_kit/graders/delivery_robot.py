@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool
 
 from course_kit.graders import _delivery as robot
 from course_kit.graders._delivery import CALM_S, CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
-from course_kit.grading.checks.exchange_log import in_one_line
+from course_kit.grading.checks.evidence import in_one_line
 from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.ready_made import expect_rate
 from course_kit.grading.checks.vocabulary import (

@@ -10,8 +10,7 @@ from course_kit import lab
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
-from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import GRADER, NOTHING_SENT
+from course_kit.grading.checks.evidence import GRADER, NOTHING_SENT, Evidence, Failed
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job

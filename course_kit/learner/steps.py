@@ -6,7 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.exchange_log import in_one_line
+from course_kit.grading.checks.evidence import in_one_line
 from course_kit.grading.checks.ready_made import expect_rate
 from course_kit.grading.checks.vocabulary import Evidence, Failed
 from course_kit.learner.step_check import LessonStep

@@ -23,8 +23,7 @@ from course_kit.graders.temperature_service import (
     right_value,
 )
 from course_kit.grading.checks.answers import Answer
-from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import ExchangeLog
+from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed
 from course_kit.grading.checks.steps import Step, Steps, rules_of
 
 if TYPE_CHECKING:

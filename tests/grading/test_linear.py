@@ -17,7 +17,7 @@ import pytest
 
 import course_kit
 from course_kit.graders import _limiter
-from course_kit.grading.checks import exchange_log
+from course_kit.grading.checks import evidence
 from course_kit.grading.diagnosis import causes, tracebacks
 from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
@@ -152,7 +152,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "source line": lambda given: causes.source_line(Job("", "run", "a.py", 1, source=given), 1),
     "printable": make_printable,
     "cut": bounds.cut_text,
-    "step": exchange_log._cut,
+    "step": evidence._cut,
     "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
     "variable in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), VARIABLE),
     "cell in a notebook": lambda given: process.look_at("a.ipynb", io.BytesIO(given.encode()), CLASS),

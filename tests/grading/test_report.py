@@ -11,7 +11,7 @@ import pytest
 
 from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
-from course_kit.grading.checks.exchange_log import GRADER, NODE
+from course_kit.grading.checks.evidence import GRADER, NODE
 from course_kit.grading.model.catalogue import catalogue, complete_message
 from course_kit.grading.sandbox.output_collector import BoundedOutput
 from course_kit.ros.sequence import Arrow

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
-from course_kit.grading.checks.exchange_log import in_one_line
+from course_kit.grading.checks.evidence import Evidence, Failed, charge_to, in_one_line
 from course_kit.grading.diagnosis import causes
 from course_kit.ros.filling import make_message
 from course_kit.ros.messages import is_message_type, type_name

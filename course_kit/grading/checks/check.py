@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
-from course_kit.grading.checks.exchange_log import GRADER
+from course_kit.grading.checks.evidence import GRADER, Evidence, Failed, NotRun
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import CheckResult

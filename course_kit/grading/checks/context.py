@@ -10,8 +10,7 @@ import random
 import time
 from typing import TYPE_CHECKING, Any
 
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
-from course_kit.grading.checks.exchange_log import NODE, ExchangeLog
+from course_kit.grading.checks.evidence import NODE, Evidence, ExchangeLog, Failed, NotRun
 from course_kit.grading.checks.fair_clock import MOST, CachedState, FairClock, MachineState, ProcessorUse
 from course_kit.grading.checks.grader_node import GraderNode
 from course_kit.grading.diagnosis import causes

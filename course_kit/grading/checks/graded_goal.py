@@ -13,8 +13,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import are_same, describe_value, require_fields
-from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
-from course_kit.grading.checks.exchange_log import GRADER, Followed, in_one_line
+from course_kit.grading.checks.evidence import GRADER, Evidence, Exchange, Failed, Followed, charge_to, in_one_line
 from course_kit.grading.checks.grader_node import ActionChannels
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import causes
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.exchange_log import Exchange
     from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.model.job import ProcessStatus
     from course_kit.ros.messages import ActionType, Message

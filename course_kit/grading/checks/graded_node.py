@@ -13,8 +13,7 @@ from msgspec.structs import astuple
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_value, message_of, only_field, require_fields
 from course_kit.grading.checks.discovery import WantedEndpoint
-from course_kit.grading.checks.evidence import Evidence, Failed, charge_to
-from course_kit.grading.checks.exchange_log import NOTHING_SENT, Exchange, in_one_line
+from course_kit.grading.checks.evidence import NOTHING_SENT, Evidence, Exchange, Failed, charge_to, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
     RemoteParameters,

@@ -18,8 +18,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
-from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import GRADER, in_one_line
+from course_kit.grading.checks.evidence import GRADER, Evidence, ExchangeLog, Failed, in_one_line
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-    from course_kit.grading.checks.exchange_log import ExchangeLog
     from course_kit.ros.messages import ActionType, Message, MessageType, ServiceType
 
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second

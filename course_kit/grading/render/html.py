@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from course_kit import environment
-from course_kit.grading.checks.exchange_log import GRADER, NODE
+from course_kit.grading.checks.evidence import GRADER, NODE
 from course_kit.ros import graph_drawing, sequence
 from course_kit.text.console import in_points
 from course_kit.text.templates import render_template

@@ -9,8 +9,7 @@ import pytest
 import yaml
 
 from course_kit.grading.checks.check import Check, choose_part, in_order, run_all
-from course_kit.grading.checks.evidence import Evidence, Failed
-from course_kit.grading.checks.exchange_log import ExchangeLog
+from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed
 from course_kit.grading.checks.parameters import parameter_file
 from course_kit.grading.checks.vocabulary import check
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnseenError
-from course_kit.grading.checks.exchange_log import ExchangeLog
+from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed, NotRun, UnseenError
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
 from course_kit.grading.errors import GradingError
 

@@ -10,8 +10,7 @@ from geometry_msgs.msg import Twist
 
 from course_kit import grading
 from course_kit.authoring import corpus
-from course_kit.grading.checks.evidence import Evidence
-from course_kit.grading.checks.exchange_log import GRADER, NODE, ExchangeLog, in_one_line
+from course_kit.grading.checks.evidence import GRADER, NODE, Evidence, ExchangeLog, in_one_line
 from course_kit.ros.sequence import Arrow
 from tests.grading.conftest import ROOT
 
