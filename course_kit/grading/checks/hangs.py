@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
     from course_kit.ros.service import SentRequest, ServiceClient
 
+    EndExplainer = Callable[[ProcessStatus, Job], causes.Cause]  # of what the supervisor knows
+    LogExplainer = Callable[[str, Job], causes.Cause | None]  # of what the program has written
+
 ANSWER_S = 5.0  # how long one answer is waited for
 RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
@@ -36,10 +39,7 @@ _STEP_S = 0.004  # how often it is looked: what lies between two looks counts as
 
 @contextmanager
 def explain_end(
-    context: CheckContext,
-    evidence: Evidence,
-    why: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_end,
-    got: str = "the program ended",
+    context: CheckContext, evidence: Evidence, why: EndExplainer = causes.explain_end, got: str = "the program ended"
 ) -> Iterator[None]:
     """Turn the end of the submission, while something is waited for, into a verdict that says why it ended."""
     try:
@@ -55,8 +55,8 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     evidence: Evidence,
     seconds: float = ANSWER_S,
     *,
-    ended: Callable[[ProcessStatus, Job], causes.Cause] = causes.explain_call,
-    logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
+    ended: EndExplainer = causes.explain_call,
+    logged: LogExplainer = causes.explain_logged_exception,
 ) -> None:
     """Wait until something is answered."""
     clock, too_late = context.clock(), context.time_is_up()
@@ -94,10 +94,7 @@ def is_answered(context: CheckContext, client: ServiceClient, request: Message, 
 
 
 def explain_no_answer(
-    context: CheckContext,
-    evidence: Evidence,
-    waited_s: float,
-    logged: Callable[[str, Job], causes.Cause | None] = causes.explain_logged_exception,
+    context: CheckContext, evidence: Evidence, waited_s: float, logged: LogExplainer = causes.explain_logged_exception
 ) -> Failed:
     """Establish why a program that is still running does not answer."""
     context.spoil()
@@ -151,13 +148,11 @@ def current_activity(context: CheckContext) -> Activity:
 
 
 def call_many(
-    context: CheckContext,
-    clients: Sequence[ServiceClient],
-    requests: Sequence[Message],
-    within_s: float,
-    seen: Evidence,
+    context: CheckContext, clients: Sequence[ServiceClient], requests: Sequence[Message], within_s: float
 ) -> list[Message]:
     """Send all requests, one of each client at a time, and return the responses in their order."""
+    sent = f"{len(requests)} requests, never more than {len(clients)} of them waiting for an answer"
+    seen = Evidence(sent, f"{len(requests)} answers within {within_s:g} s, each to its own request")
     with explain_end(context, seen, causes.explain_call):
         context.wait_until(lambda: all(client.is_ready() for client in clients), within_s, step_s=_STEP_S)
         turn = context.record.add_sent(seen.sent)
