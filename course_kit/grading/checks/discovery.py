@@ -6,14 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from rclpy.duration import Infinite
-from rclpy.qos import (
-    DurabilityPolicy,
-    LivelinessPolicy,
-    QoSCompatibility,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_check_compatible,
-)
+from rclpy.qos import LivelinessPolicy, QoSCompatibility, QoSProfile, qos_check_compatible
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
@@ -41,8 +34,6 @@ _VERBS = {"publisher": "publishes", "subscription": "subscribes to"}
 # The default profile as the graph reports it: with its unlimited times written out.
 _DEFAULT = QoSProfile(
     depth=DEPTH,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
     liveliness=LivelinessPolicy.AUTOMATIC,
     deadline=Infinite,
     lifespan=Infinite,
