@@ -12,8 +12,6 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from course_interfaces.action import MoveRobot
-
 from course_kit.graders import _moves
 from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, Way, place_inside
 from course_kit.grading.checks.evidence import UnseenError, charge_to
@@ -37,7 +35,6 @@ from course_kit.grading.checks.vocabulary import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-INTERFACES = (MoveRobot,)
 VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to

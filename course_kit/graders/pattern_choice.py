@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
     from course_kit.quiz import MarkedAnswers, Scenario
 
-INTERFACES = ()
 _SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
 _DEADLINE_S = 5.0
 _PROVES = {"pattern": ("pattern", "others_count"), "reason": ("reason", "decides", "own_reason", "others_count")}

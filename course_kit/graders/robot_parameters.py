@@ -10,14 +10,10 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
-from geometry_msgs.msg import Twist
-from std_msgs.msg import Float64, String
-
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import BEYOND, CHANGES, DEFAULTS, NODE, STATUS, TYPES, LimiterSettings, LimiterSteps
 from course_kit.grading.checks.answers import describe_value
 from course_kit.grading.checks.evidence import charge_to
-from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.parameters import start_arguments
 from course_kit.grading.checks.ready_made import expect_rate, make_check
 from course_kit.grading.checks.vocabulary import (
@@ -34,7 +30,6 @@ from course_kit.grading.checks.vocabulary import (
     step_rule,
 )
 
-INTERFACES = (Twist, Float64, String, *PARAMETER_SERVICES)
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
 _LINES, _COMMAND_S = 4, 0.3
@@ -217,7 +212,7 @@ def status_rate(node: GradedNode) -> Evidence:
         if clock.has_passed(2 * _LINES * _RATE[1]):  # a timer that waits for commands
             evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
             raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
-        node.send(_limiter.COMMAND, Twist())
+        node.send(_limiter.COMMAND)
     return expect_rate(node, STATUS, 0.5, _RATE)
 
 

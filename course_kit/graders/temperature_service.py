@@ -12,8 +12,6 @@ from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from course_interfaces.srv import ConvertTemperature
-
 from course_kit.grading.checks.answers import UNFILLED, describe_value
 from course_kit.grading.checks.vocabulary import (
     CheckPart,
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
 
     Judge = Callable[["Sample", float], bool]
 
-INTERFACES = (ConvertTemperature,)
 SERVICE = "/convert_temperature"
 CELSIUS, FAHRENHEIT = UNITS = ("celsius", "fahrenheit")
 ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}

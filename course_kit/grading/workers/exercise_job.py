@@ -87,7 +87,7 @@ def checks_of(exercise: Exercise, seed: int) -> list[Check]:
 
 
 def load_grader(job: Job) -> Any:
-    """The grader of a job, which has `CHECKS` or makes them; with its interfaces and those of the job's endpoints."""
+    """The grader of a job, which has `CHECKS` or makes them; with the interfaces of the job's endpoints."""
     from rclpy.type_support import check_for_type_support
 
     if job.interfaces:
@@ -96,14 +96,14 @@ def load_grader(job: Job) -> Any:
     found = python_module(path) if path.is_absolute() else importlib.import_module(job.grader)
     if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
         raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
-    for interface in interfaces_of(found, job):
+    for interface in interfaces_of(job):
         check_for_type_support(interface)
     return found
 
 
-def interfaces_of(grader: Any, job: Job) -> list[Any]:
-    """The classes of all interfaces that the checks of a job use."""
-    return [*getattr(grader, "INTERFACES", ()), *(get_type(end.type) for end in job.endpoints)]
+def interfaces_of(job: Job) -> list[Any]:
+    """The classes of all interfaces that a program has to use."""
+    return [get_type(end.type) for end in job.endpoints]
 
 
 def checks_of_grader(grader: Any, job: Job) -> list[Check]:

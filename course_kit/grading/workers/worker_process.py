@@ -116,8 +116,8 @@ def _prepare(job: Job) -> set[tuple[str, str]]:
     if job.interfaces:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        interfaces = exercise_job.interfaces_of(exercise_job.load_grader(job), job)
-        return {(interface.__module__, interface.__name__) for interface in interfaces}
+        exercise_job.load_grader(job)
+        return {(interface.__module__, interface.__name__) for interface in exercise_job.interfaces_of(job)}
     return set()
 
 

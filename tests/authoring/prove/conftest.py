@@ -43,7 +43,6 @@ from pathlib import Path
 from course_kit.graders.pattern_choice import read_entries
 from course_kit.grading.checks.vocabulary import Evidence, Failed, check
 
-INTERFACES = ()
 HERE = Path(__file__).parent
 
 
