@@ -6,15 +6,11 @@ import functools
 from math import inf, nan
 from typing import Any
 
-from course_interfaces.action import Deliver
-from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Bool, Float64
 from std_srvs.srv import SetBool
 
 from course_kit.graders import _delivery as robot
 from course_kit.graders._delivery import CALM_S, CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
 from course_kit.grading.checks.evidence import in_one_line
-from course_kit.grading.checks.parameters import INTERFACES as PARAMETER_SERVICES
 from course_kit.grading.checks.ready_made import expect_rate
 from course_kit.grading.checks.vocabulary import (
     Approximation,
@@ -25,7 +21,6 @@ from course_kit.grading.checks.vocabulary import (
     withdraw_service,
 )
 
-INTERFACES = (BatteryState, Bool, Float64, SetBool, Deliver, *PARAMETER_SERVICES)
 SPEED = 4.5  # m/s, by the launch argument
 LAUNCH = ("delivery.launch.py", f"speed:={SPEED}")
 LAUNCHED: dict[str, dict[str, Any]] = {  # as the text wants it in robot.yaml

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
-INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
+_INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _IN_YAML = {"True": "true", "False": "false", "nan": ".nan", "inf": ".inf", "-inf": "-.inf"}
 _VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
 T = TypeVar("T")
@@ -39,7 +39,7 @@ class RemoteParameters:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
         self._context = context
-        pairs = reversed(tuple(zip(_VERBS, INTERFACES, strict=True)))  # a node makes list_parameters last
+        pairs = reversed(tuple(zip(_VERBS, _INTERFACES, strict=True)))  # a node makes list_parameters last
         self._clients = {verb: context.grader_node.client(interface, f"{node}/{verb}") for verb, interface in pairs}
 
     def is_ready(self) -> bool:
