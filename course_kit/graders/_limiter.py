@@ -302,7 +302,7 @@ class LimiterSteps(Model):
                 why = "Your node accepted the change, but the output is the same as before."
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
                 return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
-        breaks, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.facts.floor_divides)
+        breaks, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.text.facts.floor_divides)
         return Failed(evidence, why, diagnosis, breaks=breaks)
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:

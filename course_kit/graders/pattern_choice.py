@@ -109,7 +109,7 @@ def _not_here(result: MarkedAnswers) -> str:
 
 def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
-    told, variable, code = context.job.literal or _run(context), context.job.variable, "quiz.malformed"
+    told, variable, code = context.job.text.literal or _run(context), context.job.variable, "quiz.malformed"
     if told.get("too_large"):
         raise Failed(Evidence("", _SHAPE, "far more"), f"{variable} is too large to hold answers.", code)
     if "value" in told:

@@ -228,7 +228,7 @@ class Temperatures(Model):
             answer.fail(why, expected=wanted, breaks=refused or hot, diagnosis="validation.overzealous")
         if not right(sample, response.value):
             answers = self.compare_answers(node, sample, response.value)
-            diagnosis, reason = explain_answers(answers, floors=node.context.job.facts.floor_divides)
+            diagnosis, reason = explain_answers(answers, floors=node.context.job.text.facts.floor_divides)
             why = f"The grader checked {len(answers)} of your answers. {reason}"
             if right is has_every_digit:  # what is wrong may be the last digit
                 got = f"success=True, value={response.value!r}"

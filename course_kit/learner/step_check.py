@@ -54,7 +54,7 @@ class StepResult:
 def check_step(step: LessonStep) -> StepResult:
     """Ask the nodes on this process's ROS graph about a step, and count the try in the learner's progress."""
     ends = [_endpoint(need) for need in step.needs if not need.startswith("node ")]
-    job = Job("", "attach", "", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
+    job = Job("", "attach", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
     context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it
     try:
         context.begin(_MOST_S)

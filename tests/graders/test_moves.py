@@ -26,6 +26,7 @@ from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutco
 from course_kit.grading.checks.grader_node import ReceivedFeedback
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.job import Job, ProcessStatus
+from course_kit.grading.model.submission import Submission
 
 ORIGIN = ArenaPoint(0.0, 0.0)
 
@@ -163,7 +164,7 @@ def cause_of(
     status: str, error: str = "", *, mode: str = "run", stderr: str = "", function: str = "_execute_goal"
 ) -> Any:
     text = TRACE.format(error=error, function=function) if error else stderr
-    job = Job("course_kit.graders.move_robot", mode, "answer.py", 1, source=SOURCE)
+    job = Job("course_kit.graders.move_robot", mode, 1, Submission("answer.py", "answer.py", SOURCE))
     return causes.explain_status(status, ProcessStatus(running=True, stderr=text), job)
 
 

@@ -144,7 +144,7 @@ def test_where_the_last_digit_is_wrong_it_is_shown() -> None:
     value = 15977377.402510555
     sample, got = Sample(value, FAHRENHEIT, FAHRENHEIT), math.nextafter(value, 0.0)
     answer = Answer("value=15977377.4", "value=15977377.4", response=SimpleNamespace(success=True, value=got))
-    job = SimpleNamespace(facts=SimpleNamespace(floor_divides=False))
+    job = SimpleNamespace(text=SimpleNamespace(facts=SimpleNamespace(floor_divides=False)))
     node = SimpleNamespace(call=lambda *_, **__: answer, context=SimpleNamespace(job=job, record=ExchangeLog()))
     with pytest.raises(Failed) as failed:
         Temperatures().expect_conversion(node, sample, right=has_every_digit)

@@ -21,6 +21,7 @@ from course_kit.grading.checks import evidence
 from course_kit.grading.diagnosis import causes, tracebacks
 from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
+from course_kit.grading.model.submission import Submission
 from course_kit.reader import fingerprints, process
 from course_kit.text.sanitize import make_printable
 
@@ -128,7 +129,7 @@ def test_every_pattern_has_a_name_and_so_is_measured() -> None:
     assert found == ["process.py: re.search"]
 
 
-JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="x = 1\n")
+JOB = Job("course_kit.graders.temperature_service", "run", 1, Submission("answer.py", "answer.py", "x = 1\n"))
 CLASS = {
     "exercise": "temperature_service",
     "class_name": "TemperatureService",
@@ -149,7 +150,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     "logged": lambda given: causes.explain_logged_exception(
         "Traceback (most recent call last):\nImportError: " + given, JOB
     ),
-    "source line": lambda given: causes.source_line(Job("", "run", "a.py", 1, source=given), 1),
+    "source line": lambda given: causes.source_line(Job("", "run", 1, Submission("a.py", "a.py", given)), 1),
     "printable": make_printable,
     "cut": bounds.cut_text,
     "step": evidence._cut,

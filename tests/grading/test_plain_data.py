@@ -9,7 +9,7 @@ import msgspec
 from course_kit.grading.model.job import Isolation, Job
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import convert_record
-from course_kit.grading.model.submission import Facts
+from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.start_order import Program, StartOrder
 
@@ -23,11 +23,17 @@ def test_a_job_arrives_with_all_its_parts() -> None:
     job = Job(
         "a.grader",
         "run",
-        "answer.py",
         7,
-        places=((1, 4), (3, 2)),
-        facts=Facts(awaits=True, functions=((1, 3, True),)),
-        literal={"entries": [["a", "b"]]},
+        Submission(
+            "answer.ipynb",
+            "answer.py",
+            "x = 1\n",
+            places=((1, 4), (3, 2)),
+            fault=SyntaxFault(1, "x", "no Python"),
+            facts=Facts(awaits=True, functions=((1, 3, True),)),
+            literal={"entries": [["a", "b"]]},
+            files={"a.py": Submission("a.py", "a.py", "")},
+        ),
         command=("ros2", "run"),
         limits=Limits(memory_mb=99),
         isolation=Isolation(network=True, reason="none"),

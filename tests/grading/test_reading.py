@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import last_exception, read_activity
 from course_kit.grading.model.job import Job, ProcessStatus
+from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
 
 if TYPE_CHECKING:
@@ -35,7 +37,8 @@ Traceback (most recent call last):
 ZeroDivisionError: division by zero
 [INFO] the end
 """
-JOB = Job("course_kit.graders.temperature_service", "run", "answer.py", 1, source="a = 1\nb = 2\nreturn 1 / 0\n")
+PROGRAM = Submission("answer.py", "answer.py", "a = 1\nb = 2\nreturn 1 / 0\n")
+JOB = Job("course_kit.graders.temperature_service", "run", 1, PROGRAM)
 CALLS = """Thread 0x00007f1 [worker] (most recent call first):
   File "/usr/lib/threading.py", line 5 in wait
   File "/lib/rclpy/client.py", line 80 in call
@@ -130,14 +133,7 @@ def test_nearest_import(problem: str, nearest: str) -> None:
 
 
 def test_source_line_in_a_notebook() -> None:
-    job = Job(
-        "course_kit.graders.temperature_service",
-        "run",
-        "answer.py",
-        1,
-        source="a = 1\nb = 2\n",
-        places=((2, 1), (5, 1)),
-    )
+    job = replace(JOB, text=Submission("answer.ipynb", "answer.py", "a = 1\nb = 2\n", places=((2, 1), (5, 1))))
     assert causes.source_line(job, 2) == "cell 5, line 2: b = 2"
     assert causes.source_line(JOB, 99) == "line 99"
 

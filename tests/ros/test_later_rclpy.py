@@ -189,12 +189,13 @@ RuntimeError: Executor is already spinning
 def test_a_callback_that_spins_is_a_deadlock_whether_it_hangs_or_is_refused(function: str, outer: str) -> None:
     from course_kit.grading.diagnosis import causes
     from course_kit.grading.model.job import Job
+    from course_kit.grading.model.submission import Submission
 
     life = SimpleNamespace(
         stderr=SPINS.format(outer="action/server.py", function=outer), notes={}, signal=None, limit=None, cpu_s=0.0
     )
     source = "def convert(self):\n    rclpy.spin_until_future_complete(self, future)\n"
-    job = Job("", "run", "submission.py", 1, source=source)
+    job = Job("", "run", 1, Submission("submission.py", "submission.py", source))
     diagnosis, message = getattr(causes, function)(life, job)
     assert diagnosis == "service.deadlock"
     assert "line 2: rclpy.spin_until_future_complete(self, future)" in message

@@ -61,7 +61,7 @@ class GradedProgram:
         self.used_before, self.asked, self.stderr = self._used, "", ""
         if self.job.mode == "attach":
             return None
-        words = {"program": self.job.name, "arguments": list(arguments), "files": dict(files)}
+        words = {"program": self.job.text.program, "arguments": list(arguments), "files": dict(files)}
         variables = {**self._variables, **more}
         return int(self._ask("launch", variables=variables, **words)["domain"])
 
@@ -194,9 +194,9 @@ class CheckContext:
         self._clock = self.clock()
 
     def _require_python(self) -> None:
-        got, code = ("a syntax error", "start.syntax") if self.job.source else ("none", None)
-        if self.job.fault:
-            raise Failed(Evidence("", "a Python program", got), self.job.fault, code)
+        got, code = ("a syntax error", "start.syntax") if self.job.text.source else ("none", None)
+        if problem := self.job.text.problem:
+            raise Failed(Evidence("", "a Python program", got), problem, code)
 
     def time_is_up(self) -> bool:
         """Whether the check has used up its time, fairly counted; every wait is over then."""

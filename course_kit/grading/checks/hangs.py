@@ -118,13 +118,13 @@ def _why_silent(context: CheckContext, seen: Activity, seconds: str, *, busy: bo
     job = context.program.asked_job
     if seen.callback is not None:
         where = causes.source_line(job, seen.callback)
-        if seen.waits_for_ros or job.facts.waits_for_a_future(seen.callback.line):
+        if seen.waits_for_ros or job.text.facts.waits_for_a_future(seen.callback.line):
             message = f"Your callback is stuck in {where}: a deadlock. It blocks the executor that it waits for."
             return "service.deadlock", message
         if busy:
             return "limit.time", f"Your callback was still computing in {where} after {seconds} s."
         return "service.blocks", f"Your callback is blocked in {where}; meanwhile all other requests wait."
-    if seen.spinning and job.facts.awaits:
+    if seen.spinning and job.text.facts.awaits:
         text = "Your callback awaits something that never comes: nothing is left to deliver it."
         return (None if busy else causes.explain_future(job)) or ("service.deadlock", text)
     if seen.known and not seen.spinning:

@@ -439,6 +439,6 @@ def _cause(node: GradedNode, wanted: Any, got: Any) -> str | None:
     for _, right, other in differences(wanted, got):
         expected = right.value if isinstance(right, Approximation) else right
         if all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (expected, other)):
-            near = node.context.job.facts.floor_divides and abs(expected - other) < 1
+            near = node.context.job.text.facts.floor_divides and abs(expected - other) < 1
             return "math.integer_division" if near else "math.formula"
     return None

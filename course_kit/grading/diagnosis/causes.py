@@ -15,7 +15,6 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from course_kit.grading.diagnosis.tracebacks import Frame, TracebackException, last_exception
-from course_kit.grading.model.submission import describe_line
 from course_kit.ros.names import nearest_name
 
 if TYPE_CHECKING:
@@ -59,9 +58,9 @@ def source_line(job: Job, place: int | Frame) -> str:
     line = place.line if isinstance(place, Frame) else place
     if isinstance(place, Frame) and (name := PurePath(place.file).name) in job.files:
         job = job.for_program(name)
-    lines = job.source.split("\n")
+    lines = job.text.source.split("\n")
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
-    found = f"{job.name}, {describe_line(job.places, line)}" if job.files else describe_line(job.places, line)
+    found = f"{job.text.program}, {job.text.describe_line(line)}" if job.files else job.text.describe_line(line)
     return f"{found}: {text}" if text else found
 
 
@@ -171,9 +170,9 @@ def _explain_anywhere(raised: TracebackException, job: Job) -> Cause | None:
 
 def explain_future(job: Job) -> Cause | None:
     """Why a callback that awaits a Future of the program's own is never resumed, while nothing computes or blocks."""
-    if not (job.facts.awaits and job.facts.future):
+    if not (job.text.facts.awaits and job.text.facts.future):
         return None
-    where = source_line(job, job.facts.future)
+    where = source_line(job, job.text.facts.future)
     return "service.future", f"A callback awaits a Future, probably the one made in {where}; nothing else is running."
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping  # noqa: TC003 - msgspec looks it up
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal, TypedDict
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 
 import msgspec
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
-from course_kit.grading.model.submission import Facts, Submission, SyntaxFault
+from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
+from course_kit.grading.model.submission import Submission, SyntaxFault
 from course_kit.ros.names import from_root
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 
 @dataclass(frozen=True)
@@ -80,21 +82,17 @@ class ExerciseEndpoint(msgspec.Struct, forbid_unknown_fields=True):
         self.name = from_root(self.name)
 
 
+_NONE = Submission("", "", "")
+
+
 @dataclass(frozen=True)
 class Job:
     """One grading."""
 
     grader: str  # what checks it, see `workers.exercise_job`
-    mode: str  # "run" for source text, "exec" for a command, "attach" for what is already on the graph
-    name: str  # the submission's file name as it appears in tracebacks
+    mode: str  # "run" for a program, "exec" for a command, "attach" for what is already on the graph
     seed: int  # what the random values of the checks are drawn from
-    source: str = ""  # Python text
-    fault: str = ""  # why the source is not Python; then nothing is run, and every check knows
-    # which cells of a notebook the source was joined from, see `Submission.places`
-    places: tuple[tuple[int, int], ...] = ()
-    facts: Facts = field(default_factory=Facts)  # what the source's text gives away
-    # what the source sets the variable to, where its text tells that; see `Submission.literal`
-    literal: Record | None = None
+    text: Submission = _NONE  # the program; of several files the one that was started last
     class_name: str = ""  # the Node class the exercise names
     # whether the program has to start its node itself; else the class that it only defines is started
     own_start: bool = False
@@ -116,31 +114,33 @@ class Job:
     only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
     endpoints: tuple[ExerciseEndpoint, ...] = ()
-    # by name, of a submission of several files: `name` is the one that was started last, and what is said above of one
-    # program is said of that
-    files: Mapping[str, Submission] = field(default_factory=dict)
     launch_file: str = ""  # the one of them that starts the others together
 
     def for_program(self, name: str) -> Job:
         """The same with another one of its files as the program; one that is missing is no Python."""
         lacks = f"the file {name} is missing in what you have handed in"
         text = self.files.get(name) or Submission(name, name, "", fault=SyntaxFault(0, "", lacks))
-        return replace(self, name=name, source=text.source, fault=text.problem, places=text.places, facts=text.facts)
+        return replace(self, text=replace(text, files=self.files))
+
+    @property
+    def files(self) -> Mapping[str, Submission]:
+        """By name those of a submission of several files."""
+        return self.text.files
 
     @property
     def programs(self) -> tuple[str, ...]:
         """The names of all files that may be in its tracebacks."""
-        return tuple(self.files) or (self.name,)
+        return tuple(self.files) or (self.text.program,)
 
     @property
     def launches(self) -> bool:
         """Whether several of its files run, started by the launch file."""
-        return bool(self.launch_file) and self.name == self.launch_file
+        return bool(self.launch_file) and self.text.program == self.launch_file
 
     @property
     def running_endpoints(self) -> list[ExerciseEndpoint]:
         """Those of the program that runs; where several run, all."""
-        return [end for end in self.endpoints if self.launches or end.program in ("", self.name)]
+        return [end for end in self.endpoints if self.launches or end.program in ("", self.text.program)]
 
     @property
     def start_cpu_s(self) -> float:

@@ -75,17 +75,12 @@ class Submission:
 
     def describe_line(self, line: int) -> str:
         """`line 12`, for notebooks `cell 3, line 2`."""
-        return describe_line(self.places, line)
-
-
-def describe_line(places: tuple[tuple[int, int], ...], line: int) -> str:
-    """Where a line of a program stands, `line 12` or `cell 3, line 2`; see `Submission.places`."""
-    before = 0
-    for cell, lines in places:
-        if before < line <= before + lines:
-            return f"cell {cell}, line {line - before + 1}"  # its first line, %%submission, is not in the program
-        before += lines
-    return f"line {line}"
+        before = 0
+        for cell, lines in self.places:
+            if before < line <= before + lines:
+                return f"cell {cell}, line {line - before + 1}"  # its first line, %%submission, is not in the program
+            before += lines
+        return f"line {line}"
 
 
 def decode_name(name: str) -> str:

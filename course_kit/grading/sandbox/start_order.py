@@ -98,8 +98,10 @@ def make_start_order(
 ) -> StartOrder:
     """The order to start a job's program as a message of the grader process wants it, in an empty directory."""
     user = _user(job)
-    beside = {name: file.source for name, file in job.files.items() if name != job.name}
-    words = {"launches": job.launches, "arguments": message["arguments"], "files": beside | message["files"]}
+    text = job.text
+    beside = {name: file.source for name, file in job.files.items() if name != text.program}
+    words = {"name": text.program, "source": text.source, "launches": job.launches}
+    words |= {"arguments": message["arguments"], "files": beside | message["files"]}
     program = convert_record({**vars(job), **words}, Program)  # of the job no more than that has fields for
     hidden = job.hidden
     if job.command:

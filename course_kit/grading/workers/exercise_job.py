@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.job import Job
+from course_kit.grading.model.submission import Submission
 from course_kit.interfaces import get_type
 from course_kit.interfaces.sources import PATH_VARIABLE, path_with
 from course_kit.text.console import in_points
@@ -30,7 +31,6 @@ from course_kit.text.console import in_points
 if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check
     from course_kit.grading.model.exercise import Exercise
-    from course_kit.grading.model.submission import Submission
 
 _DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points
@@ -41,13 +41,7 @@ def make_job(exercise: Exercise, text: Submission, seed: int) -> Job:
     return replace(
         make_job_of_node(exercise, seed),
         mode="run",
-        name=text.program,
-        source=text.source,
-        fault=text.problem,
-        places=text.places,
-        facts=text.facts,
-        literal=text.literal,
-        files=text.files,
+        text=text,
     )
 
 
@@ -56,7 +50,6 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
     job = Job(
         exercise.grader,
         "attach",
-        "",
         seed,
         class_name=exercise.class_name,
         # a drill's program runs: without its start it would be another one; one of several starts itself, too
@@ -77,7 +70,8 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         raise GradingError(f"The command cannot be read as a shell would: {problem}.") from None
     if not words or shutil.which(words[0]) is None:
         raise GradingError(f"--exec cannot start '{command}': there is no such program. Check its name.")
-    return replace(job, mode="exec", name=words[0], command=words, folder=str(Path.cwd()))
+    text = Submission(words[0], words[0], "")
+    return replace(job, mode="exec", text=text, command=words, folder=str(Path.cwd()))
 
 
 def checks_of(exercise: Exercise, seed: int) -> list[Check]:

@@ -182,7 +182,7 @@ def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
     checks = exercise_job.checks_of_grader(grader, job)
     if job.only:
         checks = choose_part(checks, job.only)
-    if not (job.fault or job.variable or job.files):
+    if not (job.text.problem or job.variable or job.files):
         context.launch()
     try:
         for result in run_all(checks, context):

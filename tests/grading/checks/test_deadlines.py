@@ -71,7 +71,7 @@ def context(silent_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Che
     """A context on that graph."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(silent_domain))
     grader, limits = "course_kit.graders.temperature_service", Limits(start_s=START_S)
-    job = Job(grader, "attach", "", 3, limits=limits, endpoints=(SERVICE,))
+    job = Job(grader, "attach", 3, limits=limits, endpoints=(SERVICE,))
     made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
     made.launch()
     assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model.exercise import Exercise, load_exercise
+from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, seccomp
 from course_kit.grading.sandbox.channel import Channel
 from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
@@ -122,7 +123,7 @@ def _grade_each(
 
 def of_program(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading a program."""
-    return replace(exercise_job.make_job_of_node(exercise, seed), mode="run", name="answer.py", source=source)
+    return exercise_job.make_job(exercise, Submission("answer.py", "answer.py", source), seed)
 
 
 def of_command(exercise: Exercise, seed: int, source: str) -> Job:

@@ -105,7 +105,7 @@ def test_a_start_that_computes_within_the_limit(grade_source: Grade, strict_exer
 
 def test_a_command_is_not_held_to_what_a_loaded_program_may_compute() -> None:
     limits = Limits(start_cpu_s=1.0)
-    assert [Job("temperature_service", mode, "x", 1, limits=limits).start_cpu_s for mode in ("run", "exec")] == [
+    assert [Job("temperature_service", mode, 1, limits=limits).start_cpu_s for mode in ("run", "exec")] == [
         1.0,
         float("inf"),
     ]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from course_kit.grading.model.exercise import load_exercise
+from course_kit.grading.model.submission import Submission
 from course_kit.grading.workers import exercise_job
 from tests.grading.conftest import EXERCISE
 
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
 
     from course_kit import grading
 
-GONE = {"mode": "exec", "name": "true", "command": ("true",), "folder": "/gone"}
-FULL = {"mode": "run", "name": "no/such/folder.py", "source": "print('begins')"}  # as on a disk that is full
+GONE = {"mode": "exec", "command": ("true",), "folder": "/gone"}
+NOWHERE = "no/such/folder.py"
+FULL = {"mode": "run", "text": Submission(NOWHERE, NOWHERE, "print('begins')")}  # as on a disk that is full
 
 
 @pytest.mark.parametrize("odd", [GONE, FULL])
