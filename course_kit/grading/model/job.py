@@ -106,8 +106,6 @@ class Job:
     interfaces: str = ""
     points: float = 0.0  # the exercise's full marks, which its checks have to add up to; 0 when nobody asks
     user: int = 0  # the number of the user that submissions run as; 0 for the grader's own; filled in by the worker
-    # the nice value the submission and the grader process run at; filled in by the worker, whose own may be better
-    priority: int = 0
     scratch: str = ""  # the folder for the scratch directory; filled in by the worker
     # stop at the first failed check that costs points, for whoever only asks whether there is one
     first_failure: bool = False

@@ -61,7 +61,6 @@ class StartOrder:
     view: FileView = field(default_factory=FileView)  # the files it sees
     # variables to set for the program, beside HOME, TMPDIR and PWD
     environment: Mapping[str, str] = field(default_factory=dict)
-    priority: int = 0  # the nice value to run at
     others: int = 0  # the user's other processes and threads where the kernel counts them together with the program's
     user: int = 0  # the number of the user and group it runs as; 0 for the grader's own
 
@@ -118,7 +117,6 @@ def make_start_order(
         scratch=scratch,
         view=view.with_more(shown=filter(None, (job.interfaces,)), masked=hidden),
         environment={**_NO_BYTECODE, **message["variables"], **variables, **interfaces},
-        priority=job.priority,
         others=0 if counted_apart else tree.tasks_of_user(os.getuid()) + _STARTED_MEANWHILE,
         user=user,
     )

@@ -37,16 +37,11 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
 
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
-_FIRST_SERVED = -19  # nice value
 
 
 def serve(channels: Sequence[Channel]) -> None:
     """The process: get warm, then grade job after job until the other ends close."""
     set_name("grade warm")
-    usual = os.getpriority(os.PRIO_PROCESS, 0)
-    with suppress(OSError):
-        # Root only, whom the kernel's limit on processes does not hold: the init process needs a turn in a fork bomb.
-        os.setpriority(os.PRIO_PROCESS, 0, _FIRST_SERVED)
     namespaces.forbid_tracing()
     adopt_orphans()
     wait_for_outcome = isolation.begin_trial()
@@ -73,7 +68,7 @@ def serve(channels: Sequence[Channel]) -> None:
 
     for channel, (starter, line) in zip(channels, pairs, strict=True):
         fork(partial(launcher.serve, line), line)
-        fork(partial(_work, channel, starter, found, view, usual), channel, starter)
+        fork(partial(_work, channel, starter, found, view), channel, starter)
     for end in ends:
         end.close()
     with suppress(ChildProcessError):
@@ -81,7 +76,7 @@ def serve(channels: Sequence[Channel]) -> None:
             os.wait()
 
 
-def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView, priority: int) -> None:
+def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView) -> None:
     """A worker, which is a fork of this process: grade job after job, until the other end closes."""
     os.setsid()  # Linux shares a busy machine out among sessions; each worker is to have its part
     adopt_orphans()
@@ -98,7 +93,7 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView,
         channel.send({"isolation": found, "process": os.getpid()})
         while True:
             job = convert_record(channel.receive()["job"], Job)
-            job = replace(job, isolation=found, priority=priority, scratch=folder, user=user)
+            job = replace(job, isolation=found, scratch=folder, user=user)
             if new := _prepare(job) - loaded:
                 starter.load(sorted(new))
                 loaded |= new
@@ -162,7 +157,6 @@ def warm_up() -> None:
 def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
     """The grader process: join the graph, run the checks of an exercise, report each as it is known."""
     set_name("grade grader")
-    os.setpriority(os.PRIO_PROCESS, 0, job.priority)
     limits.bound_reader(job.limits.wall_s)
     problem = ""
     try:
