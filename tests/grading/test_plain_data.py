@@ -20,25 +20,11 @@ def through_json(thing: object) -> dict[str, object]:
 
 
 def test_a_job_arrives_with_all_its_parts() -> None:
-    job = Job(
-        "a.grader",
-        "run",
-        7,
-        Submission(
-            "answer.ipynb",
-            "answer.py",
-            "x = 1\n",
-            places=((1, 4), (3, 2)),
-            fault=SyntaxFault(1, "x", "no Python"),
-            facts=Facts(awaits=True, functions=((1, 3, True),)),
-            literal={"entries": [["a", "b"]]},
-            files={"a.py": Submission("a.py", "a.py", "")},
-        ),
-        command=("ros2", "run"),
-        limits=Limits(memory_mb=99),
-        isolation=Isolation(network=True, reason="none"),
-        hidden=("/a", "/b"),
-    )
+    facts, files = Facts(awaits=True, functions=((1, 3, True),)), {"b.py": Submission("b.py", "b.py", "")}
+    fault, literal = SyntaxFault(1, "x", "no"), {"entries": [["a", "b"]]}
+    text = Submission("answer.ipynb", "answer.py", "x", ((1, 4), (3, 2)), fault, facts, literal, "A", files)
+    isolation, limits = Isolation(network=True, reason="none"), Limits(memory_mb=99)
+    job = Job("a.grader", "run", 7, text, command=("ros2",), limits=limits, isolation=isolation, hidden=("/a", "/b"))
     assert convert_record(through_json(job), Job) == job
 
 
