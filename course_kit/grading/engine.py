@@ -110,15 +110,13 @@ def grade(  # noqa: PLR0913 - the options of one verb
 
 def grade_submission(request: GradingRequest, *workers: Worker) -> Report:
     """Grade a submission that has been read; several workers grade the parts of an exercise at the same time."""
-    job = exercise_job.make_job(request.exercise, request.text, request.seed)
-    hidden = (*job.hidden, *request.hidden)
-    job = replace(job, hidden=hidden, first_failure=request.first_failure, only=request.only)
+    job = exercise_job.make_job_of_node(request.exercise, request.seed)
+    job = replace(job, mode="run", text=request.text, hidden=(*job.hidden, *request.hidden))
+    job = replace(job, first_failure=request.first_failure, only=request.only)
     missing = [name for name in request.exercise.files if name not in request.text.files]
     note = f"missing: {', '.join(missing)}" if missing else request.text.note
     title = f"{request.shown} ({note})" if note else request.shown
-    with ExitStack() as stack:
-        used = workers or (stack.enter_context(Worker()),)
-        return _grade(request.exercise, job, title, used, request.require_isolation)
+    return _grade(request.exercise, job, title, workers, request.require_isolation)
 
 
 def report_unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:

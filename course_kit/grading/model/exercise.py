@@ -171,8 +171,11 @@ def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
         guess = did_you_mean(exercise_id, [*known, *sorted(drills)])
         there_are = f"There is no exercise '{exercise_id}'.{guess} Exercises: {', '.join(known) or 'none'}."
         raise GradingError(" ".join((there_are, *found.problems)))
-    if exercise_id in found.doubles:
-        raise GradingError(found.doubles[exercise_id])
+    if len(places) > 1:
+        raise GradingError(
+            f"There are {len(places)} exercises '{exercise_id}': in {' and in '.join(map(str, places))}. Rename one, "
+            f"its folder and the id in its {exercise_folders.TOML}, or leave one out."
+        )
     return read_exercise(places[0])
 
 

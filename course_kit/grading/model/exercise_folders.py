@@ -36,16 +36,6 @@ class FoundExercises:
     folders: Mapping[str, tuple[Path, ...]]
     problems: tuple[str, ...] = ()  # what is wrong with the folders that were added, a sentence each
 
-    @property
-    def doubles(self) -> dict[str, str]:
-        """By id a sentence for each exercise that is there more than once."""
-        return {
-            name: f"There are {len(places)} exercises '{name}': in {' and in '.join(map(str, places))}. Rename one, "
-            f"its folder and the id in its {TOML}, or leave one out."
-            for name, places in self.folders.items()
-            if len(places) > 1
-        }
-
 
 def course_folder() -> Path | None:
     """The course's own folder of exercises; None where only the package is installed."""

@@ -36,15 +36,6 @@ _DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points
 
 
-def make_job(exercise: Exercise, text: Submission, seed: int) -> Job:
-    """The job of grading a program."""
-    return replace(
-        make_job_of_node(exercise, seed),
-        mode="run",
-        text=text,
-    )
-
-
 def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) -> Job:
     """The job of grading a node that is no program of ours to start."""
     job = Job(

@@ -123,7 +123,8 @@ def _grade_each(
 
 def of_program(exercise: Exercise, seed: int, source: str) -> Job:
     """The job of grading a program."""
-    return exercise_job.make_job(exercise, Submission("answer.py", "answer.py", source), seed)
+    text = Submission("answer.py", "answer.py", source)
+    return replace(exercise_job.make_job_of_node(exercise, seed), mode="run", text=text)
 
 
 def of_command(exercise: Exercise, seed: int, source: str) -> Job:
