@@ -226,8 +226,7 @@ def require_low(node: GradedNode, room: str) -> None:
     clock = node.context.clock()
     while True:
         late, goal = clock.has_passed(SHOWN_S), node.goal(DELIVER, room=room)
-        goal.wait_for_answer("the goal rejected")
-        if late or not goal.accepted:
+        if not goal.wait_for_answer("the goal rejected") or late:
             return goal.rejected(what="a delivery, although the battery is low")
         finish(node, goal, room, PATIENCE_S)
 
@@ -237,8 +236,7 @@ def send_until_accepted(node: GradedNode, room: str, seconds: float = SHOWN_S) -
     clock = node.context.clock()
     while True:
         late, goal = clock.has_passed(seconds), node.goal(DELIVER, room=room)
-        goal.wait_for_answer("the goal accepted")
-        if late or goal.accepted:
+        if goal.wait_for_answer("the goal accepted") or late:
             return goal.accepted_by()
         node.wait(CALM_S)
 

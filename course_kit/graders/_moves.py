@@ -189,9 +189,7 @@ def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bo
     with node.context.record.looking_away():
         if afresh:
             node.context.spoil()
-        goal = send_goal(node, target, z)
-        goal.wait_for_answer("the goal accepted")
-    return goal.accepted
+        return send_goal(node, target, z).wait_for_answer("the goal accepted")
 
 
 # --- one aspect of a move

@@ -116,8 +116,7 @@ class GradedGoal:
         Example:
             >>> node.goal("/count_down", order=3).accepted_by()
         """
-        self.wait_for_answer(expected)
-        if not self.accepted:
+        if not self.wait_for_answer(expected):
             evidence = Evidence(self.shown, expected, "the goal rejected")
             raise Failed(evidence, "Your server rejected this goal, which is valid.", diagnosis, breaks=breaks)
         return self
@@ -142,8 +141,7 @@ class GradedGoal:
         Example:
             >>> node.goal("/count_down", order=-1).rejected(what="a negative number")
         """
-        self.wait_for_answer("the goal rejected")
-        if self.accepted:
+        if self.wait_for_answer("the goal rejected"):
             evidence = Evidence(self.shown, "the goal rejected", "the goal accepted")
             raise Failed(evidence, f"Your server accepted {what}.", diagnosis, breaks=breaks)
 
@@ -251,10 +249,11 @@ class GradedGoal:
                 why = "Your server did not answer the request to cancel before the goal was over."
         raise Failed(replace(evidence, got=got), why, code, breaks=breaks)
 
-    def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> None:
-        """Wait until the server has said yes or no."""
+    def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> bool:
+        """Wait until the server has said yes or no; whether it has said yes."""
         hangs.await_answer(self._context, self._answer.is_answered, Evidence(self.shown, expected), seconds)
         self._turn.add_received("accepted" if self.accepted else "rejected")
+        return self.accepted
 
     def wait_for_end(self, seconds: float, expected: str) -> GoalOutcome:
         """Wait for the result."""

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from course_kit.grading.checks.check import Check
-    from course_kit.grading.checks.graded_goal import GradedGoal
     from course_kit.grading.checks.graded_node import GradedNode
     from course_kit.grading.checks.ready_made import CheckFields
 
 _DEADLINE_S = 30.0
+_ACCEPTED = "the goal accepted"
 
 
 def goal_succeeds(
@@ -49,8 +49,8 @@ def goal_succeeds(
         several = draw_values(goals, node.context.random)
         for fields in several:
             wanted, goal = expect(node.message_for(action, fields)), node.goal(action, fields)
-            none_yet = fields is several[0] and not _is_accepted(goal)
-            if none_yet and not any(_is_accepted(node.goal(action, other)) for other in several):
+            none_yet = fields is several[0] and not goal.wait_for_answer(_ACCEPTED)
+            if none_yet and not any(node.goal(action, other).wait_for_answer(_ACCEPTED) for other in several):
                 goal.accepted_by(diagnosis="action.rejects_all")
             goal.accepted_by().ends(within_s=within_s, not_before_s=not_before_s, **wanted)
 
@@ -161,11 +161,6 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
             node.goal(action, then).accepted_by(expected="the goal after a cancelled one accepted").ends()
 
     return _make_check(talk, **declared)
-
-
-def _is_accepted(goal: GradedGoal) -> bool:
-    goal.wait_for_answer("the goal accepted")
-    return goal.accepted
 
 
 def _make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
