@@ -29,11 +29,13 @@ function dockable(panel, name) {
       return;
     }
     const before = new Set(hosts());
+    const beside = hosts().find((one) => one.content?._cell); // of another notebook: two columns are enough
     host.content.activeCellIndex = own;
     await app().commands.execute("notebook:create-output-view");
     const view = hosts().find((one) => !before.has(one));
     if (!view) return;
-    app().shell.add(view, "main", { ref: host.id, mode: "split-right" });
+    const place = beside ? { ref: beside.id, mode: "tab-after" } : { ref: host.id, mode: "split-right" };
+    app().shell.add(view, "main", place);
     docked = view;
     requestAnimationFrame(() => leaveRoom(host, view));
   }

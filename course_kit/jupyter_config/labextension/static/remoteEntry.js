@@ -120,6 +120,7 @@
     .ck-asleep > [inert] { opacity: .6; }
     .ck-asleep .jupyter-widgets-disconnected::before, .ck-asleep .ck-dock { display: none; }
     .ck-asleep .ck-still figcaption { display: none; }
+    .ck-asleep .jp-RenderedHTMLCommon { padding-right: 0; }
     .ck-asleep-chosen { font-weight: bold; }`;
 
   /** Keeps watch over the panels of one notebook: which of them the kernel no longer knows. */
