@@ -91,6 +91,17 @@ def wake_below(lab: JupyterLab, docked: Locator) -> None:
     expect(docked.locator("[data-node='dashboard']").first).to_be_visible()
 
 
+def require_two_columns(lab: JupyterLab) -> None:
+    """Another graph that is docked stands where the first one does."""
+    lab.scroll_to(lab.cell_that_begins("# Or send it from here."))
+    lab.replace_cell_that_begins("# Or send it from here.", "panels.graph()  # again")
+    lab.page.keyboard.press("Control+Enter")
+    again = lab.cell_that_begins("panels.graph()  # again")
+    again.get_by_role("button", name="Dock beside the notebook").click()
+    expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(2)
+    expect(lab.page.locator(".lm-TabBar-content", has_text="ROS graph")).to_have_count(1)
+
+
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
     page = lab.page
     page.set_viewport_size({"width": 1366, "height": 1000})
@@ -149,3 +160,4 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(page.get_by_text("The ROS graph", exact=True)).to_have_count(2)
     expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
     wake_below(lab, docked)
+    require_two_columns(lab)

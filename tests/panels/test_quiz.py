@@ -148,14 +148,10 @@ def test_it_says_how_to_grade_the_file(tmp_path: Path, monkeypatch: pytest.Monke
     assert panels.quiz().write("mine.py").endswith("terminal: ./course grade pattern_choice mine.py")
 
 
-def test_a_notebook_shows_the_form_and_stores_its_words() -> None:
+def test_its_words_are_the_same_whatever_is_chosen_and_a_notebook_stores_them() -> None:
     bundle = panels.quiz(SEED)._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in bundle
-    assert bundle["text/plain"] == repr(panels.quiz(SEED))
-
-
-def test_its_words_are_the_same_whatever_is_chosen() -> None:
-    assert repr(panels.quiz(SEED)) == repr(answered(right))
+    assert bundle["text/plain"] == repr(panels.quiz(SEED)) == repr(answered(right))
     assert "10 scenarios (seed 5)" in repr(panels.quiz(SEED))
     assert "quiz.show(seed=5)" in repr(panels.quiz(SEED))
     with pytest.raises(TypeError, match="seed=17"):
