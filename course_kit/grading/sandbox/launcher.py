@@ -24,6 +24,7 @@ from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
 from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import StartOrder, Streams
+from course_kit.interfaces import get_type
 from course_kit.process import Closable, tree
 from course_kit.process.child import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
@@ -50,7 +51,7 @@ class Launcher(Closable):
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         return cls(ours), theirs
 
-    def load(self, interfaces: Sequence[tuple[str, str]]) -> None:
+    def load(self, interfaces: Sequence[str]) -> None:
         """Load interfaces before the next program is started, which then need not do it, each time it starts."""
         with suppress(OSError):  # it has ended; starting a program says so
             self._line.send(_LOAD + json.dumps(interfaces).encode())
@@ -73,14 +74,12 @@ class Launcher(Closable):
         self._line.close()
 
 
-def _load(names: Sequence[Sequence[str]]) -> None:
-    from importlib import import_module
-
+def _load(interfaces: Sequence[str]) -> None:
     from rclpy.type_support import check_for_type_support
 
-    for module, name in names:
+    for name in interfaces:
         with suppress(Exception):  # the submission meets it again when it imports it, and gets the error then
-            check_for_type_support(getattr(import_module(module), name))
+            check_for_type_support(get_type(name))
 
 
 def serve(line: socket.socket) -> None:

@@ -38,6 +38,8 @@ _TINY = 1e-6  # points
 
 def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) -> Job:
     """The job of grading a node that is no program of ours to start."""
+    folders = [folder.resolve() for folder in (exercise.folder, *exercise_folders.added_exercises())]
+    solutions = (folder.parent.parent / exercise_folders.SOLUTIONS for folder in folders)
     job = Job(
         exercise.grader,
         "attach",
@@ -47,7 +49,8 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         own_start=exercise.practice or bool(exercise.files),
         variable=exercise.variable,
         limits=exercise.limits,
-        hidden=hidden_files_of(exercise),
+        # by their real paths: exercises, and their solutions
+        hidden=tuple(dict.fromkeys(map(str, (*folders, *solutions)))),
         interfaces=exercise.interfaces,
         points=exercise.points,
         endpoints=exercise.endpoints,
@@ -81,14 +84,9 @@ def load_grader(job: Job) -> Any:
     found = python_module(path) if path.is_absolute() else importlib.import_module(job.grader)
     if not hasattr(found, "CHECKS") and not hasattr(found, "checks_for"):
         raise GradingError(f"{path} has neither CHECKS, a list of checks, nor checks_for(job), which makes one")
-    for interface in interfaces_of(job):
-        check_for_type_support(interface)
+    for end in job.endpoints:
+        check_for_type_support(get_type(end.type))
     return found
-
-
-def interfaces_of(job: Job) -> list[Any]:
-    """The classes of all interfaces that a program has to use."""
-    return [get_type(end.type) for end in job.endpoints]
 
 
 def checks_of_grader(grader: Any, job: Job) -> list[Check]:
@@ -122,10 +120,3 @@ def _place(path: Path, problem: Exception) -> str:
         return f"{problem.filename}, line {problem.lineno},"
     lines = [frame.lineno for frame in traceback.extract_tb(problem.__traceback__) if frame.filename == str(path)]
     return f"{path}, line {lines[-1]}," if lines else str(path)
-
-
-def hidden_files_of(exercise: Exercise) -> tuple[str, ...]:
-    """The real paths of the folders that the submissions of an exercise may not see: exercises, and their solutions."""
-    folders = [folder.resolve() for folder in (exercise.folder, *exercise_folders.added_exercises())]
-    solutions = (folder.parent.parent / exercise_folders.SOLUTIONS for folder in folders)
-    return tuple(dict.fromkeys(map(str, (*folders, *solutions))))

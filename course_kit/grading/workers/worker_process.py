@@ -82,7 +82,7 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
     adopt_orphans()
     set_name("grade worker")
     user = isolation.guest_user(os.getpid()) if found.user else 0
-    loaded: set[tuple[str, str]] = set()
+    loaded: set[str] = set()
     network = Network()
     with (
         suppress(ChannelClosedError, GivenUpError),
@@ -106,13 +106,13 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
             channel.send(outcome)
 
 
-def _prepare(job: Job) -> set[tuple[str, str]]:
-    """Load what checks a job, and name the interfaces that its program needs, by module and name."""
+def _prepare(job: Job) -> set[str]:
+    """Load what checks a job, and name the interfaces that its program needs."""
     if job.interfaces:
         return set()
     with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
         exercise_job.load_grader(job)
-        return {(interface.__module__, interface.__name__) for interface in exercise_job.interfaces_of(job)}
+        return {end.type for end in job.endpoints}
     return set()
 
 
