@@ -21,7 +21,7 @@ from course_kit.ros.goal import status_name
 from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.grader_node import ReceivedFeedback
@@ -342,14 +342,13 @@ class GradedGoal:
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
-    def _feedback_steps(self) -> list[Followed]:
+    def _feedback_steps(self) -> Iterator[Followed]:
         """The first and the last feedback."""
-        heard, begin, steps = self.feedback, self._turn.steps[0][0], []
+        heard, begin = self.feedback, self._turn.steps[0][0]
         for number in sorted({1, len(heard)} if heard else ()):
             message = heard[number - 1]
             text = f"feedback {number} after {message.came_s - begin:.2f} s: {in_one_line(message.feedback)}"
-            steps.append((message.came_s, Arrow(self._turn.partner, GRADER, "message", text)))
-        return steps
+            yield message.came_s, Arrow(self._turn.partner, GRADER, "message", text)
 
     def _uuid(self) -> UUID:
         return UUID(uuid=list(self._id))
