@@ -59,7 +59,7 @@ BUDGETS = {
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
 STILL_ABOVE = {
-    "course_kit/grading": 9472,  # with the capstone
+    "course_kit/grading": 9471,  # with the capstone
     "course_kit/graders": 2725,  # with the capstone
     "course_kit/learner": 1333,  # with the steps of the lessons and the page of progress
     "course_kit/ros": 1776,  # with the drawing of the graph, which panels had: reports draw it, too
