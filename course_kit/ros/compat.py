@@ -6,7 +6,8 @@ sentence. A name is `module:attribute.attribute`; the last may also be one that 
 
 from __future__ import annotations
 
-import importlib
+import pkgutil
+import re
 import sys
 from contextlib import suppress
 from types import FunctionType
@@ -133,22 +134,19 @@ def check_features(features: Iterable[Feature] = OF_THE_LAB) -> Compatibility:
 
 def check_all() -> Compatibility:
     """Load the packages of the table, as far as they are installed, and look for every name."""
-    for package in sorted({name.partition(":")[0].partition(".")[0] for feature in ALL for name in feature.names}):
+    for package in sorted({name.partition(".")[0] for feature in ALL for name in feature.names}):
         with suppress(ModuleNotFoundError):
-            importlib.import_module(package)
+            pkgutil.resolve_name(package)
     return check_features(ALL)
 
 
 def is_there(name: str) -> bool:
     """Whether a name of the table can be used; one whose package is not loaded is in nobody's way."""
-    module, _, attributes = name.partition(":")
-    if module.partition(".")[0] not in sys.modules:
+    if name.partition(".")[0] not in sys.modules:
         return True
+    owner, last = re.split(r"[.:](?=\w+$)", name)
     try:
-        found = importlib.import_module(module)  # rclpy and IPython have loaded theirs: this only looks
-        *path, last = attributes.split(".")
-        for step in path:
-            found = getattr(found, step)
+        found = pkgutil.resolve_name(owner)  # rclpy and IPython have loaded theirs: this only looks
     except (ImportError, AttributeError):
         return False
     return hasattr(found, last) or last in _names_in(found)
@@ -165,7 +163,7 @@ def _names_in(found: object) -> set[str]:
 
 def _describe_absent(names: tuple[str, ...]) -> str:
     """Which names a package does not have, and in which version."""
-    package = names[0].partition(":")[0].partition(".")[0]
+    package = names[0].partition(".")[0]
     text = ", ".join(name.replace(":", ".") for name in names)
     return f"{package}{_version(package)} has no {text}; everything else works"
 
