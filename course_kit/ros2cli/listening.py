@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from rclpy.subscription import Subscription
 
     from course_kit.ros.messages import Message, MessageType
-    from course_kit.ros.topic import MessageInfo
 
 T = TypeVar("T")
 REPORT_EVERY = 1.0  # seconds between two lines of figures, or of waiting
@@ -40,7 +39,7 @@ class ReceivedMessage(NamedTuple):
 
     at: float
     message: Any
-    info: MessageInfo
+    info: dict[str, int]  # what rclpy tells of it
 
 
 class Listener:
@@ -87,7 +86,7 @@ class Listener:
         return self._subscribe(message_type, qos, raw=False)
 
     def _subscribe(self, message_type: MessageType, qos: QoSProfile, *, raw: bool) -> Subscription:
-        def take(message: Any, info: MessageInfo) -> None:
+        def take(message: Any, info: dict[str, int]) -> None:
             self._received.append(ReceivedMessage(info["received_timestamp"] / _NS, message, info))
 
         callback: Callable[..., None] = take  # of two arguments, which rclpy allows and its types do not tell

@@ -149,7 +149,8 @@ def explain_other_nodes(name: str, nodes: Sequence[str], evidence: Evidence) -> 
 def why_empty(context: CheckContext, wanted: str) -> causes.Cause:
     """Why no node has appeared, although the program runs."""
     if context.job.mode == "attach":
-        return "start.nothing", f"No node on ROS domain {context.grader_node.domain} offers {wanted}."
+        domain = context.grader_node.node.context.get_domain_id()
+        return "start.nothing", f"No node on ROS domain {domain} offers {wanted}."
     doing = hangs.current_activity(context)
     where = f" Your program stays in {causes.source_line(context.job, doing.own)}." if doing.own else ""
     if context.has_computed_enough():

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -24,7 +24,7 @@ from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.names import is_hidden, is_of_ros
 from course_kit.ros.service import ServiceClient
-from course_kit.ros.topic import NO_PUBLISHER_EVENTS, Inbox
+from course_kit.ros.topic import NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +43,7 @@ _MOST_SEEN = 30  # nodes that are drawn
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
 _FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
-AnyInbox = TypeVar("AnyInbox", bound=Inbox)
+AnyInbox = TypeVar("AnyInbox", bound="BoundedInbox | Feedback | Statuses")
 Kept = TypeVar("Kept")
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
@@ -52,16 +52,24 @@ _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class BoundedInbox(Inbox):
+class BoundedInbox:
     """The last messages of a topic, each with its texts and sequences cut where they are too long."""
 
     def __init__(self) -> None:
-        super().__init__(_KEPT)
+        self.count = 0  # of all that have come
         self.heard = 0  # how many of them have been looked at
+        self.messages: deque[Message] = deque(maxlen=_KEPT)
+        self.times: deque[float] = deque(maxlen=_KEPT)
 
     def keep(self, message: Message, received_s: float) -> None:
-        """See `Inbox`."""
-        super().keep(bound_message(message), received_s)
+        """Keep one message, with the time the middleware noted, however late it is looked at."""
+        self.messages.append(bound_message(message))
+        self.times.append(received_s)
+
+    def newer_than(self, count: int) -> list[Message]:
+        """The messages after the first `count`, as far as they are kept."""
+        forgotten = self.count - len(self.messages)
+        return list(islice(self.messages, max(count - forgotten, 0), None))
 
 
 class OfferedService:
@@ -106,18 +114,13 @@ class GraderNode:
         rclpy.init(args=[], context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         self.node = quiet_node(NAME, self._context)
         self._clients: dict[tuple[str, int], ServiceClient] = {}
-        self._inboxes: dict[str, tuple[Subscription, Inbox]] = {}
+        self._inboxes: dict[str, tuple[Subscription, Any]] = {}
         self._publishers: dict[str, Publisher] = {}
         self._services: dict[str, OfferedService] = {}
         # By the handle's address, as the wait set names what is ready.
         self._takers: dict[int, Callable[[], object]] = {}
         self._nothing = rclpy_implementation.GuardCondition(self._context.handle)  # a wait set must not be empty
         self._wait_set: rclpy_implementation.WaitSet | None = None
-
-    @property
-    def domain(self) -> int:
-        """The ROS domain it is in."""
-        return int(self._context.get_domain_id())
 
     def spin_once(self, timeout_s: float) -> None:
         """Take in what has come, or wait for something at most `timeout_s` seconds."""
@@ -148,19 +151,19 @@ class GraderNode:
         """The inbox that has taken every message on a topic since the first use."""
         if topic not in self._inboxes:
             made = kind()
-            subscription = made.subscribe(self.node, interface, topic, qos, quiet=True, raw=raw)
+            subscription = self.node.create_subscription(
+                interface, topic, lambda _: None, qos, event_callbacks=NO_SUBSCRIPTION_EVENTS, raw=raw
+            )
             self._inboxes[topic] = (subscription, made)
             self._await(subscription.handle, lambda: _take_message(subscription, made))
-        _, found = self._inboxes[topic]
-        assert isinstance(found, kind)  # noqa: S101 - for the type checker
+        found: AnyInbox = self._inboxes[topic][1]
         return found
 
     def publisher(self, interface: MessageType, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
         if topic not in self._publishers:
-            self._publishers[topic] = self.node.create_publisher(
-                interface, topic, DEPTH, event_callbacks=NO_PUBLISHER_EVENTS
-            )
+            made = self.node.create_publisher(interface, topic, DEPTH, event_callbacks=NO_PUBLISHER_EVENTS)
+            self._publishers[topic] = made
         return self._publishers[topic]
 
     def offer_service(self, name: str, interface: ServiceType, record: ExchangeLog) -> OfferedService:
@@ -245,11 +248,13 @@ class GraderNode:
         return wait_set
 
 
-def _take_message(subscription: Subscription, inbox: Inbox) -> bool:
+def _take_message(subscription: Subscription, inbox: BoundedInbox | Feedback | Statuses) -> bool:
     """Take in the next message; False if none has come."""
     taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
     if taken is not None:
-        inbox.take(*taken)
+        message, info = taken
+        inbox.count += 1
+        inbox.keep(message, info["received_timestamp"] / 1e9)
     return taken is not None
 
 
@@ -262,19 +267,18 @@ def _take_response(client: ServiceClient) -> None:
             asked.set_result(bound_message(response))
 
 
-@dataclass(frozen=True)
-class ReceivedFeedback:
+class ReceivedFeedback(NamedTuple):
     """Feedback, and when it was received, in seconds of the system's clock."""
 
     feedback: Message
     came_s: float
 
 
-class _GoalInbox(Inbox, Generic[Kept]):
+class _GoalInbox(Generic[Kept]):
     """What has come about goals that are followed."""
 
     def __init__(self) -> None:
-        super().__init__()
+        self.count = 0
         self._of_goals: dict[bytes, list[Kept]] = {}
 
     def of_goal(self, goal: bytes) -> list[Kept]:
@@ -286,7 +290,7 @@ class Feedback(_GoalInbox[ReceivedFeedback]):
     """Feedback; of one without end the beginning and the last."""
 
     def keep(self, message: Message, received_s: float) -> None:
-        """See `Inbox`."""
+        """Keep one message."""
         changes = self._of_goals.get(bytes(message.goal_id.uuid))
         if changes is not None:
             del changes[_MOST_FEEDBACK - 1 :]
@@ -297,7 +301,7 @@ class Statuses(_GoalInbox[tuple[float, int]]):
     """Each change of a goal's status, with its time on the system's clock."""
 
     def keep(self, message: bytes, received_s: float) -> None:
-        """See `Inbox`; of a message only what is news: each has all recent goals, so it is read as it came."""
+        """Keep of a message what is news: each has all recent goals, so it is read as it came."""
         place = _ENTRIES
         while place + _STATUS_AT < len(message):
             goal = message[place : place + _IDENTIFIER]

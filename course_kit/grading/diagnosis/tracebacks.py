@@ -93,14 +93,9 @@ def read_activity(dump: str, programs: Collection[str]) -> Activity:
         anywhere = anywhere or stack[own[0]]
         if executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
             callback = stack[own[0]]
-            waits = _waits_in_rclpy(stack[: own[0]])
+            called = [frame for frame in stack[: own[0]] if "rclpy/" in frame.file]  # by the learner's line
+            waits = bool(called) and not any(frame.function in _HANDING_OVER for frame in called)
     return Activity(bool(stacks), spinning, callback, waits, callback or anywhere)
-
-
-def _waits_in_rclpy(called: list[Frame]) -> bool:
-    """Whether the frames that the learner's line has called wait in rclpy, and are not just handing something over."""
-    within = [frame for frame in called if "rclpy/" in frame.file]
-    return bool(within) and not any(frame.function in _HANDING_OVER for frame in within)
 
 
 def _below_handler(stack: list[Frame], place: int) -> bool:
