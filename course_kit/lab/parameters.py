@@ -22,9 +22,10 @@ from course_kit.lab.errors import (
 )
 from course_kit.ros import graph, names, parameters
 from course_kit.ros.messages import BadFieldError
+from course_kit.ros.parameters import Question
 
 if TYPE_CHECKING:
-    from rcl_interfaces.msg import ParameterDescriptor
+    from rcl_interfaces.msg import Parameter, ParameterDescriptor
     from rclpy.node import Node
 
     from course_kit.lab.topics import DeliveryWait
@@ -150,7 +151,7 @@ def _ask_to_set(node: str, values: dict[str, object], *, atomically: bool) -> St
     if not values:
         raise LabError('Say what to set: lab.set_parameters("/node", name=value).')
     try:
-        messages = yield from parameters.to_messages(values)
+        messages = yield from _make_messages(values)
     except BadFieldError as error:
         raise FieldError(str(error)) from None
     if atomically:
@@ -164,6 +165,16 @@ def _ask_to_set(node: str, values: dict[str, object], *, atomically: bool) -> St
             reasons = dict.fromkeys(reasons, *list(unknown.values())[:1]) if unknown else reasons
         reasons |= unknown
     return Outcome(node, values, reasons, atomically=atomically)
+
+
+def _make_messages(given: dict[str, object]) -> Steps[list[Parameter]]:
+    """The parameters with these values; the node is asked what an empty list is a list of."""
+    kinds: dict[str, int] = {}
+    for name, value in given.items():
+        if not isinstance(value, str) and hasattr(value, "__len__") and len(value) == 0:
+            types = (yield Question("get_parameter_types", {"names": [name]})).types
+            kinds.update(dict.fromkeys([name], *types[:1]))
+    return [parameters.to_message(name, value, kinds.get(name)) for name, value in given.items()]
 
 
 def _find_undeclared(node: str, wanted: list[str]) -> Steps[dict[str, str]]:

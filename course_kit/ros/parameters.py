@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from course_kit.ros.messages import BadFieldError, with_article
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Generator, Iterable, Sequence
 
     from rcl_interfaces.msg import Parameter, ParameterDescriptor, ParameterValue, SetParametersResult
 
@@ -107,14 +107,6 @@ def set_together(parameters: Sequence[Parameter]) -> Steps[SetParametersResult]:
     return (yield Question("set_parameters_atomically", {"parameters": list(parameters)})).result
 
 
-def to_messages(given: Mapping[str, object]) -> Steps[list[Parameter]]:
-    """The parameters with these values; the node is asked what an empty list is a list of."""
-    kinds: dict[str, int] = {}
-    for name in [name for name, value in given.items() if _is_empty_list(value)]:
-        kinds.update(dict.fromkeys([name], *(yield Question("get_parameter_types", {"names": [name]})).types[:1]))
-    return [to_message(name, value, kinds.get(name)) for name, value in given.items()]
-
-
 def to_message(name: str, value: object, empty_list: int | None = None) -> Parameter:
     """The rcl_interfaces/msg/Parameter for a value; None for "not set", which deletes a dynamic one."""
     from rcl_interfaces.msg import Parameter, ParameterValue
@@ -147,11 +139,6 @@ def type_of(value: ParameterValue) -> str:
 def is_of_every_node(name: str) -> bool:
     """Whether ROS 2 declares this parameter, not the node's author."""
     return name in _OF_EVERY_NODE or name.startswith(_OVERRIDES)
-
-
-def _is_empty_list(value: object) -> bool:
-    """Whether this is a list without elements, which does not say what it is a list of."""
-    return not isinstance(value, str) and hasattr(value, "__len__") and len(value) == 0
 
 
 def _kind_of(name: str, value: Any, empty_list: int) -> int:

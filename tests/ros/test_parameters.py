@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from rclpy.parameter import Parameter
 
+from course_kit.lab import parameters as lab_parameters
 from course_kit.ros import parameters
 from course_kit.ros.messages import BadFieldError
 
@@ -55,5 +56,7 @@ def test_what_no_parameter_can_have_is_named(value: Any) -> None:
 
 
 def test_the_node_knows_what_an_empty_list_is_a_list_of() -> None:
-    messages = parameters.run_steps(parameters.to_messages({"gears": [], "new": [], "speed": 2.0}), AnswersAsANode())
+    messages = parameters.run_steps(
+        lab_parameters._make_messages({"gears": [], "new": [], "speed": 2.0}), AnswersAsANode()
+    )
     assert [parameters.type_of(one.value) for one in messages] == ["integer_array", "byte_array", "double"]
