@@ -37,6 +37,14 @@ def test_the_cell_runs_as_usual_and_its_main_does_not(kernel: Kernel) -> None:
     assert kernel.run("print(TemperatureService.__name__, __name__)").stdout == "TemperatureService __main__\n"
 
 
+def test_a_kernel_that_was_just_started_loads_the_course_at_the_first_magic(tmp_path: Path) -> None:
+    with Kernel(cwd=tmp_path) as fresh:
+        forgotten, first, cell = fresh.run("lab"), fresh.run("%hint nothing"), fresh.run("%%submission nothing\n1")
+    assert "run the notebook's first code cell" in forgotten.stderr
+    for shown in (first, cell):
+        assert "There is no exercise 'nothing'. Exercises: " in shown.stderr
+
+
 def test_a_magic_of_the_whole_cell_may_follow(kernel: Kernel) -> None:
     done = kernel.run("%%submission temperature_service\n%%capture said\nprint('aside')")
     assert (done.stdout, done.stderr) == ("", "")
