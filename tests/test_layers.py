@@ -62,7 +62,6 @@ STILL_ABOVE = {
     "course_kit/grading": 9471,  # with the capstone
     "course_kit/graders": 2725,  # with the capstone
     "course_kit/learner": 1333,  # with the steps of the lessons and the page of progress
-    "course_kit/ros": 1718,  # with the drawing of the graph, which panels had: reports draw it, too
     "course_kit/integrations": 1168,  # the capstone, %check, %solution, the second day; 150 for the tutor
 }
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.

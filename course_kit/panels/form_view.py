@@ -15,7 +15,7 @@ from course_kit.lab.errors import FieldError, LabError
 from course_kit.panels.base import Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
 from course_kit.ros.messages import type_name
-from course_kit.ros.showing import copy_message, field_rows
+from course_kit.ros.showing import Plain, copy_message, describe_element
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,6 +111,13 @@ class ServiceForm(Panel):
 
     def _show(self, state: str, text: str, **more: object) -> None:
         self.widget.outcome = {"state": state, "text": text, **more}
+
+
+def field_rows(value: Plain, path: str = "") -> list[list[str]]:
+    """Path and value of each field of a copied message, messages inside it taken apart."""
+    if not isinstance(value, dict):
+        return [[path, describe_element(value)]]
+    return [row for name, part in value.items() for row in field_rows(part, f"{path}.{name}" if path else name)]
 
 
 @contextmanager

@@ -55,13 +55,6 @@ def describe_message(value: Plain, digits: int | None = None) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def field_rows(value: Plain, path: str = "") -> list[list[str]]:
-    """Path and value of each field of a copied message, messages inside it taken apart."""
-    if not isinstance(value, dict):
-        return [[path, _element(value, None)]]
-    return [row for name, part in value.items() for row in field_rows(part, f"{path}.{name}" if path else name)]
-
-
 @lru_cache(maxsize=256)
 def _field_names(kind: type) -> tuple[str, ...] | None:
     """The fields of a message class; None for any other class."""
@@ -91,7 +84,7 @@ def _value(value: Plain, digits: int | None) -> str:
     if isinstance(value, dict):
         return _parameter(value) if value.keys() >= _PARAMETER_VALUE else f"{{{_fields(value, digits)}}}"
     if isinstance(value, list):
-        return f"[{', '.join(_element(item, digits) for item in value)}]"
+        return f"[{', '.join(describe_element(item, digits) for item in value)}]"
     return f"{value:.{digits}f}" if isinstance(value, float) and digits is not None else repr(value)
 
 
@@ -103,7 +96,7 @@ def _parameter(value: dict[str, Plain]) -> str:
     return _value(value[fields[int(str(number)) - 1]], None) if known else "not set"
 
 
-def _element(value: Plain, digits: int | None) -> str:
+def describe_element(value: Plain, digits: int | None = None) -> str:
     """A value in a list, or what stands there for those that were left out."""
     left_out = isinstance(value, str) and (value == "..." or (value.startswith("+") and value.endswith(" more")))
     return str(value) if left_out else _value(value, digits)

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
+from std_msgs.msg import Header
 from std_srvs.srv import Empty
 
 from course_kit import interfaces, lab, panels
 from course_kit.lab.errors import FieldError
-from course_kit.ros.showing import field_rows
+from course_kit.panels.form_view import field_rows
+from course_kit.ros.showing import copy_message
 
 if TYPE_CHECKING:
     from course_kit.panels.form_view import ServiceForm
@@ -125,4 +127,12 @@ def test_a_response_is_shown_field_by_field() -> None:
         ["at.y", "-2.0"],
         ["names", "['a', +3 more]"],
         ["none", "[]"],
+    ]
+
+
+def test_rows_take_messages_apart() -> None:
+    assert field_rows(copy_message(Header(frame_id="map"))) == [
+        ["stamp.sec", "0"],
+        ["stamp.nanosec", "0"],
+        ["frame_id", "'map'"],
     ]

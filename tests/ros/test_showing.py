@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from geometry_msgs.msg import Pose
 from sensor_msgs.msg import Image
-from std_msgs.msg import Header, String
+from std_msgs.msg import String
 
-from course_kit.ros.showing import CHARACTERS, ELEMENTS, copy_message, describe_message, field_rows
+from course_kit.ros.showing import CHARACTERS, ELEMENTS, copy_message, describe_message
 
 
 def test_values_in_words() -> None:
@@ -24,11 +24,3 @@ def test_long_values_are_cut_when_they_are_copied() -> None:
     assert image["data"][-1] == f"+{1_000_000 - ELEMENTS} more"
     assert len(image["encoding"]) == CHARACTERS
     assert describe_message({"data": image["data"]}) == "data=[0, 0, 0, 0, 0, 0, 0, 0, +999992 more]"
-
-
-def test_rows_take_messages_apart() -> None:
-    assert field_rows(copy_message(Header(frame_id="map"))) == [
-        ["stamp.sec", "0"],
-        ["stamp.nanosec", "0"],
-        ["frame_id", "'map'"],
-    ]
