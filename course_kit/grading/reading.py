@@ -19,6 +19,7 @@ import sys
 import time
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -29,7 +30,7 @@ from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
 from course_kit.process.child import QuietChild
 from course_kit.process.libc import make_memory_file
-from course_kit.reader import files, process
+from course_kit.reader import files, fingerprints, process, text
 from course_kit.reader.files import ARCHIVE, YAML
 from course_kit.reader.python import MEMORY_MB
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
@@ -193,14 +194,6 @@ class Reader(Closable):
                 self.memory[_key(copy, exercise)] = known
         return known
 
-    def summarize_starters(self, exercise: Exercise) -> list[FileSummary]:
-        """The programs that an exercise begins with: whoever hands one in as it was has not begun."""
-        found, programs = [], exercise.folder if exercise.files else exercise.folder / exercise.starter
-        for path in (programs, exercise.folder / exercise.notebook):
-            with suppress(UnreadableError, GradingError), copy_file(path, several=bool(exercise.files)) as copy:
-                found.append(self.summarize(copy, exercise, whatever=True))
-        return found
-
     def close(self) -> None:
         """End the process; what is remembered stays. Safe to call twice."""
         if self._process is not None:
@@ -302,3 +295,25 @@ def _program_name(name: str) -> str:
         stem = stem.rpartition(".")[0]
     plain = "".join(letter if letter.isprintable() and letter not in '"\\/' else "_" for letter in stem)
     return f"{plain}.py"
+
+
+def starter_identities(exercise: Exercise) -> frozenset[str]:
+    """Those of the programs that an exercise begins with: whoever hands one in as it was has not begun."""
+    programs = exercise.folder if exercise.files else exercise.folder / exercise.starter
+    paths = (programs, exercise.folder / exercise.notebook)
+    return frozenset(filter(None, (_identity_of(path, exercise.id, exercise.files) for path in paths)))
+
+
+@lru_cache(maxsize=64)
+def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
+    """That of a file of the course, read here: whoever kills the reader must not make a starter an answer."""
+    with suppress(OSError, text.UnreadableTextError):
+        if wanted and path.is_dir():
+            read = {name: files.read_file(name, (path / name).read_bytes()) for name in wanted}
+            return fingerprints.program_identity(files.join_sources(read))
+        with path.open("rb") as file:
+            if wanted:
+                read = files.read_files(path.name, file, exercise_id, wanted)
+                return fingerprints.program_identity(files.join_sources(read))
+            return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
+    return ""

@@ -20,7 +20,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import FileSummary, Reader, copy_file
+from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
 from course_kit.text.console import note, refuse
 
 if TYPE_CHECKING:
@@ -229,7 +229,7 @@ def choose_own(exercise: Exercise, verb: str) -> tuple[Path, str]:
     answers = (folder if exercise.files else program, notebook)
     with Reader() as readings:
         seen = {path: _glance(readings, path, exercise) for path in answers}
-        given = {"", *(each.identity for each in readings.summarize_starters(exercise))}  # "": of an empty program
+    given = starter_identities(exercise) | {""}  # nobody has begun with these, nor with an empty program
     changed = [path for path, glance in seen.items() if glance.identity not in given]
     fitting = [path for path in changed if seen[path].found]
     if len(changed) == 1 or len(fitting) == 1:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import FileSummary, Reader, copy_file
+from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
 from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
 from course_kit.reader.fingerprints import token_shapes
@@ -59,14 +59,13 @@ class ProgramTexts(Closable):
         """Those of a submission, and its program; none of what cannot be read."""
         if self._root is None or record.status == "unreadable" or record.entry.exercise in self._elsewhere:
             return FileSummary()
-        exercise, path = self._exercises[record.entry.exercise], self._root / record.entry.source
+        return self.of_file(self._root / record.entry.source, self._exercises[record.entry.exercise])
+
+    def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
+        """The fingerprints of any file that is read as a submission for an exercise."""
         with suppress(UnreadableError, GradingError), copy_file(path, several=bool(exercise.files)) as copy:
             return self._reader.summarize(copy, exercise, whatever=True)
         return FileSummary()
-
-    def starters(self, exercise: Exercise) -> list[FileSummary]:
-        """Those of the programs that an exercise begins with; none where there is nothing to compare them with."""
-        return self._reader.summarize_starters(exercise) if self.are_at_hand else []
 
     def lines(self, record: GradeRecord) -> list[str]:
         """A program's lines; none of what cannot be read."""
@@ -140,11 +139,14 @@ def _programs(
     same: dict[str, list[GradeRecord]] = defaultdict(list)
     for record in records:
         same[_file(record)].append(record)
-    starters = texts.starters(exercise)
+    starters = starter_identities(exercise)
+    given: frozenset[int] = frozenset()
+    for name in ("" if exercise.files else exercise.starter, exercise.notebook) if texts.are_at_hand else ():
+        given |= texts.of_file(exercise.folder / name, exercise).prints
     for group in same.values():
         found = texts.fingerprints(group[0])
-        if not found.identity or found.identity not in (starter.identity for starter in starters):
-            yield group, found.prints.difference(*(starter.prints for starter in starters))
+        if found.identity not in starters:
+            yield group, found.prints - given
 
 
 def _file(record: GradeRecord) -> str:

@@ -17,7 +17,7 @@ from course_kit.classroom.rules.deadlines import ASSIGNMENT, STAMP, SUBMITTED_AT
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import FileSummary, copy_file
+from course_kit.grading.reading import FileSummary, copy_file, starter_identities
 from course_kit.reader import text
 from course_kit.reader.files import is_name
 from course_kit.text.sanitize import one_line
@@ -219,7 +219,7 @@ class Chooser:
         alone = is_named and (len(programs) == 1 or (not programs and len(for_it) == 1))
         seen = {file.path: self._summarize_file(file, exercise) for file in programs or for_it}
         imported = {name for glance in seen.values() for name in glance.imports}
-        starters = {known.identity for known in self._reader.summarize_starters(exercise)} - {""}
+        starters = starter_identities(exercise)
         for file in programs or for_it:
             glance = seen[file.path]
             sureness = _sureness(file, exercise, glance) or (ONLY_ONE if alone else 0)
