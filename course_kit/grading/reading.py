@@ -30,7 +30,7 @@ from course_kit.grading.model.submission import Submission, UnreadableError
 from course_kit.process import Closable
 from course_kit.process.child import QuietChild
 from course_kit.process.libc import make_memory_file
-from course_kit.reader import files, fingerprints, process, text
+from course_kit.reader import files, process
 from course_kit.reader.files import ARCHIVE, YAML
 from course_kit.reader.python import MEMORY_MB
 from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
@@ -180,18 +180,20 @@ class Reader(Closable):
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        summary = self.memory.get(_key(copy, exercise)) or self._ask(copy, exercise, whatever=True, compared=False)
+        known = self.memory.get((copy.name, copy.digest, exercise.id))
+        summary = known or self._ask(copy, exercise, whatever=True, compared=False)
         if summary.program is None:
             raise UnreadableError(summary.unreadable)
         return summary.program
 
     def summarize(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> FileSummary:
         """What a file holds, with its program if the exercise asks for it or `whatever` it is; that is remembered."""
-        known = self.memory.get(_key(copy, exercise))
+        key = (copy.name, copy.digest, exercise.id)
+        known = self.memory.get(key)
         if known is None:
             known = self._ask(copy, exercise, whatever=whatever, compared=True)
             if known.program is not None:
-                self.memory[_key(copy, exercise)] = known
+                self.memory[key] = known
         return known
 
     def close(self) -> None:
@@ -271,10 +273,6 @@ class Reader(Closable):
         raise UnreadableError(f"{copy.name} cannot be read: {why}. {advice} in a shorter, simpler program.")
 
 
-def _key(copy: Copy, exercise: Exercise) -> tuple[str, str, str]:
-    return copy.name, copy.digest, exercise.id
-
-
 def _summary(copy: Copy, answer: bytes) -> FileSummary:
     """What a child has written, which has read what a stranger wrote."""
     try:
@@ -307,13 +305,8 @@ def starter_identities(exercise: Exercise) -> frozenset[str]:
 @lru_cache(maxsize=64)
 def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
     """That of a file of the course, read here: whoever kills the reader must not make a starter an answer."""
-    with suppress(OSError, text.UnreadableTextError):
-        if wanted and path.is_dir():
-            read = {name: files.read_file(name, (path / name).read_bytes()) for name in wanted}
-            return fingerprints.program_identity(files.join_sources(read))
-        with path.open("rb") as file:
-            if wanted:
-                read = files.read_files(path.name, file, exercise_id, wanted)
-                return fingerprints.program_identity(files.join_sources(read))
-            return fingerprints.program_identity(text.read_program(path.name, file, exercise_id)[0])
+    with suppress(UnreadableError, GradingError), copy_file(path, several=bool(wanted)) as copy:
+        wish = {"exercise": exercise_id, "files": wanted, "class_name": "", "variable": "", "whatever": False}
+        file = io.BytesIO(os.pread(copy.fileno(), copy.size, 0))
+        return str(process.look_at(copy.name, file, {**wish, "compared": True})["identity"])
     return ""

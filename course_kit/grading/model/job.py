@@ -82,9 +82,6 @@ class ExerciseEndpoint(msgspec.Struct, forbid_unknown_fields=True):
         self.name = from_root(self.name)
 
 
-_NONE = Submission("", "", "")
-
-
 @dataclass(frozen=True)
 class Job:
     """One grading."""
@@ -92,7 +89,7 @@ class Job:
     grader: str  # what checks it, see `workers.exercise_job`
     mode: str  # "run" for a program, "exec" for a command, "attach" for what is already on the graph
     seed: int  # what the random values of the checks are drawn from
-    text: Submission = _NONE  # the program; of several files the one that was started last
+    text: Submission = field(default_factory=Submission)  # the program; of several files the one started last
     class_name: str = ""  # the Node class the exercise names
     # whether the program has to start its node itself; else the class that it only defines is started
     own_start: bool = False

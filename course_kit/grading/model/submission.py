@@ -44,12 +44,11 @@ class Facts:
 class Submission:
     """The program to run, as Python text with plain line ends."""
 
-    name: str  # the file's, for reports
-    program: str  # the name it runs under, ends in .py
-    source: str
-    places: tuple[
-        tuple[int, int], ...
-    ] = ()  # for each cell of a notebook its number, from 1, and how many lines it gave
+    name: str = ""  # the file's, for reports
+    program: str = ""  # the name it runs under, ends in .py
+    source: str = ""
+    # for each cell of a notebook its number, from 1, and how many lines it gave
+    places: tuple[tuple[int, int], ...] = ()
     fault: SyntaxFault | None = None
     facts: Facts = Facts()
     literal: Record | None = None  # what it sets the exercise's variable to, where its text tells, see `reader.python`

@@ -57,8 +57,7 @@ _AT_FDCWD, _AT_RECURSIVE = -100, 0x8000
 _ATTR_RDONLY, _ATTR_NOSUID, _ATTR_NODEV = 0x1, 0x2, 0x4
 # Of Landlock. The system calls have the same numbers on every architecture.
 _SYS_CREATE, _SYS_ADD, _SYS_RESTRICT = 444, 445, 446
-_VERSION = 1  # flag of landlock_create_ruleset
-_PATH_BENEATH = 1
+_VERSION, _PATH_BENEATH = 1, 1  # flag of landlock_create_ruleset; a kind of rule
 _EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 0x1, 0x2, 0x4, 0x8
 _FIRST_RIGHTS = (1 << 13) - 1
 _REFER, _TRUNCATE, _IOCTL_DEV = 1 << 13, 1 << 14, 1 << 15
@@ -270,10 +269,9 @@ def _change_root(folder: str) -> None:
 
 def landlock_version() -> int:
     """The kernel's version of Landlock, 0 where it has none or it is switched off."""
-    try:
+    with suppress(OSError):
         return _make_rules(None, 0, _VERSION)
-    except OSError:
-        return 0
+    return 0
 
 
 def restrict(view: FileView, writable: Iterable[str]) -> None:

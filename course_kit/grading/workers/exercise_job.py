@@ -49,7 +49,6 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         own_start=exercise.practice or bool(exercise.files),
         variable=exercise.variable,
         limits=exercise.limits,
-        # by their real paths: exercises, and their solutions
         hidden=tuple(dict.fromkeys(map(str, (*folders, *solutions)))),
         interfaces=exercise.interfaces,
         points=exercise.points,

@@ -108,11 +108,10 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
 
 def _prepare(job: Job) -> set[str]:
     """Load what checks a job, and name the interfaces that its program needs."""
-    if job.interfaces:
-        return set()
-    with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-        exercise_job.load_grader(job)
-        return {end.type for end in job.endpoints}
+    if not job.interfaces:
+        with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
+            exercise_job.load_grader(job)
+            return {end.type for end in job.endpoints}
     return set()
 
 
