@@ -36,7 +36,7 @@ function goOn(panel) {
 // every learner knows. One listener for all panels of the page; before the notebook's own, which is on the document.
 function leaveByShiftEnter(event) {
   if (event.key !== "Enter" || !event.shiftKey || event.ctrlKey || event.altKey || event.metaKey) return;
-  const panel = event.target.closest?.(".ck-panel");
+  const panel = event.target.closest?.(".ck-panel, [data-lm-suppress-shortcuts]");
   if (!panel?.closest(".jp-Notebook")) return;
   event.preventDefault();
   event.stopImmediatePropagation();

@@ -144,7 +144,7 @@ class GoalFollower(Panel):
         if servers > 1:
             self.say(
                 f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
-                "Stop all but one: panels.graph() shows them."
+                "Stop all but one: panels.graph() shows them, and lab.stop_others() stops those of other notebooks."
             )
         else:
             self.send_goal(asked)

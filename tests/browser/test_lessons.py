@@ -146,6 +146,8 @@ def test_the_sliders_of_lesson_three_set_what_the_plot_shows(lab: JupyterLab) ->
     lab.picture("lesson_three_plot")
 
     target.locator("input[type='range']").focus()
+    lab.page.keyboard.press("ArrowRight")  # which JupyterLab has a use for, too
+    expect(target.locator("input[type='text']")).not_to_have_value("80.0")
     lab.page.keyboard.press("End")  # 100 degrees, with the keyboard
     expect(target.locator("input[type='text']")).to_have_value("100.0")
     expect(said).to_have_attribute("data-state", "set")

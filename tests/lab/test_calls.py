@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import rclpy
+from example_interfaces.action import Fibonacci
 from geometry_msgs.msg import Point, Pose
+from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit import lab
 from course_kit.lab.calls import message_of
+from course_kit.lab.overrides import rclpy_functions
 from tests.lab.nodes import Faulty, OwnBaseError, Raising, SpeechlessError, Switch, Talker
 from tests.ros.two_nodes import TwoNodes
 
@@ -218,6 +222,26 @@ def test_a_slow_callback_is_named_when_time_is_over() -> None:
     ):
         call("blocks", timeout=0.5)
     faulty.release.set()
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_an_answer_that_nobody_can_give_is_not_awaited_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Asker(Node):
+        def __init__(self) -> None:
+            super().__init__("asker")
+            self.asked = self.create_client(Trigger, "/never")
+            self.goals = ActionClient(self, Fibonacci, "/nowhere")
+
+    monkeypatch.setattr(rclpy_functions, "_NO_SERVER_S", 0.2)
+    asker = lab.start(Asker)
+
+    async def wait_for(asked: Any) -> None:
+        await asked
+
+    with pytest.raises(lab.ServiceNotFoundError, match=r"No node serves /never \(waited 0\.2 s\)\."):
+        asyncio.run(wait_for(asker.asked.call_async(Trigger.Request())))
+    with pytest.raises(lab.ActionNotFoundError, match=r"No node runs the action /nowhere"):
+        asyncio.run(wait_for(asker.goals.send_goal_async(Fibonacci.Goal())))
 
 
 def test_a_server_that_goes_away_ends_the_wait(own_lab: Lab) -> None:

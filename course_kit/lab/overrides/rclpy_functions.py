@@ -11,6 +11,7 @@ import inspect
 import re
 import threading
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -23,10 +24,13 @@ from rclpy.task import Future
 
 from course_kit import environment
 from course_kit.lab.calls import make_waker
+from course_kit.lab.clients import WantedServer, not_found
 from course_kit.lab.errors import CallbackError, DeadlockError, LabError
 from course_kit.lab.runtime.failures import is_own, own_line
 from course_kit.ros import compat
-from course_kit.ros.messages import with_article
+from course_kit.ros.graph import RUNS, SERVES
+from course_kit.ros.messages import type_name, with_article
+from course_kit.ros.names import full_action_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -40,6 +44,7 @@ if TYPE_CHECKING:
     from course_kit.ros.messages import Message
 
 _FOR_EVER = "inside a callback would wait for ever: only the thread that runs this callback can take the answer."
+_NO_SERVER_S = 5.0  # after which a cell's own request is given up where nobody offers the service
 _SLICE = 0.1  # seconds a wait inside the middleware lasts before Python may see an interrupt
 
 
@@ -290,18 +295,33 @@ def _spin_until(lab: Engine, executor: Executor, future: Future, timeout: float 
         executor.spin_once(timeout_sec=left)
 
 
-async def _await_in_cell(future: Future) -> Any:
+async def _await_in_cell(lab: Engine, future: Future) -> Any:
     """Wait for an rclpy future in the running loop; who stops waiting cancels it."""
     news, wake = make_waker()
     future.add_done_callback(wake)
     try:
-        await news.wait()
+        while not future.done():
+            with suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(news.wait(), _NO_SERVER_S)
+                break
+            _require_server(lab, future)
     except asyncio.CancelledError:
         future.cancel()
         raise
     if future.cancelled():
         raise asyncio.CancelledError
     return future.result()
+
+
+def _require_server(lab: Engine, future: Future) -> None:
+    """Raise for an answer that cannot come: nobody offers the service, or the action."""
+    ends: list[Any] = [end for live in lab.nodes.live for node in live.made for end in (*node.clients, *node.waitables)]
+    client = next((end for end in ends if _waits_for(end, future)), None)
+    if isinstance(client, Client) and not client.service_is_ready():
+        raise not_found(lab.node, WantedServer(SERVES, client.service_name, type_name(client.srv_type)), _NO_SERVER_S)
+    if isinstance(client, ActionClient) and not client.server_is_ready():
+        name, kind = full_action_name(lab.node, client._action_name), type_name(client._action_type)  # noqa: SLF001
+        raise not_found(lab.node, WantedServer(RUNS, name, kind), _NO_SERVER_S)
 
 
 def _guard_awaits(patches: Patches, lab: Engine) -> None:
@@ -315,7 +335,7 @@ def _guard_awaits(patches: Patches, lab: Engine) -> None:
                 _check_await(lab, future)
             return (yield from original(future))
         try:
-            return (yield from _await_in_cell(future).__await__())
+            return (yield from _await_in_cell(lab, future).__await__())
         finally:
             lab.output.drain()
 

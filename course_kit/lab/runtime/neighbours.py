@@ -150,7 +150,7 @@ class Neighbours:
         if script := self._script_nodes().get(node):
             self._lab.note(f"{sentence.format(f'{short} of your script {script}')} %ros_stop {script} stops it.")
         elif title := next((other.title for other in self.others() if node in other.nodes), ""):
-            self._lab.note(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
+            self._lab.note_once(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
         own: dict[tuple[str, graph.Role], int] = {}

@@ -62,6 +62,11 @@
       for (const act of ['wheel', 'keydown', 'pointerdown']) {
         window.addEventListener(act, stop, { capture: true, passive: true });
       }
+      // Some of JupyterLab's keys look only at what has the focus, and not at the panel around it.
+      window.addEventListener('focusin', ({ target }) => {
+        const isPart = target.matches?.('[data-lm-suppress-shortcuts] :is(button, input, select, textarea)');
+        if (isPart) target.dataset.lmSuppressShortcuts = 'true';
+      });
       document.addEventListener(
         'click',
         event => {
@@ -105,6 +110,8 @@
   const KEEP_MS = 500;
   const ANYWIDGET_MS = 2000;
   const PATIENCE_MS = 120_000;
+  const NOT_FOUND = 'Error displaying widget: model not found';
+  const TRIES = 40;
   const WAKE = 'Run this cell to bring it to life';
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
@@ -127,7 +134,8 @@
   class Sleepers {
     constructor(app, panel) {
       // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
-      Object.assign(this, { app, panel, waiting: new WeakSet(), asleep: new WeakSet(), kept: new WeakMap() });
+      const [waiting, asleep, finding] = [new WeakSet(), new WeakSet(), new WeakSet()];
+      Object.assign(this, { app, panel, waiting, asleep, finding, kept: new WeakMap() });
       for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
@@ -235,11 +243,26 @@
         const docked = views.filter(({ content }) => content._cell === cell);
         for (const { title } of docked) title.label = titleOf(model); // JupyterLab calls each of them Output View
         for (const area of [cell.outputArea, ...docked.map(({ content }) => content.widgets[0])]) {
-          const node = area?.widgets[place]?.node;
-          const shown = node?.querySelector('.jp-OutputArea-output');
-          if (shown) void this.put(node, shown, model, cell);
+          const output = area?.widgets[place];
+          const shown = output?.node.querySelector('.jp-OutputArea-output');
+          if (shown) void this.put(output.node, shown, model, cell);
+          if (shown?.textContent === NOT_FOUND) void this.findLater(output, shown, model);
         }
       }
+    }
+
+    /** A panel is looked for once, which may be before JupyterLab has heard of it from the kernel. */
+    async findLater(output, shown, model) {
+      if (this.finding.has(shown) || this.waiting.has(model) || this.asleep.has(model)) return;
+      this.finding.add(shown);
+      const renderer = [...output.widgets].find(({ node }) => node === shown);
+      for (let tries = 0; tries < TRIES && shown.isConnected && shown.textContent === NOT_FOUND; tries++) {
+        await new Promise(done => setTimeout(done, KEEP_MS));
+        await renderer.renderModel(model);
+      }
+      if (shown.textContent === NOT_FOUND) this.asleep.add(model);
+      this.finding.delete(shown);
+      this.drawSoon();
     }
 
     /** Show a panel's last picture in its place: as it stands on the page, or as it is kept in the notebook. */
