@@ -50,6 +50,11 @@ def require_no_dead_widget(lab: JupyterLab) -> None:
         assert not [one for one in lab.page.get_by_text(words).all() if one.is_visible()], words
 
 
+def require_map_found_later(lab: JupyterLab) -> None:
+    lab.scroll_to(lab.page.locator(".ck-map")).evaluate(FORGET)
+    expect(lab.scroll_to(lab.page.locator(".ck-map")).get_by_label("x (m)")).to_have_value("0.5")
+
+
 def require_docked(lab: JupyterLab, graph: Locator, docked: Locator) -> None:
     """The keyboard goes on in the notebook, below the panel's cell, and a second click docks nothing again."""
     expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
@@ -132,8 +137,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     expect(docked).to_have_count(1)
     expect(page.get_by_role("button", name=WAKE)).to_have_count(0)
     require_no_dead_widget(lab)
-    lab.scroll_to(page.locator(".ck-map")).evaluate(FORGET)
-    expect(lab.scroll_to(page.locator(".ck-map")).get_by_label("x (m)")).to_have_value("0.5")
+    require_map_found_later(lab)
 
     restart_kernel(page)
     for place in (lab.scroll_to(lab.cell_that_begins(GRAPH)), docked):
