@@ -58,12 +58,16 @@ BUDGETS = {
     "benchmarks": 1200,
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
-STILL_ABOVE = {
-    "course_kit/grading": 9471,  # with the capstone
-    "course_kit/graders": 2725,  # with the capstone
-    "course_kit/learner": 1333,  # with the steps of the lessons and the page of progress
-    "course_kit/integrations": 1168,  # the capstone, %check, %solution, the second day; 150 for the tutor
-}
+STILL_ABOVE = {"course_kit/grading": 9471}  # with what the capstone needs of it
+# Beside the budgets the design grants 2,000 lines to the capstone, the lessons' steps and what came with them: files
+# that are theirs alone.
+GRANTED = (
+    "course_kit/graders/_delivery.py",
+    "course_kit/graders/delivery_robot.py",
+    "course_kit/integrations/tutor.py",
+    "course_kit/learner/step_check.py",
+    "course_kit/learner/steps.py",
+)
 # Inside of `grading`: each imports from itself and from those before it, also for a type checker alone.
 GRADING = ("errors", "model", "reading", "diagnosis", "sandbox", "checks", "workers", "render", "engine", "pool", "")
 NEVER = {("grading", "lab"), ("graders", "lab"), ("classroom", "lab")}  # grading runs on a bare server
@@ -211,12 +215,18 @@ def test_every_package_is_in_one_layer(graph: dict[str, set[str]]) -> None:
 
 def lines_of(package: str) -> int:
     paths = [*(ROOT / package).rglob("*.py"), *([ROOT / "course"] if package == "course_setup" else [])]
+    paths = [path for path in paths if str(path.relative_to(ROOT)) not in GRANTED]
     return sum(len(path.read_text().splitlines()) for path in paths if "__pycache__" not in path.parts)
 
 
 @pytest.mark.parametrize("package", BUDGETS)
 def test_a_package_keeps_to_its_budget(package: str) -> None:
     assert lines_of(package) <= max(BUDGETS[package], STILL_ABOVE.get(package, 0))
+
+
+def test_what_stands_beside_the_budgets_is_no_more_than_is_granted() -> None:
+    assert sum(len((ROOT / name).read_text().splitlines()) for name in GRANTED) <= 2000
+    assert lines_of("course_kit") <= 48000
 
 
 def test_every_package_has_a_budget() -> None:
