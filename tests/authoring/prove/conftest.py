@@ -49,8 +49,8 @@ HERE = Path(__file__).parent
 def limits(node):
     """What the submission has set, by name."""
     context = node.context
-    if context.job.literal is not None:
-        return read_entries(context.job.literal)
+    if context.job.text.literal is not None:
+        return read_entries(context.job.text.literal)
     return read_entries(context.run_to_end().notes)
 
 

@@ -33,7 +33,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 def test_nothing_found(known: Tiny, capsys: pytest.CaptureFixture[str]) -> None:
     del known
     code, out, err = run(capsys)
-    assert code == 0
+    assert code == 0, err
     assert "A sample was graded, and nothing was found. (" in out
     assert "mistakes graded with seed 1" in err
 
