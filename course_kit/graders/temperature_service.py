@@ -43,6 +43,7 @@ _EDGE = {CELSIUS: 0.001, FAHRENHEIT: 0.01}  # degrees; how near to absolute zero
 _ORDINARY = 1e4  # who refuses what is hotter refuses only that
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
 _EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
+_FEW_DIGITS, _ROUNDED = 3, 0.05  # behind the point, and what is lost at most where one of them is left
 _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
 _CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
@@ -88,6 +89,11 @@ def has_every_digit(sample: Sample, value: float) -> bool:
         return value.hex() == sample.value.hex()  # bit for bit: the sign of zero, too
     right = _exact_value(sample)
     return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
+
+
+def is_rounded(sample: Sample, value: float) -> bool:
+    """Whether `value` is the right result, rounded to so few digits that the formula seems wrong."""
+    return value == round(value, _FEW_DIGITS) and abs(value - right_value(sample)) <= _ROUNDED
 
 
 def _exact_value(sample: Sample) -> Fraction:
@@ -233,7 +239,8 @@ class Temperatures(Model):
             if right is has_every_digit:  # what is wrong may be the last digit
                 got = f"success=True, value={response.value!r}"
                 answer = replace(answer, sent=describe_value(vars(sample)), got=got)
-            lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
+            whole = all(has_right_formula(*pair) or is_rounded(*pair) for pair in answers)
+            lost = "every_digit" if whole else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
     def compare_answers(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:

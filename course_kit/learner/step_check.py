@@ -124,7 +124,9 @@ def _await(
     kind, name, *interface = need.split()
     found = f"on the graph: {', '.join(there) or 'none'}"
     of_type = f" of type {interface[0]}" if interface else ""
-    why = f"No {kind} {name}{of_type} is there.{discovery.name_nearest(name, [one.partition(' ')[0] for one in there])}"
+    wanted = {end.name for end in context.job.endpoints}  # no other of these is a misspelt one
+    near = discovery.name_nearest(name, [one.partition(" ")[0] for one in there if one.partition(" ")[0] not in wanted])
+    why = f"No {kind} {name}{of_type} is there.{near}"
     raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
 
 
