@@ -190,6 +190,8 @@ class LimiterSteps(Model):
         """Valid values are accepted; of several that are not, one that is refused alone costs its own check."""
         if self.lines is not None and "robot_name" in values:  # what was to be seen on /status
             self.require_status(node)
+        if values.get("enabled") is False and self.settings.enabled and Reaction not in node.context.conversations:
+            self.drive(node, [0.05, *[0.0] * 5])  # what goes wrong with it on is not for the check of it off to say
         if values.get("enabled") and not self.settings.enabled:
             self.require_quiet(node, self.answered_at + _AT_ONCE_S - time.monotonic())
         change = node.set(values, of=NODE)
