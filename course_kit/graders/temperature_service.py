@@ -79,8 +79,10 @@ def right_value(sample: Sample) -> float:
 
 
 def has_right_formula(sample: Sample, value: float) -> bool:
-    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute. Digits may be lost."""
-    return math.isclose(value, right_value(sample), rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
+    """Whether `value` comes from the right formula: 1e-6 relative or 1e-9 absolute, or rounded. Digits may be lost."""
+    right = right_value(sample)
+    is_rounded = value == round(value, _FEW_DIGITS) and abs(value - right) <= _ROUNDED
+    return is_rounded or math.isclose(value, right, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)
 
 
 def has_every_digit(sample: Sample, value: float) -> bool:
@@ -89,11 +91,6 @@ def has_every_digit(sample: Sample, value: float) -> bool:
         return value.hex() == sample.value.hex()  # bit for bit: the sign of zero, too
     right = _exact_value(sample)
     return math.isfinite(value) and abs(Fraction(value) - right) <= Fraction(_EXACT) * max(abs(right), Fraction(1))
-
-
-def is_rounded(sample: Sample, value: float) -> bool:
-    """Whether `value` is the right result, rounded to so few digits that the formula seems wrong."""
-    return value == round(value, _FEW_DIGITS) and abs(value - right_value(sample)) <= _ROUNDED
 
 
 def _exact_value(sample: Sample) -> Fraction:
@@ -239,8 +236,7 @@ class Temperatures(Model):
             if right is has_every_digit:  # what is wrong may be the last digit
                 got = f"success=True, value={response.value!r}"
                 answer = replace(answer, sent=describe_value(vars(sample)), got=got)
-            whole = all(has_right_formula(*pair) or is_rounded(*pair) for pair in answers)
-            lost = "every_digit" if whole else _DIRECTION[sample.to_unit]
+            lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
     def compare_answers(self, node: GradedNode, sample: Sample, got: float) -> list[tuple[Sample, float]]:
