@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
 
 _TRIES = 2
-_PER_CORE = 4  # a grading mostly waits: for answers, and for a program that is silent or asleep
+_PER_CORE = 6  # a grading mostly waits: for answers, and for a program that is silent or asleep
 _EACH = 50 << 20  # bytes of memory that a grading of an ordinary submission takes
 _ROOM = 4  # times as much has to be free as they take together: a submission may need more
 _AHEAD = 2  # requests given to graders for each of their slots: none idles, and few are lost
