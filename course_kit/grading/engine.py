@@ -90,7 +90,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         name = submission.decode_name(str(path))
         try:
             with copy_file(Path(path), several=bool(exercise.files)) as copy, Reader() as reader, ExitStack() as stack:
-                number = 1 if only else max(1, len(exercise.parts))
+                number = 1 if only else max(1, min(len(exercise.parts), needs.side_by_side(exercise.limits)))
                 new = () if worker else side_by_side(number)  # they get warm while the file is read
                 workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
