@@ -91,7 +91,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
         try:
             with copy_file(Path(path), several=bool(exercise.files)) as copy, Reader() as reader, ExitStack() as stack:
                 number = 1 if only else max(1, min(len(exercise.parts), needs.side_by_side(exercise.limits)))
-                new = () if worker else side_by_side(number)  # they get warm while the file is read
+                types = () if exercise.interfaces else sorted({end.type for end in exercise.endpoints})
+                new = () if worker else side_by_side(number, types)  # they get warm while the file is read
                 workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
                 request = GradingRequest(exercise, text, name, seed, only=only, require_isolation=require_isolation)
@@ -155,31 +156,24 @@ def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], 
 def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> GradingOutcome:
     """Grade each part of an exercise by itself, as many at a time as there are workers; other jobs have one."""
     parts = exercise.parts if job.mode == "run" and not job.only else ()
-    outcomes: list[GradingOutcome] = []
+    whole: GradingOutcome = {"results": [], "stdout": "", "stderr": "", "problem": "", "again": False}
     waiting = list(parts or (job.only,))
     while waiting:
         asked = [(worker, waiting.pop(0)) for worker in workers[: len(waiting)]]
         for worker, part in asked:
             worker.send(replace(job, only=part))
-        outcomes += [worker.receive(job) for worker, _ in asked]
-        failed = sum(each["max_points"] for each in outcomes[-1]["results"] if each["status"] == "failed")
-        if job.first_failure and failed:
-            return _join(outcomes)
-    outcome = _join(outcomes)
-    worth = sum(each["max_points"] for each in outcome["results"])
-    if parts and not outcome["problem"] and round(worth - job.points, _DIGITS):
-        outcome["problem"] = f"the checks of its parts are worth {worth:g} together, but the exercise {job.points:g}"
-    return outcome
-
-
-def _join(outcomes: Sequence[GradingOutcome]) -> GradingOutcome:
-    return {
-        "results": [result for outcome in outcomes for result in outcome["results"]],
-        "stdout": "".join(outcome["stdout"] for outcome in outcomes),
-        "stderr": "".join(outcome["stderr"] for outcome in outcomes),
-        "problem": next((outcome["problem"] for outcome in outcomes if outcome["problem"]), ""),
-        "again": False,
-    }
+        for worker, _ in asked:
+            outcome = worker.receive(job)
+            whole["results"] += outcome["results"]
+            whole["stdout"] += outcome["stdout"]
+            whole["stderr"] += outcome["stderr"]
+            whole["problem"] = whole["problem"] or outcome["problem"]
+        if job.first_failure and any(one["status"] == "failed" and one["max_points"] for one in whole["results"]):
+            return whole
+    worth = sum(each["max_points"] for each in whole["results"])
+    if parts and not whole["problem"] and round(worth - job.points, _DIGITS):
+        whole["problem"] = f"the checks of its parts are worth {worth:g} together, but the exercise {job.points:g}"
+    return whole
 
 
 def _domain() -> int:

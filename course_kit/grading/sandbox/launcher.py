@@ -74,7 +74,8 @@ class Launcher(Closable):
         self._line.close()
 
 
-def _load(interfaces: Sequence[str]) -> None:
+def load_interfaces(interfaces: Sequence[str]) -> None:
+    """Load interfaces into this process."""
     from rclpy.type_support import check_for_type_support
 
     for name in interfaces:
@@ -98,7 +99,7 @@ def serve(line: socket.socket) -> None:
             with suppress(OSError):
                 line.send(_ENDED)
         elif order.startswith(_LOAD):
-            _load(json.loads(order.removeprefix(_LOAD)))
+            load_interfaces(json.loads(order.removeprefix(_LOAD)))
             freeze_memory()
         elif not order:
             tree.end_descendants()

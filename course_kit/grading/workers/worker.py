@@ -18,7 +18,7 @@ from course_kit.process import Closable
 from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -47,15 +47,15 @@ _OTHER_GRAPHS = (
 class WarmProcess(QuietChild):
     """The process, seen from the trusted parent."""
 
-    def __init__(self, workers: int, variables: Mapping[str, str]) -> None:
-        """Start the process; it gets ready while the caller goes on."""
+    def __init__(self, workers: int, variables: Mapping[str, str], interfaces: Iterable[str] = ()) -> None:
+        """Start the process; it gets ready while the caller goes on, and loads these interfaces for all workers."""
         pairs = [socket.socketpair() for _ in range(workers)]
         self.channels = [Channel(ours) for ours, _ in pairs]
         theirs = [end for _, end in pairs]
         descriptors = [end.fileno() for end in theirs]
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
-            command = [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors))]
+            command = [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *interfaces]
             super().__init__(command, descriptors, variables)
         finally:
             for end in theirs:
@@ -180,7 +180,7 @@ def isolation_status() -> Isolation:
         return Isolation(reason=f"trying it out failed ({problem})")
 
 
-def side_by_side(number: int) -> list[Worker]:
-    """Start several workers that share the cost of getting warm."""
-    process = WarmProcess(number, variables_of(whole=False, own_graph=True))
+def side_by_side(number: int, interfaces: Iterable[str] = ()) -> list[Worker]:
+    """Start several workers that share the cost of getting warm, and of loading interfaces that all of them need."""
+    process = WarmProcess(number, variables_of(whole=False, own_graph=True), interfaces)
     return [Worker(at=(process, channel)) for channel in process.channels]

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 
 
-def serve(channels: Sequence[Channel]) -> None:
+def serve(channels: Sequence[Channel], interfaces: Sequence[str]) -> None:
     """The process: get warm, then grade job after job until the other ends close."""
     set_name("grade warm")
     namespaces.forbid_tracing()
@@ -47,6 +47,7 @@ def serve(channels: Sequence[Channel]) -> None:
     wait_for_outcome = isolation.begin_trial()
     try:
         warm_up()
+        launcher.load_interfaces(interfaces)
     finally:
         found = wait_for_outcome()
     view = file_view.view_of_program()
@@ -188,13 +189,13 @@ def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
 
 
 def main() -> None:
-    """The process; its argument are the descriptors of its channels, comma-separated."""
+    """The process; its arguments are the descriptors of its channels, comma-separated, and interfaces to load."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
     needs.raise_soft_limits()
     forget_binding()
     channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
     try:
-        serve(channels)
+        serve(channels, sys.argv[2:])
     except ChannelClosedError:
         pass
     except Exception as problem:  # noqa: BLE001 - the parent tells a person

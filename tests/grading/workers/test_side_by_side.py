@@ -31,7 +31,7 @@ pytestmark = pytest.mark.answers
 
 @pytest.fixture
 def pair() -> Iterator[list[Worker]]:
-    workers = side_by_side(2)
+    workers = side_by_side(2, ["std_srvs/srv/SetBool"])
     yield workers
     for worker in workers:
         worker.close()
@@ -82,15 +82,16 @@ def test_closing_them_leaves_no_process_and_no_folder(tmp_path: Path, monkeypatc
 
 
 def test_a_program_finds_the_interfaces_of_its_exercise_loaded(pair: list[Worker]) -> None:
-    """Those of a grader that the worker was told of, and those of one that it meets with the first job."""
-    looks = "import sys\nprint([one for one in ('course_interfaces.srv', 'geometry_msgs.msg') if one in sys.modules])\n"
+    """Those that all workers have loaded together, and those of an exercise that one meets with the first job."""
+    names = ("std_srvs", "course_interfaces", "geometry_msgs")
+    looks = f"import sys\nprint(*(one for one in {names} if one in sys.modules))\n"
     found = []
     for exercise in (EXERCISE, "robot_parameters"):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "looks.py"
             path.write_text(looks, encoding="utf-8")
             found.append(grading.grade(exercise, path, worker=pair[0]).stdout.splitlines()[0])
-    assert found == ["['course_interfaces.srv']", "['course_interfaces.srv', 'geometry_msgs.msg']"]
+    assert found == ["std_srvs course_interfaces", "std_srvs course_interfaces geometry_msgs"]
 
 
 def test_functions_are_bound_before_all_forks_and_not_in_what_a_submission_starts(
