@@ -91,8 +91,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         try:
             with copy_file(Path(path), several=bool(exercise.files)) as copy, Reader() as reader, ExitStack() as stack:
                 number = 1 if only else max(1, min(len(exercise.parts), needs.side_by_side(exercise.limits)))
-                types = () if exercise.interfaces else sorted({end.type for end in exercise.endpoints})
-                new = () if worker else side_by_side(number, types)  # they get warm while the file is read
+                new = () if worker else side_by_side(number, [exercise])  # they get warm while the file is read
                 workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
                 request = GradingRequest(exercise, text, name, seed, only=only, require_isolation=require_isolation)

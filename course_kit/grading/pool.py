@@ -52,10 +52,10 @@ class Graders(Closable):
 class Pool(Graders):
     """Workers of this machine; safe to use from many threads."""
 
-    def __init__(self, slots: int) -> None:
+    def __init__(self, slots: int, exercises: Sequence[Exercise] = ()) -> None:
         """Start workers for so many gradings at a time."""
         self.slots = slots
-        self._idle = side_by_side(slots)
+        self._idle = side_by_side(slots, exercises)
         self._workers = [*self._idle]  # all there have been
         self._lock = threading.Lock()
         self._closed = False
@@ -110,7 +110,7 @@ def start_pool(exercises: Sequence[Exercise], workers: int | None = None) -> Poo
         raise GradingError(f"--workers is {workers}, but at least one grading has to be done at a time.")
     memory = machine.free_memory() // (_ROOM * _EACH)
     wanted = workers or max(1, min(_PER_CORE * len(os.sched_getaffinity(0)), memory))
-    return Pool(min([wanted, *(needs.side_by_side(exercise.limits) for exercise in exercises)]))
+    return Pool(min([wanted, *(needs.side_by_side(exercise.limits) for exercise in exercises)]), exercises)
 
 
 def grade_all(

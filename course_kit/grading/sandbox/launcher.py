@@ -85,6 +85,7 @@ def load_interfaces(interfaces: Sequence[str]) -> None:
 
 def serve(line: socket.socket) -> None:
     """The process: obey until the other end closes."""
+    os.setsid()  # as each worker, see there: what a sandbox takes to be made is not to wait for that of all others
     set_name("grade launcher")
     adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
 
-_ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
+_ANSWER_S = 25.0  # how long the init process is waited for; on a busy machine it takes seconds until it is there
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _NO_DOMAIN = "no ROS domain is free: courses and graders on this machine use all. Close some, then grade again"

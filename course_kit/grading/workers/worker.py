@@ -20,6 +20,7 @@ from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
 
@@ -180,7 +181,9 @@ def isolation_status() -> Isolation:
         return Isolation(reason=f"trying it out failed ({problem})")
 
 
-def side_by_side(number: int, interfaces: Iterable[str] = ()) -> list[Worker]:
-    """Start several workers that share the cost of getting warm, and of loading interfaces that all of them need."""
+def side_by_side(number: int, exercises: Iterable[Exercise] = ()) -> list[Worker]:
+    """Start several workers that share the cost of getting warm, and of loading what these exercises need of ROS."""
+    known = (exercise for exercise in exercises if not exercise.interfaces)  # others are found only with their job
+    interfaces = sorted({end.type for exercise in known for end in exercise.endpoints})
     process = WarmProcess(number, variables_of(whole=False, own_graph=True), interfaces)
     return [Worker(at=(process, channel)) for channel in process.channels]

@@ -14,6 +14,7 @@ import psutil
 import pytest
 
 from course_kit import grading
+from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.workers.worker import side_by_side
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.waiting import wait_until
@@ -31,7 +32,7 @@ pytestmark = pytest.mark.answers
 
 @pytest.fixture
 def pair() -> Iterator[list[Worker]]:
-    workers = side_by_side(2, ["std_srvs/srv/SetBool"])
+    workers = side_by_side(2, [load_exercise("robot_parameters")])
     yield workers
     for worker in workers:
         worker.close()
@@ -48,8 +49,10 @@ def test_each_grades_while_the_other_one_does(pair: list[Worker]) -> None:
         reports = list(threads.map(lambda worker: grading.grade(EXERCISE, SOLUTION, worker=worker), pair))
     assert [report.score for report in reports] == [10.0, 10.0]
     assert pair[0].process_id != pair[1].process_id
-    assert {os.getsid(worker.process_id) for worker in pair} == {worker.process_id for worker in pair}
     assert warm_process(pair[0]) == warm_process(pair[1])
+    forks = [fork.pid for fork in warm_process(pair[0]).children()]  # each worker, and what starts its programs
+    assert [os.getsid(fork) for fork in forks] == forks
+    assert len(forks) == 4
 
 
 def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worker], tmp_path: Path) -> None:
@@ -83,15 +86,15 @@ def test_closing_them_leaves_no_process_and_no_folder(tmp_path: Path, monkeypatc
 
 def test_a_program_finds_the_interfaces_of_its_exercise_loaded(pair: list[Worker]) -> None:
     """Those that all workers have loaded together, and those of an exercise that one meets with the first job."""
-    names = ("std_srvs", "course_interfaces", "geometry_msgs")
+    names = ("geometry_msgs", "course_interfaces.srv", "course_interfaces.action")
     looks = f"import sys\nprint(*(one for one in {names} if one in sys.modules))\n"
     found = []
-    for exercise in (EXERCISE, "robot_parameters"):
+    for exercise in (EXERCISE, "move_robot"):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "looks.py"
             path.write_text(looks, encoding="utf-8")
             found.append(grading.grade(exercise, path, worker=pair[0]).stdout.splitlines()[0])
-    assert found == ["std_srvs course_interfaces", "std_srvs course_interfaces geometry_msgs"]
+    assert found == [" ".join(names[:2]), " ".join(names)]
 
 
 def test_functions_are_bound_before_all_forks_and_not_in_what_a_submission_starts(
