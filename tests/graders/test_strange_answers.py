@@ -23,19 +23,12 @@ ANYTHING = ("", None)
 
 @dataclass(frozen=True)
 class Strange:
-    """One of them.
-
-    Attributes:
-        exercise: what it is handed in for.
-        first: the check that fails first, with its diagnosis; ANYTHING where that depends on who is faster.
-        changes: what it replaces in the solution, each text by another.
-        source: the whole program, where it is not made from the solution.
-    """
+    """One of them."""
 
     exercise: str
-    first: tuple[str, str | None]
-    changes: tuple[tuple[str, str], ...] = field(default=())
-    source: str = ""
+    first: tuple[str, str | None]  # the check that fails first, with its diagnosis, unless it depends on who is faster
+    changes: tuple[tuple[str, str], ...] = field(default=())  # what replaces what in the solution
+    source: str = ""  # the whole program, where it is not made from the solution
 
     def text(self) -> str:
         """The program."""

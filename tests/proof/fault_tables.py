@@ -24,15 +24,10 @@ EXERCISES = tuple(sorted(path.stem for path in (Path(__file__).parent / "faults"
 
 @dataclass(frozen=True)
 class Verdicts:
-    """A program of a table and how it was graded, once for each seed.
+    """A program of a table and how it was graded, once for each seed."""
 
-    Attributes:
-        program: kind "fault" or "right".
-        reports: by seed.
-    """
-
-    program: ProofSubmission
-    reports: dict[int, Report]
+    program: ProofSubmission  # of the kind "fault" or "right"
+    reports: dict[int, Report]  # by seed
 
     def unseen(self) -> Iterator[str]:
         """Of a fault what is wrong with its verdicts: full marks, or no points lost for the sentence that it breaks."""

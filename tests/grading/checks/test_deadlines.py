@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
+from unittest.mock import Mock
 
 import pytest
 from course_interfaces.action import MoveRobot
@@ -17,6 +18,7 @@ from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext, SubmissionEndedError
 from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
 from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.fair_clock import ProcessorUse
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.hangs import ANSWER_S
@@ -129,6 +131,16 @@ def test_no_verb_waits_beyond_the_deadline(context: CheckContext, verb: str) -> 
     assert spent[0] < patience_s
     if told := re.search(r"within ([\d.]+) s", result.got):
         assert float(told[1]) < patience_s
+
+
+def test_a_start_is_counted_from_when_the_sandbox_answers(
+    context: CheckContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    context.clock()  # it is known how things stood before the start
+    look, waited = Mock(return_value=ProcessorUse()), list[int]()
+    monkeypatch.setattr(context.program, "processor_use", look)
+    assert context.wait_for_start(lambda: bool(waited.append(look.call_count) or look.called))
+    assert waited[0] == 1
 
 
 def test_the_next_check_has_time_of_its_own(context: CheckContext) -> None:

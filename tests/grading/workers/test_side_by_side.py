@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from course_kit.grading import Worker
 
 SOLUTION = ROOT / "solutions" / EXERCISE / f"{EXERCISE}.py"
-HANGS = "import time\ntime.sleep(600)\n"
 
 pytestmark = pytest.mark.answers
 
@@ -57,7 +56,7 @@ def test_each_grades_while_the_other_one_does(pair: list[Worker]) -> None:
 
 def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worker], tmp_path: Path) -> None:
     victim, other = pair
-    (tmp_path / "a.py").write_text(HANGS)
+    (tmp_path / "a.py").write_text("import time\ntime.sleep(600)\n")
     victim.ready()
 
     def kill() -> None:
