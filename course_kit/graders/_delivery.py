@@ -212,7 +212,7 @@ def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
     """A delivery succeeds within so many seconds, if not the first then another one."""
     clock = node.context.clock()
     while True:
-        late, goal = clock.has_passed(seconds), send_until_accepted(node, room, seconds)
+        late, goal = clock.has_passed(seconds), send_until(node, room, seconds).accepted_by()
         if finish(node, goal, room, seconds + PATIENCE_S).status == SUCCEEDED:
             return
         if late:
@@ -223,28 +223,25 @@ def require_some_delivery(node: GradedNode, room: str, seconds: float) -> None:
 def require_low(node: GradedNode, room: str) -> None:
     """The battery says that it is low: half a second later, if not before, a delivery is rejected."""
     node.wait(CALM_S)
-    clock = node.context.clock()
-    while True:
-        late, goal = clock.has_passed(SHOWN_S), node.goal(DELIVER, room=room)
-        if not goal.wait_for_answer("the goal rejected") or late:
-            return goal.rejected(what="a delivery, although the battery is low")
-        finish(node, goal, room, PATIENCE_S)
+    send_until(node, room, accepted=False).rejected(what="a delivery, although the battery is low")
 
 
-def send_until_accepted(node: GradedNode, room: str, seconds: float = SHOWN_S) -> GradedGoal:
-    """A goal is accepted within so many seconds, as by a carrier that has to hear first that the battery is not low."""
+def send_until(node: GradedNode, room: str, seconds: float = SHOWN_S, *, accepted: bool = True) -> GradedGoal:
+    """Send goals until one is accepted, or rejected, for so many seconds: a carrier hears late of the battery."""
     clock = node.context.clock()
     while True:
         late, goal = clock.has_passed(seconds), node.goal(DELIVER, room=room)
-        if goal.wait_for_answer("the goal accepted") or late:
-            return goal.accepted_by()
+        if goal.wait_for_answer(f"the goal {'accepted' if accepted else 'rejected'}") == accepted or late:
+            return goal
+        if not accepted:
+            finish(node, goal, room, PATIENCE_S)
         node.wait(CALM_S)
 
 
 def deliver_at_door(node: GradedNode) -> GradedGoal:
     """A delivery that waits for a door which opens slowly."""
     node.set({"opening_s": 5.0}, of="/door").accepted()
-    goal = send_until_accepted(node, "kitchen")
+    goal = send_until(node, "kitchen").accepted_by()
     node.context.wait_until(lambda: bool(goal.feedback), CALM_S)
     node.wait(CALM_S)
     return goal

@@ -36,7 +36,8 @@ class Journey:
         self.at: float | None = None  # metres from the dock
         self.target = ""
         self.door = "shut"  # or "asked", or "open"
-        self.battery, self.low = math.nan, False
+        self.battery: float | None = None
+        self.low = False
         self._driven = math.inf
         self._goal = b""
 
@@ -68,7 +69,7 @@ class Journey:
 
     def take_battery(self, message: Message) -> None:
         """The battery says how full it is, and whether that is little."""
-        self.battery = message.percentage
+        self.battery = None if math.isnan(message.percentage) else min(max(message.percentage, 0.0), 1.0)
         self.low = message.power_supply_health == message.POWER_SUPPLY_HEALTH_DEAD
 
     def take_feedback(self, message: Message) -> None:
@@ -88,7 +89,7 @@ class Journey:
 
     def describe(self) -> str:
         """Where the robot is, in sentences."""
-        battery = "" if math.isnan(self.battery) else f" The battery has {self.battery:.0%}{', low' * self.low}."
+        battery = "" if self.battery is None else f" The battery has {self.battery:.0%}{', low' * self.low}."
         door = self.state_of_door.replace("asked", "asked to open")
         return f"The robot {self._place()}. The door is {door}.{battery}"
 
@@ -194,18 +195,9 @@ class CorridorPicture(GoalFollower):
         }
 
     def _draw(self) -> str:
-        journey, places = self._journey, {room: self._x(metres) for room, metres in self._journey.rooms.items()}
-        return draw(
-            "corridor.svg",
-            rooms=[(room, journey.rooms[room], x) for room, x in places.items() if room != _DOCK],
-            dock=_LEFT,
-            door_at=(_LEFT + min(filter(lambda x: x > _LEFT, places.values()), default=_LEFT + _LENGTH)) / 2,
-            door=journey.state_of_door,
-            at=None if journey.at is None else self._x(journey.at),
-            battery=None if math.isnan(journey.battery) else min(max(journey.battery, 0.0), 1.0),
-            low=journey.low,
-            summary=journey.describe(),
-        )
+        rooms = {room: metres for room, metres in self._journey.rooms.items() if room != _DOCK}
+        door_at = (_LEFT + self._x(min(rooms.values(), default=math.inf))) / 2
+        return draw("corridor.svg", journey=self._journey, rooms=rooms, door_at=door_at, x_of=self._x)
 
     def _x(self, metres: float) -> float:
         """Where metres from the dock are in the picture."""
