@@ -365,6 +365,8 @@ def delivery_whole(node: GradedNode) -> None:
     robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
     for room in ("kitchen", "office"):
         robot.require_some_delivery(node, room, PATIENCE_S)
+    why = "The office lies 0.8 m from the dock, and the kitchen on the way: more was not to be driven."
+    robot.expect_soon(node, DISTANCE, why, data=Approximation(0.8, absolute=2.0 * robot.NEAR_M))
     why = "The battery has to fall by the 0.8 m that the carrier has driven, divided by capacity_m, which is 2.0."
     fallen = Approximation(0.65, absolute=0.1)  # until it hears that the robot has left the dock it charges
     robot.expect_state(node, why, power_supply_status=robot.DISCHARGING, percentage=fallen)

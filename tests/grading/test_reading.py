@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading.diagnosis import causes
-from course_kit.grading.diagnosis.tracebacks import last_exception, read_activity
+from course_kit.grading.diagnosis.tracebacks import Frame, last_exception, read_activity
 from course_kit.grading.model.job import Job, ProcessStatus
 from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox.output_collector import KEPT, BoundedOutput
@@ -78,12 +78,12 @@ def test_a_traceback_that_python_only_mentions_is_not_what_a_program_died_of(men
     assert raised.describe() == "ZeroDivisionError: division by zero"
 
 
-def test_a_callback_that_waits_for_ros() -> None:
-    seen = read_activity(CALLS, ("answer.py",))
+def test_a_callback_that_waits_for_ros_says_more_than_one_that_ticks() -> None:
+    lines = CALLS.replace("line 20 in convert", "line 25 in tick").splitlines(keepends=True)
+    seen = read_activity("".join([CALLS, lines[0], *lines[3:]]), ("answer.py",))
     assert seen.spinning
     assert seen.waits_for_ros
-    assert seen.callback is not None
-    assert seen.callback.line == 20
+    assert seen.callback == Frame("answer.py", 20, "convert")
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def read_activity(dump: str, programs: Collection[str]) -> Activity:
         if not own:
             continue
         anywhere = anywhere or stack[own[0]]
-        if executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
+        if not waits and executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
             callback = stack[own[0]]
             called = [frame for frame in stack[: own[0]] if "rclpy/" in frame.file]  # by the learner's line
             waits = bool(called) and not any(frame.function in _HANDING_OVER for frame in called)
