@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PIPE, INTO_STDOUT, NOWHERE = subprocess.PIPE, subprocess.STDOUT, subprocess.DEVNULL
-_BINDS_AT_ONCE = "LD_BIND_NOW"  # of ld.so(8)
-BOUND_AT_ONCE = {_BINDS_AT_ONCE: "1"}  # to start a process with that is forked again and again: no fork has to bind
+# Of ld.so(8): to start a process with that is forked again and again: no fork has to bind.
+BOUND_AT_ONCE = {"LD_BIND_NOW": "1"}
 _KILLED_S = 10.0  # the kernel needs some to end a process that is large, or busy with a disk
 
 
@@ -189,8 +189,3 @@ def freeze_memory() -> None:
     if trim := getattr(ctypes.CDLL(None), "malloc_trim", None):  # of glibc
         trim(ctypes.c_size_t(0))
     gc.freeze()
-
-
-def forget_binding() -> None:
-    """Have the programs that this process starts bind as usual; the linker has read its variable already."""
-    os.environ.pop(_BINDS_AT_ONCE, None)

@@ -121,14 +121,10 @@ def _list_below(process_id: int, children_of: Callable[[int], list[int] | None])
 def _listed_children(parent: int) -> list[int]:
     """The children by the kernel's own list, without a look at every process of the machine."""
     found: list[int] = []
-    try:
+    with suppress(OSError):  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
         for thread in os.listdir(f"/proc/{parent}/task"):  # noqa: PTH208 - hot
             with open(f"/proc/{parent}/task/{thread}/children", encoding="utf-8") as file:  # noqa: PTH123 - hot
                 found += map(int, file.read().split())
-    except FileNotFoundError:  # it has ended, or this kernel keeps no such lists (CONFIG_PROC_CHILDREN)
-        return _children().get(parent, [])
-    except OSError:
-        return found
     return found
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.model.job import Job
     from course_kit.grading.model.plain_data import Record
-    from course_kit.grading.sandbox.channel import Channel
+    from course_kit.process.channel import Channel
     from course_kit.ros.graph import Overview
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need

@@ -9,6 +9,7 @@ import mmap
 import os
 import select
 import shutil
+import socket
 import tempfile
 import time
 from contextlib import ExitStack
@@ -16,11 +17,11 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from course_kit import environment
 from course_kit.grading.sandbox import init_process, machine
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.isolation import enter_network
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
 from course_kit.grading.sandbox.start_order import Streams, make_start_order
 from course_kit.process import tree
+from course_kit.process.channel import Channel, ChannelClosedError
 from course_kit.process.child import fork_child
 from course_kit.process.libc import die_with_parent, make_memory_file
 
@@ -95,7 +96,7 @@ class Supervisor:
 
     def run(self, run_grader: RunGrader) -> GradingOutcome:
         """Grade, with the checks run by `run_grader` in another process; nothing that was started lives after it."""
-        ours, theirs = Channel.pair()
+        ours, theirs = map(Channel, socket.socketpair())
 
         def run_it() -> None:
             ours.close()

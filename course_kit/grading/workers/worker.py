@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, cast
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.job import Isolation
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.process import Closable
+from course_kit.process.channel import Channel, ChannelClosedError
 from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 
 if TYPE_CHECKING:

@@ -22,11 +22,11 @@ from course_kit.grading.model import bounds, limits
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, launcher, machine, namespaces, needs
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
 from course_kit.grading.sandbox.launcher import Launcher
 from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job
-from course_kit.process.child import forget_binding, fork_child, freeze_memory
+from course_kit.process.channel import Channel, ChannelClosedError
+from course_kit.process.child import BOUND_AT_ONCE, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -192,7 +192,8 @@ def main() -> None:
     """The process; its arguments are the descriptors of its channels, comma-separated, and interfaces to load."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
     needs.raise_soft_limits()
-    forget_binding()
+    for name in BOUND_AT_ONCE:  # the linker has read it; what this process starts binds as usual
+        os.environ.pop(name, None)
     channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
     try:
         serve(channels, sys.argv[2:])

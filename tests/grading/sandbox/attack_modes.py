@@ -11,6 +11,7 @@ import atexit
 import json
 import os
 import shlex
+import socket
 import stat
 import subprocess
 import sys
@@ -22,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, seccomp
-from course_kit.grading.sandbox.channel import Channel
 from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job, worker_process
 from course_kit.process import libc
+from course_kit.process.channel import Channel
 from course_kit.process.libc import adopt_orphans
 from tests.grading.conftest import EXERCISE, ROOT
 
@@ -112,7 +113,7 @@ def _grade_each(
         if os.fork() == 0:
             adopt_orphans()
             network = enter_own_network(user) if found.network else Network()
-            parent, _open = Channel.pair()
+            parent, _open = map(Channel, socket.socketpair())
             outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(
                 worker_process.run_checks
             )

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import gc
 import os
+import socket
 import threading
 
 import pytest
 
-from course_kit.grading.sandbox.channel import Channel, ChannelClosedError
+from course_kit.process.channel import Channel, ChannelClosedError
 
 
 def test_messages_arrive_whole_and_in_order() -> None:
-    first, second = Channel.pair()
+    first, second = map(Channel, socket.socketpair())
     large = {"text": "ä" * 3_000_000}
     sender = threading.Thread(target=lambda: [first.send(message) for message in (large, {"n": 2})])
     sender.start()
@@ -24,7 +25,7 @@ def test_messages_arrive_whole_and_in_order() -> None:
 
 
 def test_silence_is_a_timeout_and_an_end_is_an_end() -> None:
-    first, second = Channel.pair()
+    first, second = map(Channel, socket.socketpair())
     with pytest.raises(TimeoutError, match=r"within 0\.05 s"):
         second.receive(0.05)
     first.close()
@@ -37,7 +38,7 @@ def test_silence_is_a_timeout_and_an_end_is_an_end() -> None:
 
 def test_what_a_thread_waits_on_stays_open_when_another_one_hangs_up() -> None:
     """Else its number can become another file's, and the thread waits for something that never comes."""
-    ours, theirs = Channel.pair()
+    ours, theirs = map(Channel, socket.socketpair())
     number, ended = ours.fileno(), []
 
     def wait(channel: Channel) -> None:

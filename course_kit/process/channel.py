@@ -1,4 +1,4 @@
-"""Messages between the grader's own processes: JSON, each after its length, over a pair of sockets.
+"""Messages between our own processes: JSON, each after its length, over a pair of sockets.
 
 Only processes of the kit hold an end. JSON carries data and nothing else: no peer makes the receiver run anything.
 """
@@ -8,9 +8,8 @@ from __future__ import annotations
 import json
 import select
 import socket
-import struct
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -19,9 +18,7 @@ from course_kit.process import Closable
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from course_kit.grading.model.plain_data import Record
-
-_LENGTH = struct.Struct("!I")
+_LENGTH_BYTES = 4
 _STALLED_S = 30.0  # a peer that neither reads nor goes on writing for so long has stopped
 
 
@@ -34,34 +31,25 @@ class Channel(Closable):
 
     def __init__(self, end: socket.socket) -> None:
         self._socket = end
+        self.fileno = end.fileno  # for `select`
         end.settimeout(_STALLED_S)
-
-    @classmethod
-    def pair(cls) -> tuple[Channel, Channel]:
-        """Two connected ends, neither inherited by programs that are started."""
-        first, second = socket.socketpair()
-        return cls(first), cls(second)
-
-    def fileno(self) -> int:
-        """The file descriptor, for `select`."""
-        return self._socket.fileno()
 
     def send(self, message: Mapping[str, object]) -> None:
         """Send one message."""
         payload = json.dumps(message, default=msgspec.to_builtins).encode()
         try:
-            self._socket.sendall(_LENGTH.pack(len(payload)) + payload)
+            self._socket.sendall(len(payload).to_bytes(_LENGTH_BYTES, "big") + payload)
         except OSError as problem:
             raise ChannelClosedError("the other process has ended, or no longer reads") from problem
 
-    def receive(self, timeout: float | None = None) -> Record:
+    def receive(self, timeout: float | None = None) -> dict[str, Any]:
         """Wait for one message, at most `timeout` seconds for its beginning."""
         poll = select.poll()  # unlike select(), good for descriptors past 1023
         poll.register(self._socket, select.POLLIN)
         if not poll.poll(None if timeout is None else timeout * 1000):
             raise TimeoutError(f"no message from the other process within {timeout:g} s")
-        (length,) = _LENGTH.unpack(self._receive_exactly(_LENGTH.size))
-        message: Record = json.loads(self._receive_exactly(length))
+        length = int.from_bytes(self._receive_exactly(_LENGTH_BYTES), "big")
+        message: dict[str, Any] = json.loads(self._receive_exactly(length))
         return message
 
     def is_closed(self) -> bool:
@@ -79,18 +67,13 @@ class Channel(Closable):
         """Close this end; a copy of it in another process stays open."""
         self._socket.close()
 
-    def __del__(self) -> None:
-        self._socket.close()
+    __del__ = close
 
     def _receive_exactly(self, count: int) -> bytes:
-        parts = []
-        while count:
-            try:
-                part = self._socket.recv(min(count, 1 << 20))
-            except OSError as problem:
-                raise ChannelClosedError("the other process has ended, or stopped") from problem
-            if not part:
-                raise ChannelClosedError("the other process has ended")
-            parts.append(part)
-            count -= len(part)
-        return b"".join(parts)
+        data = bytearray()
+        with suppress(OSError):  # it was silent for too long, or has gone
+            while len(data) < count and (part := self._socket.recv(count - len(data))):
+                data += part
+        if len(data) < count:
+            raise ChannelClosedError("the other process has ended, or stopped")
+        return bytes(data)
