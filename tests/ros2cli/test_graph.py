@@ -124,9 +124,9 @@ def test_a_listing_is_given_up_at_the_timeout(ros2: Ros2) -> None:
 
 ASKS_IN_ANOTHER_NETWORK = """
 import os
-from course_kit.grading.sandbox import isolation
+from course_kit.grading.sandbox import namespaces
 try:
-    isolation.enter_network()
+    namespaces.enter_network()
     print(os.readlink("/proc/self/ns/net"))
 except OSError:
     print("refused")

@@ -157,8 +157,14 @@ def _is_safe(path: str) -> bool:
     return str(real) != "/" and not any(Path(os.path.realpath(name)).is_relative_to(real) for name in named)
 
 
-def lay_out(root: str, view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view the file system of this process. Only in a new mount namespace and a new PID namespace."""
+def lay_out(view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
+    """Make the view the file system of this process, the first of its PID namespace, in a new mount namespace.
+
+    Its root is made in the scratch directory, and has one in it by the same name.
+    """
+    with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
+        Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
+    root = scratch
     umask = os.umask(0o022)  # another user has to find the way
     detach_mounts()
     mount_memory(root, _ROOT_MB)

@@ -15,8 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from course_kit.grading.sandbox import machine, namespaces, runner
-from course_kit.grading.sandbox.isolation import arrange_files
+from course_kit.grading.sandbox import file_view, machine, namespaces, runner
 from course_kit.grading.sandbox.machine import WaitTime, last_task
 from course_kit.process import tree
 from course_kit.process.child import fork_child
@@ -43,7 +42,7 @@ def main(order: StartOrder, inside: Streams) -> None:
     adopt_orphans()
     if order.isolation.files:
         try:
-            arrange_files(order.view, order.scratch, 2 * order.limits.file_mb, order.user)
+            file_view.lay_out(order.view, order.scratch, 2 * order.limits.file_mb, order.user)
         except OSError as problem:  # it worked when it was tried out: the machine has run out of something
             inside.tell(problem=f"the sandbox cannot be arranged: {problem}")
             return

@@ -10,19 +10,15 @@ import errno
 import os
 import sys
 import tempfile
-from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_kit.grading.model.job import Isolation
-from course_kit.grading.sandbox import file_view, machine, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, namespaces, seccomp
 from course_kit.process.child import fork_child
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from course_kit.grading.sandbox.file_view import FileView
 
 _REASONS = {
     errno.ENOSPC: "this machine allows no more user namespaces (sysctl user.max_user_namespaces): ",
@@ -73,45 +69,15 @@ def begin_trial(*, with_guest: bool = True) -> Callable[[], Isolation]:
     return wait_for_outcome
 
 
-def enter_network(user: int = 0) -> None:
-    """Put this process and its later children into their own network with nothing but loopback."""
-    namespaces.enter(namespaces.CLONE_NEWNET, user)
-    namespaces.raise_loopback()
-    with suppress(OSError):  # then a socket of TCP may hold more than it counts with
-        machine.bound_tcp_buffers()
-
-
-def enter_processes(user: int = 0) -> None:
-    """Give the later children of this process separate PIDs, mounts, host name and System V memory."""
-    namespaces.enter(
-        namespaces.CLONE_NEWPID | namespaces.CLONE_NEWNS | namespaces.CLONE_NEWIPC | namespaces.CLONE_NEWUTS, user
-    )
-
-
-def arrange_files(view: FileView, scratch: str, megabytes: int, user: int = 0) -> None:
-    """Make the view, with its scratch directory, the file system of this process, the first of its PID namespace."""
-    with suppress(OSError):  # then only the filter of system calls keeps it from making user namespaces
-        Path("/proc/sys/user/max_user_namespaces").write_text("0", encoding="ascii")
-    file_view.lay_out(scratch, view, scratch, megabytes, user)  # from here on /proc is read-only
-
-
-def become(user: int) -> None:
-    """Turn this process, which is root, into one of a user without rights."""
-    os.setgroups([])
-    os.setresgid(user, user, user)
-    os.setresuid(user, user, user)
-
-
 def _try_each(writer: int, folder: str, user: int) -> None:
     if file_view.landlock_version():
         os.write(writer, b"landlock\n")
-    entered = _works(writer, "network", lambda: enter_network(user)) and _works(
-        writer, "processes", lambda: enter_processes(user)
-    )
+    has_network = _works(writer, "network", lambda: namespaces.enter_network(user))
+    has_processes = has_network and _works(writer, "processes", lambda: namespaces.enter_processes(user))
 
     def try_inside() -> None:
-        if entered:
-            _works(writer, "files", lambda: arrange_files(file_view.view_of_program(), folder, 1, user))
+        if has_processes:
+            _works(writer, "files", lambda: file_view.lay_out(file_view.view_of_program(), folder, 1, user))
         if user:
             _works(writer, "user", lambda: _try_user(user))
         _works(writer, "syscalls", seccomp.install)
@@ -121,7 +87,7 @@ def _try_each(writer: int, folder: str, user: int) -> None:
 
 def _try_user(user: int) -> None:
     """Raise OSError if that user could not read what every submission needs."""
-    become(user)
+    namespaces.become(user)
     for path in (sys.executable, os.__file__, file_view.ROBOT):
         with open(path, "rb"):  # noqa: PTH123 - only whether it can
             pass

@@ -22,7 +22,6 @@ import msgspec
 
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import init_process, namespaces
-from course_kit.grading.sandbox.isolation import enter_processes
 from course_kit.grading.sandbox.start_order import StartOrder, Streams
 from course_kit.interfaces import get_type
 from course_kit.process import Closable, tree
@@ -122,7 +121,7 @@ def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:
             for descriptor in network:
                 os.close(descriptor)
         if order.isolation.processes:
-            enter_processes(order.user)
+            namespaces.enter_processes(order.user)
     except OSError as problem:  # it worked when it was tried out: the machine has run out of something
         inside.tell(problem=f"the sandbox cannot be entered: {problem}")
         return

@@ -13,6 +13,7 @@ import struct
 from contextlib import suppress
 from pathlib import Path
 
+from course_kit.grading.sandbox import machine
 from course_kit.process import libc
 
 CLONE_NEWNS = 0x00020000
@@ -22,9 +23,7 @@ CLONE_NEWUSER = 0x10000000
 CLONE_NEWPID = 0x20000000
 CLONE_NEWNET = 0x40000000
 
-_SIOCGIFFLAGS, _SIOCSIFFLAGS = 0x8913, 0x8914
-_IFF_UP = 0x1
-_INTERFACE_FLAGS = struct.Struct("16sH14x")  # struct ifreq with ifr_flags
+_SIOCSIFFLAGS, _IFF_UP = 0x8914, 0x1
 
 _PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 3, 4, 24, 38
 _PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
@@ -76,12 +75,25 @@ def join(user: int, network: int) -> None:
         libc.call_libc("setns", descriptor, kind)
 
 
-def raise_loopback() -> None:
-    """Switch on `lo`; a new network namespace begins with it switched off."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
-        answer = fcntl.ioctl(control, _SIOCGIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", 0))
-        _, flags = _INTERFACE_FLAGS.unpack(answer)
-        fcntl.ioctl(control, _SIOCSIFFLAGS, _INTERFACE_FLAGS.pack(b"lo", flags | _IFF_UP))
+def enter_network(user: int = 0) -> None:
+    """Put this process and its later children into their own network with nothing but loopback."""
+    enter(CLONE_NEWNET, user)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:  # `lo` begins switched off; a struct ifreq
+        fcntl.ioctl(control, _SIOCSIFFLAGS, struct.pack("16sH14x", b"lo", _IFF_UP))
+    with suppress(OSError):  # then a socket of TCP may hold more than it counts with
+        machine.bound_tcp_buffers()
+
+
+def enter_processes(user: int = 0) -> None:
+    """Give the later children of this process separate PIDs, mounts, host name and System V memory."""
+    enter(CLONE_NEWPID | CLONE_NEWNS | CLONE_NEWIPC | CLONE_NEWUTS, user)
+
+
+def become(user: int) -> None:
+    """Turn this process, which is root, into one of a user without rights."""
+    os.setgroups([])
+    os.setresgid(user, user, user)
+    os.setresuid(user, user, user)
 
 
 def forbid_tracing() -> None:

@@ -28,7 +28,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.model import limits
-from course_kit.grading.sandbox import file_view, isolation, namespaces, seccomp
+from course_kit.grading.sandbox import file_view, namespaces, seccomp
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules
@@ -108,7 +108,7 @@ def _give_up_rights(order: StartOrder) -> None:
     if not order.isolation.files and order.isolation.landlock:
         file_view.restrict(order.view, (order.scratch, "/dev/null", "/dev/shm"))  # noqa: S108
     if order.user:
-        isolation.become(order.user)
+        namespaces.become(order.user)
     namespaces.drop_privileges()
     namespaces.allow_tracing()  # what it starts may look into /proc/self, as everywhere
     if order.isolation.syscalls:

@@ -16,8 +16,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from course_kit import environment
-from course_kit.grading.sandbox import init_process, machine
-from course_kit.grading.sandbox.isolation import enter_network
+from course_kit.grading.sandbox import init_process, machine, namespaces
 from course_kit.grading.sandbox.output_collector import BoundedOutput, OutputCollector
 from course_kit.grading.sandbox.start_order import Streams, make_start_order
 from course_kit.process import tree
@@ -59,7 +58,7 @@ class Network(NamedTuple):
 
 def enter_own_network(user: int) -> Network:
     """Put this process into a network with nothing but loopback."""
-    enter_network(user)
+    namespaces.enter_network(user)
     die_with_parent()  # entering a user namespace has cleared it
     name = environment.middleware.PROFILE_VARIABLE
     variables = {}

@@ -160,9 +160,7 @@ def hide_the_kit(path: str) -> None:
 
 def become_nobody() -> None:
     """Give up root."""
-    os.setgroups([])
-    os.setresgid(NOBODY, NOBODY, NOBODY)
-    os.setresuid(NOBODY, NOBODY, NOBODY)
+    namespaces.become(NOBODY)
     namespaces.allow_tracing()  # as after an exec: /proc/self belongs to the user
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.grading import isolation_status
-from course_kit.grading.sandbox import file_view, isolation
+from course_kit.grading.sandbox import file_view, namespaces
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.process.child import fork_child
 
@@ -75,7 +75,7 @@ def inside(arrange: Callable[[], None], folder: Path, *, processes: bool) -> dic
 
     def start() -> None:
         if processes:
-            isolation.enter_processes()
+            namespaces.enter_processes()
         os.waitpid(fork_child(look), 0)
 
     child = fork_child(start)
@@ -92,7 +92,7 @@ def test_a_file_system_of_its_own_shows_nothing_masked_by_any_name(places: Path)
         assert isolation_status().reason
         return
     scratch = str(places / "scratch")
-    read = inside(lambda: file_view.lay_out(scratch, view_of(places), scratch, 1), places, processes=True)
+    read = inside(lambda: file_view.lay_out(view_of(places), scratch, 1), places, processes=True)
     assert read["home/me/venv"] == read["short"] == ["lib/library.py", "lib64/library.py"]
     assert {name for names in read.values() for name in names} == {"lib/library.py", "lib64/library.py"}
 
