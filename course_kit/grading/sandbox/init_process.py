@@ -30,7 +30,6 @@ STACKS, KILL = b"s", b"k"  # behind them may stand the name of the file that the
 _PERIOD_S = 0.05
 _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are not counted
 _STARTED_AT_ONCE, _STARTED_PER_S = 512, 200  # processes and threads: who starts more makes everybody wait
-_DYING_S = 2.0  # for a process that was killed; the kernel needs some to end one that is large
 _MB = 1024 * 1024
 _LONGEST_NAME = 15  # characters that the kernel keeps of a process's name
 
@@ -114,7 +113,8 @@ class _Watch:
                 chosen = self._processes_running(wish[1:].decode()) if wish[1:] else [self._child]
                 found += len(chosen)
                 for process_id in chosen:
-                    _send(process_id, number)
+                    with suppress(OSError):  # it has ended
+                        os.kill(process_id, number)
         self._inside.tell(**self._usage(), found=found)
         return True
 
@@ -160,17 +160,6 @@ class _Watch:
         own = os.times()  # what watching costs is the submission's: it decides how often there is something to see
         cpu_s = usage.cpu_s + own.user + own.system - self._computed_before
         return {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
-
-
-def _send(process_id: int, number: signal.Signals) -> None:
-    """Send a signal; one that kills is waited for until the process is dead."""
-    with suppress(OSError, AttributeError):  # it has ended; as above
-        os.kill(process_id, number)
-        if number == signal.SIGKILL:
-            handle, poll = os.pidfd_open(process_id), select.poll()
-            poll.register(handle, select.POLLIN)
-            poll.poll(_DYING_S * 1000)
-            os.close(handle)
 
 
 def _runs(process_id: int, name: str) -> bool:

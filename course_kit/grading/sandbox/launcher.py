@@ -29,9 +29,9 @@ from course_kit.process.child import fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, make_memory_file, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-_LOAD, _START, _END, _ENDED = b"load", b"start", b"end", b"ended"
+_END, _ENDED = b"end", b"ended"  # all other orders are names of interfaces: start a program
 _LARGEST_ORDER = 16 * 1024  # bytes
 _MOST_DESCRIPTORS = 16
 _REQUEST, _STREAMS, _NAMESPACES = 0, slice(1, 6), slice(6, 8)  # of the descriptors of an order to start
@@ -50,16 +50,12 @@ class Launcher(Closable):
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         return cls(ours), theirs
 
-    def load(self, interfaces: Sequence[str]) -> None:
-        """Load interfaces before the next program is started, which then need not do it, each time it starts."""
-        with suppress(OSError):  # it has ended; starting a program says so
-            self._line.send(_LOAD + json.dumps(interfaces).encode())
-
-    def start(self, order: StartOrder, inside: Streams, network: Sequence[int]) -> None:
-        """Start a program; returns when it has been handed over."""
+    def start(self, order: StartOrder, inside: Streams, network: Sequence[int], interfaces: Sequence[str]) -> None:
+        """Start a program, which then need not load these interfaces; returns when it has been handed over."""
         with open(make_memory_file("start order"), "w+b", buffering=0) as request:  # noqa: PTH123 - a descriptor
             request.write(json.dumps(order, default=msgspec.to_builtins).encode())
-            socket.send_fds(self._line, [_START], [request.fileno(), *inside.descriptors(), *network])
+            names = json.dumps(interfaces).encode()
+            socket.send_fds(self._line, [names], [request.fileno(), *inside.descriptors(), *network])
 
     def end(self) -> None:
         """Kill all that was started; returns when it is dead."""
@@ -73,7 +69,7 @@ class Launcher(Closable):
         self._line.close()
 
 
-def load_interfaces(interfaces: Sequence[str]) -> None:
+def load_interfaces(interfaces: Iterable[str]) -> None:
     """Load interfaces into this process."""
     from rclpy.type_support import check_for_type_support
 
@@ -88,22 +84,23 @@ def serve(line: socket.socket) -> None:
     set_name("grade launcher")
     adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    loaded: set[str] = set()
     while True:
         order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
-        if order == _START:
+        if order in (_END, b""):
+            tree.end_descendants()
+            if not order:
+                return
+            with suppress(OSError):
+                line.send(_ENDED)
+        else:
+            if new := set(json.loads(order)) - loaded:
+                load_interfaces(new)
+                freeze_memory()
+                loaded |= new
             fork_child(partial(_gate, line, descriptors))
             for descriptor in descriptors:
                 os.close(descriptor)
-        elif order == _END:
-            tree.end_descendants()
-            with suppress(OSError):
-                line.send(_ENDED)
-        elif order.startswith(_LOAD):
-            load_interfaces(json.loads(order.removeprefix(_LOAD)))
-            freeze_memory()
-        elif not order:
-            tree.end_descendants()
-            return
 
 
 def _gate(line: socket.socket, descriptors: Sequence[int]) -> None:

@@ -13,7 +13,7 @@ import socket
 import tempfile
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit import environment
 from course_kit.grading.sandbox import init_process, machine, namespaces
@@ -22,7 +22,7 @@ from course_kit.grading.sandbox.start_order import Streams, make_start_order
 from course_kit.process import tree
 from course_kit.process.channel import Channel, ChannelClosedError
 from course_kit.process.child import fork_child
-from course_kit.process.libc import die_with_parent, make_memory_file
+from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -36,9 +36,6 @@ _ANSWER_S = 25.0  # how long the init process is waited for; on a busy machine i
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _NO_DOMAIN = "no ROS domain is free: courses and graders on this machine use all. Close some, then grade again"
-
-
-RunGrader: TypeAlias = "Callable[[Channel, Job, mmap.mmap], None]"
 
 
 class GivenUpError(Exception):
@@ -81,10 +78,7 @@ class Supervisor:
         self._totals = (BoundedOutput(), BoundedOutput())
         self._folder = ""  # the scratch directory of what runs; empty while nothing does
         self._collector = OutputCollector(Streams(*[-1] * 5), 0, self._totals)  # of what was started last
-        descriptor = make_memory_file("lives")  # a filter may refuse memory without a file
-        os.ftruncate(descriptor, 1)
-        self._lives = mmap.mmap(descriptor, 1)  # 1 while it does; shared with the grader: a question costs both
-        os.close(descriptor)
+        self._lives = mmap.mmap(-1, 1)  # 1 while it does; shared with the grader: a question costs both
         self._domains = ExitStack()
         self._launches = 0
         self._arguments: tuple[str, ...] = ()
@@ -93,7 +87,7 @@ class Supervisor:
         self._killed_before = machine.count_oom_kills()
         self._again = False  # whether this may go better the next time: something was killed that should not be
 
-    def run(self, run_grader: RunGrader) -> GradingOutcome:
+    def run(self, run_grader: Callable[[Channel, Job, mmap.mmap], None]) -> GradingOutcome:
         """Grade, with the checks run by `run_grader` in another process; nothing that was started lives after it."""
         ours, theirs = map(Channel, socket.socketpair())
 
@@ -196,7 +190,8 @@ class Supervisor:
         streams, inside = _pipes()
         self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
         try:
-            self._launcher.start(order, inside, self._network.descriptors)
+            types = [] if job.interfaces else [end.type for end in job.endpoints]  # a program loads those of strangers
+            self._launcher.start(order, inside, self._network.descriptors, types)
         finally:
             inside.close()
         self._lives[0] = True
@@ -287,10 +282,8 @@ class Supervisor:
 
 
 def _pipes() -> tuple[Streams, Streams]:
-    pipes = [os.pipe() for _ in range(5)]
-    (stdout, stderr, status, evidence, control) = pipes
-    ours = Streams(stdout[0], stderr[0], status[0], evidence[0], control[1])
-    inside = Streams(stdout[1], stderr[1], status[1], evidence[1], control[0])
+    pipes = [*(os.pipe() for _ in range(4)), os.pipe()[::-1]]  # the last one, for control, leads inside
+    ours, inside = (Streams(*ends) for ends in zip(*pipes, strict=True))
     for descriptor in ours.descriptors():
         os.set_blocking(descriptor, False)
     return ours, inside

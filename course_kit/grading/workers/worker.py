@@ -132,31 +132,27 @@ class Worker(Closable):
     def ready(self) -> Isolation:
         """Wait until it can take a job; returns the isolation it has found."""
         if self._greeting is None:
-            try:
+            with self._explain_end("could not start"):
                 self._greeting = self._channel.receive(_START_S)
-            except (ChannelClosedError, TimeoutError) as problem:
-                raise GradingError(f"The grader could not start. {self._last_words()}") from problem
-        if problem_text := self._greeting.get("problem"):
-            raise GradingError(str(problem_text))
         return Isolation(**self._greeting["isolation"])
 
     def send(self, job: Job) -> None:
         """Have it grade one submission; `receive` waits for what comes of it."""
         self.ready()
-        with self._explain_end():
+        with self._explain_end("ended while it was grading"):
             self._channel.send({"job": job})
 
     def receive(self, job: Job) -> GradingOutcome:
         """Wait until the job that was sent is done; returns the outcome as the supervisor describes it."""
-        with self._explain_end():
+        with self._explain_end("ended while it was grading"):
             return cast("GradingOutcome", self._channel.receive(job.limits.wall_s + _GRACE_S))
 
     @contextmanager
-    def _explain_end(self) -> Iterator[None]:
+    def _explain_end(self, what: str) -> Iterator[None]:
         try:
             yield
         except (ChannelClosedError, TimeoutError) as problem:
-            raise GradingError(f"The grader ended while it was grading. {self._last_words()}") from problem
+            raise GradingError(f"The grader {what}. {self._last_words()}") from problem
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""

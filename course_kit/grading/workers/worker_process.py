@@ -83,7 +83,6 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
     adopt_orphans()
     set_name("grade worker")
     user = isolation.guest_user(os.getpid()) if found.user else 0
-    loaded: set[str] = set()
     network = Network()
     with (
         suppress(ChannelClosedError, GivenUpError),
@@ -95,9 +94,9 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
         while True:
             job = convert_record(channel.receive()["job"], Job)
             job = replace(job, isolation=found, scratch=folder, user=user)
-            if new := _prepare(job) - loaded:
-                starter.load(sorted(new))
-                loaded |= new
+            if not job.interfaces:
+                with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
+                    exercise_job.load_grader(job)
             if found.network and job.mode != "attach" and not network.descriptors:
                 network = enter_own_network(user)
             for _ in range(_TRIES):
@@ -105,15 +104,6 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
                 if not outcome["again"]:
                     break
             channel.send(outcome)
-
-
-def _prepare(job: Job) -> set[str]:
-    """Load what checks a job, and name the interfaces that its program needs."""
-    if not job.interfaces:
-        with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
-            exercise_job.load_grader(job)
-            return {end.type for end in job.endpoints}
-    return set()
 
 
 def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, network: Network) -> GradingOutcome:
@@ -195,11 +185,4 @@ def main() -> None:
     for name in BOUND_AT_ONCE:  # the linker has read it; what this process starts binds as usual
         os.environ.pop(name, None)
     channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
-    try:
-        serve(channels, sys.argv[2:])
-    except ChannelClosedError:
-        pass
-    except Exception as problem:  # noqa: BLE001 - the parent tells a person
-        for channel in channels:
-            with suppress(ChannelClosedError):
-                channel.send({"problem": f"The grader could not start: {problem}"})
+    serve(channels, sys.argv[2:])  # the parent finds why it could not in what is printed last

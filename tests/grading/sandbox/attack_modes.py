@@ -166,8 +166,9 @@ def become_nobody() -> None:
 
 def refuse_namespaces(more: dict[str, int]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
-    numbers_of = seccomp._refused_calls
-    known = numbers_of(os.uname().machine)
+    ours = seccomp._refused_calls, seccomp._by_arguments
+    known = seccomp._refused_calls(os.uname().machine)
     seccomp._refused_calls = lambda _: {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    seccomp._by_arguments = lambda *_: iter(())
     seccomp.install()
-    seccomp._refused_calls = numbers_of
+    seccomp._refused_calls, seccomp._by_arguments = ours
