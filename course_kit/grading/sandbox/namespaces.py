@@ -25,10 +25,8 @@ CLONE_NEWNET = 0x40000000
 
 _SIOCSIFFLAGS, _IFF_UP = 0x8914, 0x1
 
-_PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_CAPBSET_DROP, _PR_SET_NO_NEW_PRIVS = 3, 4, 24, 38
-_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
+_PR_GET_DUMPABLE, _PR_SET_DUMPABLE, _PR_SET_NO_NEW_PRIVS = 3, 4, 38
 _CAPABILITY_VERSION_3 = 0x20080522
-_HIGHEST_CAPABILITY = 63
 _SHELL = "/bin/sh"
 # Each map in one go, as the kernel wants it. Arguments: the process, its map of users, its map of groups.
 _MAP_WHEN_TOLD = 'read -r _ && printf %s "$2" >"/proc/$1/uid_map" && printf %s "$3" >"/proc/$1/gid_map"'
@@ -114,10 +112,5 @@ def forbid_new_privileges() -> None:
 def drop_privileges() -> None:
     """Give up every capability for good, and the chance to gain one by running a set-uid program."""
     forbid_new_privileges()
-    with suppress(OSError):  # past the last capability of this kernel, or none of our own to drop
-        for capability in range(_HIGHEST_CAPABILITY + 1):
-            libc.call_prctl(_PR_CAPBSET_DROP, capability, what="CAPBSET_DROP")
-    with suppress(OSError):  # a kernel without them
-        libc.call_prctl(_PR_CAP_AMBIENT, _PR_CAP_AMBIENT_CLEAR_ALL, what="CAP_AMBIENT")
     header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
     libc.call_libc("capset", header, bytes(24))

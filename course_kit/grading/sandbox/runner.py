@@ -12,7 +12,6 @@ import builtins
 import faulthandler
 import fcntl
 import gc
-import io
 import json
 import os
 import signal
@@ -31,7 +30,7 @@ from course_kit.grading.model import limits
 from course_kit.grading.sandbox import file_view, namespaces, seccomp
 from course_kit.grading.sandbox.file_view import FileView
 from course_kit.grading.sandbox.start_order import Program
-from course_kit.launch import actions, finder, modules
+from course_kit.launch import actions, finder, modules  # noqa: F401 - loaded before the kit's own files disappear
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
 from course_kit.process.child import Child, fork_child
@@ -45,8 +44,6 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.start_order import StartOrder, Streams
     from course_kit.launch.node import ProcessDescription
 
-# What launch files import has to be loaded before the kit's own files disappear.
-_LOADED = (actions, modules)
 # Ignored unless handled: harmless to a program that has replaced itself by another (exec).
 STACKS_SIGNAL = signal.SIGURG
 _THREADS = 4
@@ -144,10 +141,9 @@ def _arrange_streams(inside: Streams) -> int:
         os.dup2(source, target)
     os.closerange(3, evidence)
     os.closerange(inside.status + 1, os.sysconf("SC_OPEN_MAX"))
-    sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115 - it stays open
-    for name, descriptor in (("stdout", 1), ("stderr", 2)):
-        raw = open(descriptor, "wb", buffering=8192, closefd=False)  # noqa: SIM115 - it stays open
-        stream = io.TextIOWrapper(raw, encoding="utf-8", errors="backslashreplace", line_buffering=True)
+    for descriptor, name in enumerate(("stdin", "stdout", "stderr")):
+        mode = "w" if descriptor else "r"
+        stream = open(descriptor, mode, 1, "utf-8", "backslashreplace", closefd=False)  # noqa: SIM115 - it stays open
         setattr(sys, name, stream)
         setattr(sys, f"__{name}__", stream)
     return evidence
