@@ -29,7 +29,6 @@ _OWN_TASKS = 40  # processes and threads of the grader beside a submission
 _OWN_FILES = 256  # open files of a process of the grader
 _ADDRESSES_MB = 512  # address space that ROS 2 takes beside what is counted as a submission's memory
 _FEW = 4096  # who may have more tasks than that is not asked how many there are, which takes a look at each of them
-_USUAL_FILES = 1024
 _SHARED_MEMORY = "/dev/shm"  # noqa: S108 - only its free space is read
 _SHARED_KB = 64  # of shared memory, without which ROS 2 is killed when it is loaded
 _PROC = Path("/proc/self/stat")
@@ -41,14 +40,6 @@ _OF_A_USER = (
 _OF_A_GROUP = (
     "This container or service may have {allowed} processes and threads (pids.max), {used} are there, and a grading "
     f"takes up to {{needed}}. Allow more (docker run --pids-limit {{more}}){_AGAIN}"
-)
-_RESOURCES = (
-    # What the kernel limits, its name for `ulimit`, and what it is.
-    (resource.RLIMIT_NOFILE, "-n", "have {} open files"),
-    (resource.RLIMIT_AS, "-v", "take {} kB of address space"),
-    (resource.RLIMIT_DATA, "-d", "take {} kB of memory"),
-    (resource.RLIMIT_CPU, "-t", "compute for {} s"),
-    (resource.RLIMIT_FSIZE, "-f", "write files of {} kB"),
 )
 
 
@@ -68,16 +59,6 @@ def require_machine(promised: Limits) -> None:
 
 def describe_lacks(promised: Limits, *, guest: bool) -> str:
     """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing."""
-    if not sys.platform.startswith("linux"):
-        return (
-            f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
-            "submission's processes. Grade in a container or a virtual machine."
-        )
-    if not _PROC.exists():
-        return (
-            "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "
-            f"(mount -t proc proc /proc){_AGAIN}"
-        )
     return next(_shortages(promised, guest=guest), "")
 
 
@@ -87,26 +68,26 @@ def side_by_side(promised: Limits) -> int:
     return max(1, min(((room.allowed - room.used) // _tasks(promised) for room in rooms), default=_FEW))
 
 
-def raise_soft_limits() -> None:
-    """Take for this process, and all it starts, what its user may have anyhow: many systems begin with little."""
-    for what, _, _ in (*_RESOURCES, (resource.RLIMIT_NPROC, "", "")):
-        soft, hard = resource.getrlimit(what)
-        wanted = min(_number(hard), max(_number(soft), _USUAL_FILES)) if what == resource.RLIMIT_NOFILE else hard
-        with suppress(ValueError, OSError):  # a limit that the kernel reports and does not take
-            resource.setrlimit(what, (wanted, hard))
-
-
 def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
+    if not sys.platform.startswith("linux"):
+        yield (
+            f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
+            "submission's processes. Grade in a container or a virtual machine."
+        )
+    if not _PROC.exists():
+        yield (
+            "/proc is missing here, but the grader needs it to count and end a submission's processes. Mount it "
+            f"(mount -t proc proc /proc){_AGAIN}"
+        )
     data_kb = (promised.memory_mb + limits.RESERVED_MB) * _KB
-    needed = (
-        max(promised.open_files, _OWN_FILES),
-        data_kb + _ADDRESSES_MB * _KB,
-        data_kb,
-        promised.cpu_s + 1,
-        promised.file_mb * _KB,
-    )
-    for (what, option, text), least in zip(_RESOURCES, needed, strict=True):
-        allowed = _number(resource.getrlimit(what)[1]) // (_KB if "kB" in text else 1)
+    for what, option, text, least in (
+        (resource.RLIMIT_NOFILE, "-n", "have {} open files", max(promised.open_files, _OWN_FILES)),
+        (resource.RLIMIT_AS, "-v", "take {} kB of address space", data_kb + _ADDRESSES_MB * _KB),
+        (resource.RLIMIT_DATA, "-d", "take {} kB of memory", data_kb),
+        (resource.RLIMIT_CPU, "-t", "compute for {} s", promised.cpu_s + 1),
+        (resource.RLIMIT_FSIZE, "-f", "write files of {} kB", promised.file_mb * _KB),
+    ):
+        allowed = _allowed(what) // (_KB if "kB" in text else 1)
         if allowed < least:
             yield (
                 f"A process may {text.format(allowed)} here (ulimit {option}), but a submission is promised {least}. "
@@ -127,7 +108,7 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
 
 def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
     """What limits the processes and threads of all gradings together; a limit that nobody reaches is left out."""
-    allowed = _number(resource.getrlimit(resource.RLIMIT_NPROC)[1])
+    allowed = _allowed(resource.RLIMIT_NPROC)
     if guest:  # of whom there is nothing yet
         yield _TaskRoom(allowed, 0, _OF_A_USER)
     elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
@@ -140,6 +121,7 @@ def _tasks(promised: Limits) -> int:
     return promised.tasks + limits.SPARE_TASKS + _OWN_TASKS
 
 
-def _number(limit: int) -> int:
-    """A limit as a number that can be compared."""
+def _allowed(what: int) -> int:
+    """A limit of this process, and of all it starts, as a number that can be compared."""
+    limit, _ = resource.getrlimit(what)
     return 2**62 if limit == resource.RLIM_INFINITY else limit

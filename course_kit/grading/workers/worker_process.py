@@ -181,7 +181,6 @@ def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
 def main() -> None:
     """The process; its arguments are the descriptors of its channels, comma-separated, and interfaces to load."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
-    needs.raise_soft_limits()
     for name in BOUND_AT_ONCE:  # the linker has read it; what this process starts binds as usual
         os.environ.pop(name, None)
     channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
