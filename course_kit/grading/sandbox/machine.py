@@ -28,10 +28,9 @@ _IDLE, _WAITING_FOR_DISKS = 3, 4  # columns of /proc/stat
 _COLUMNS = 8  # those that follow are counted in the first ones as well
 _CGROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
-_MEMORY, _DEFAULTS = Path("/proc/meminfo"), Path("/proc/sys/net/core")
+_MEMORY = Path("/proc/meminfo")
 _BESIDE_PAGES = ("\nVmPTE:", "\nVmSwap:")  # the tables of pages, and what was swapped out
-_USUAL = 212992  # bytes: the usual buffer of a socket in one direction (net.core.rmem_default and wmem_default)
-_MOST = 4 * _USUAL  # where somebody has given all sockets of a machine larger ones, a few sockets are no offence
+_BUFFER = 212992  # bytes that a socket can hold in one direction (net.core.rmem_default and wmem_default of Linux)
 _TCP = ("/proc/sys/net/ipv4/tcp_rmem", "/proc/sys/net/ipv4/tcp_wmem")
 
 
@@ -105,20 +104,15 @@ def _read_number(path: Path, words: str = "", unknown: int = 0) -> int:
     return unknown
 
 
-# Read at first: not every kernel shows it in a network namespace.
-_BUFFERS = [_read_number(_DEFAULTS / f"{name}_default", unknown=_USUAL) for name in ("rmem", "wmem")]
-_OF_A_SOCKET = 2 * min(max(_USUAL, *_BUFFERS), _MOST)
-
-
 def bound_tcp_buffers() -> None:
     """Give TCP in the network namespace of this process no larger buffers than other sockets have."""
     for path in _TCP:
-        Path(path).write_text(f"4096 65536 {_USUAL}", encoding="ascii")
+        Path(path).write_text(f"4096 65536 {_BUFFER}", encoding="ascii")
 
 
-def bytes_of_sockets(sockets: int | None = None) -> int:
-    """Bytes that so many sockets can hold, or those of this network namespace, closed ones that are not empty, too."""
-    return _OF_A_SOCKET * (_read_number(Path("/proc/net/sockstat"), "sockets: used ") if sockets is None else sockets)
+def bytes_of_sockets() -> int:
+    """Bytes that all sockets of this network namespace can hold, closed ones that are not empty, too."""
+    return 2 * _BUFFER * _read_number(Path("/proc/net/sockstat"), "sockets: used ")
 
 
 class _Times(NamedTuple):
