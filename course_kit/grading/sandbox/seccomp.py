@@ -51,16 +51,6 @@ _SOCKETPAIR = {"x86_64": 53, "aarch64": 199}
 _SETSOCKOPT = {"x86_64": 54, "aarch64": 208}
 _CLONE3 = 435  # its flags lie in memory where no filter can look; the C library falls back to clone
 
-# Newer calls have the same number everywhere.
-_EVERYWHERE = {
-    "pidfd_getfd": 438,
-    "process_madvise": 440,
-    "io_uring_setup": 425,
-    "io_uring_enter": 426,
-    "io_uring_register": 427,
-    "memfd_secret": 447,
-    "file_setattr": 469,
-}
 # The number on x86-64, and that on AArch64. What only root may do is not among them: a submission has no capability.
 _REFUSED = {
     "ptrace": (101, 117),
@@ -84,6 +74,13 @@ _REFUSED = {
     "userfaultfd": (323, 282),
     "fanotify_init": (300, 262),
     "inotify_add_watch": (254, 27),
+    "pidfd_getfd": (438, 438),
+    "process_madvise": (440, 440),
+    "io_uring_setup": (425, 425),
+    "io_uring_enter": (426, 426),
+    "io_uring_register": (427, 427),
+    "memfd_secret": (447, 447),
+    "file_setattr": (469, 469),
 }
 
 # Where there is no PID namespace the kernel asks only whose the other process is. No filter sees whether a thread is
@@ -128,17 +125,13 @@ def _filter(machine: str, *, processes: bool, files: bool) -> Iterator[bytes]:
     yield from _test_value(_AT_LEAST, _X32, unknown)
     yield from _test_value(_EQUAL, _CLONE3, unknown)
     yield from _test_any(() if files else _OF_FILES[machine], _DONE)
-    yield from _test_any(sorted(_refused_calls(machine).values()), refuse)
+    of_machine = tuple(_AUDIT).index(machine)
+    yield from _test_any((numbers[of_machine] for numbers in _REFUSED.values()), refuse)
     for number, tests in _by_arguments(machine, processes):
         yield _instruction(_EQUAL, number, 0, len(tests) + 1)
         yield from tests
         yield _load(_NUMBER)
     yield _return(_ALLOW)
-
-
-def _refused_calls(machine: str) -> dict[str, int]:
-    """The numbers of the system calls that are refused whatever is asked of them."""
-    return {**_EVERYWHERE, **{name: numbers[tuple(_AUDIT).index(machine)] for name, numbers in _REFUSED.items()}}
 
 
 def _by_arguments(machine: str, processes: bool) -> Iterator[tuple[int, list[bytes]]]:

@@ -30,7 +30,7 @@ from course_kit.process.child import BOUND_AT_ONCE, fork_child, freeze_memory
 from course_kit.process.libc import adopt_orphans, die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
     from mmap import mmap
 
     from course_kit.grading.model.job import GradingOutcome, Isolation
@@ -39,42 +39,49 @@ if TYPE_CHECKING:
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 
 
-def serve(channels: Sequence[Channel], interfaces: Sequence[str]) -> None:
-    """The process: get warm, then grade job after job until the other ends close."""
+def main() -> None:
+    """The process: get warm, then grade job after job until the other ends of its channels close.
+
+    Its arguments are their descriptors, comma-separated, and interfaces to load for all. Why it could not start is what
+    it prints last.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channels
+    for name in BOUND_AT_ONCE:  # the linker has read it; what this process starts binds as usual
+        os.environ.pop(name, None)
+    channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
     set_name("grade warm")
     namespaces.forbid_tracing()
     adopt_orphans()
     wait_for_outcome = isolation.begin_trial()
     try:
         warm_up()
-        launcher.load_interfaces(interfaces)
+        launcher.load_interfaces(sys.argv[2:])
     finally:
         found = wait_for_outcome()
     view = file_view.view_of_program()
-    pairs = [Launcher.pair() for _ in channels]
-    ends = [*channels, *(end for pair in pairs for end in pair)]
     freeze_memory()
-
-    def fork(run: Callable[[], object], *kept: Channel | Launcher | socket.socket) -> None:
-        """Fork; the child holds none of the ends of others, else nobody would notice that one of those ends."""
-
-        def run_apart() -> None:
-            die_with_parent()
-            for end in ends:
-                if end not in kept:
-                    end.close()
-            run()
-
-        fork_child(run_apart)
-
-    for channel, (starter, line) in zip(channels, pairs, strict=True):
-        fork(partial(launcher.serve, line), line)
-        fork(partial(_work, channel, starter, found, view), channel, starter)
-    for end in ends:
-        end.close()
+    while channels:
+        channel = channels.pop()
+        starter, line = Launcher.pair()
+        _fork(partial(launcher.serve, line), *channels, channel, starter)
+        _fork(partial(_work, channel, starter, found, view), *channels, line)
+        for end in (channel, starter, line):
+            end.close()
     with suppress(ChildProcessError):
         while True:
             os.wait()
+
+
+def _fork(run: Callable[[], None], *others: Channel | Launcher | socket.socket) -> None:
+    """Fork; the child holds none of the ends of others, else nobody would notice that one of those ends."""
+
+    def run_apart() -> None:
+        die_with_parent()
+        for end in others:
+            end.close()
+        run()
+
+    fork_child(run_apart)
 
 
 def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView) -> None:
@@ -176,12 +183,3 @@ def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
     finally:
         if not job.isolation.network:  # our own graph ends with us, at once; others wait for those who do not leave
             context.close()
-
-
-def main() -> None:
-    """The process; its arguments are the descriptors of its channels, comma-separated, and interfaces to load."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which then closes the channel
-    for name in BOUND_AT_ONCE:  # the linker has read it; what this process starts binds as usual
-        os.environ.pop(name, None)
-    channels = [Channel(socket.socket(fileno=int(number))) for number in sys.argv[1].split(",")]
-    serve(channels, sys.argv[2:])  # the parent finds why it could not in what is printed last

@@ -39,7 +39,7 @@ COMMAND = "user, by --exec"
 ROOT_ITSELF = "root whose Python nobody else can read"
 ROOT_ITSELF_ALONE = f"{ROOT_ITSELF}, without namespaces"
 OF_USER, OF_ROOT = (USER, COMMAND, USER_ALONE, BARE), (AS_ROOT, ROOT_ALONE, ROOT_ITSELF, ROOT_ITSELF_ALONE)
-_LANDLOCK = {"landlock_create_ruleset": 444}
+_LANDLOCK = {"landlock_create_ruleset": (444, 444)}
 NOBODY = 65534
 
 
@@ -164,11 +164,10 @@ def become_nobody() -> None:
     namespaces.allow_tracing()  # as after an exec: /proc/self belongs to the user
 
 
-def refuse_namespaces(more: dict[str, int]) -> None:
+def refuse_namespaces(more: dict[str, tuple[int, int]]) -> None:
     """Have the kernel refuse what the default profile of Docker refuses, namespaces and mounts, and `more`."""
-    ours = seccomp._refused_calls, seccomp._by_arguments
-    known = seccomp._refused_calls(os.uname().machine)
-    seccomp._refused_calls = lambda _: {**more, **{name: known[name] for name in ("unshare", "setns", "mount")}}
+    ours = seccomp._REFUSED, seccomp._by_arguments
+    seccomp._REFUSED = {**more, **{name: seccomp._REFUSED[name] for name in ("unshare", "setns", "mount")}}
     seccomp._by_arguments = lambda *_: iter(())
     seccomp.install()
-    seccomp._refused_calls, seccomp._by_arguments = ours
+    seccomp._REFUSED, seccomp._by_arguments = ours
