@@ -207,18 +207,16 @@ def _in_order(view: FileView) -> list[tuple[str, bool]]:
 
 
 def _show(root: str, path: str) -> None:
-    target = f"{root}{path}"
+    target = Path(f"{root}{path}")
+    if not (os.path.isdir(path) or os.path.isfile(path)):  # noqa: PTH112, PTH113
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
     if os.path.islink(path):  # noqa: PTH114 - /bin is one to usr/bin on most systems
-        os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
         with suppress(FileExistsError):
-            os.symlink(os.path.realpath(path), target)  # noqa: PTH211 - its own text may lead through other links
-    elif os.path.isdir(path):  # noqa: PTH112
-        os.makedirs(target, exist_ok=True)  # noqa: PTH103
-        bind(path, target)
-    elif os.path.isfile(path):  # noqa: PTH113
-        os.makedirs(os.path.dirname(target), exist_ok=True)  # noqa: PTH103, PTH120
-        Path(target).touch()
-        bind(path, target)
+            target.symlink_to(os.path.realpath(path))  # its own text may lead through other links
+    else:
+        target.mkdir(exist_ok=True) if os.path.isdir(path) else target.touch()  # noqa: PTH112
+        bind(path, str(target))
 
 
 def _mask(root: str, path: str) -> None:

@@ -69,11 +69,11 @@ class Launcher(Closable):
         self._line.close()
 
 
-def load_interfaces(interfaces: Iterable[str]) -> None:
-    """Load interfaces into this process."""
+def load_interfaces(names: Iterable[str]) -> None:
+    """Load interfaces, so that no fork of this process need do it."""
     from rclpy.type_support import check_for_type_support
 
-    for name in interfaces:
+    for name in names:
         with suppress(Exception):  # the submission meets it again when it imports it, and gets the error then
             check_for_type_support(get_type(name))
 

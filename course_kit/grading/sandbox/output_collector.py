@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.plain_data import Record
     from course_kit.grading.sandbox.start_order import Streams
 
-_CHUNK = 65536
+_CHUNK = 1 << 20  # the most a pipe holds
 KEPT = 4096  # bytes of a stream, at the beginning and at the end
 _LISTS = ("node_classes", "classes", "functions", "set_names")
 _TEXTS = ("returned", "result", "value", "lost_in")
@@ -23,7 +23,6 @@ _FACTS = ("exit_in_callback", "ended_itself", "too_large")
 _NOTE_ITEMS, _NOTE_LENGTH = 20, 80
 _ENDS = {"exit_code", "signal", "limit"}  # one of these facts says how a program has ended
 _WATCHER_KILLED = "the process that watches the submission was killed, perhaps because the machine is out of memory"
-_LAST_WORDS = 1 << 20  # the most a pipe holds
 _THREAD = re.compile(rb"^(?:Current thread|Thread) 0x(?P<id>[0-9a-f]+)\b.*\n", re.MULTILINE)
 _EVIDENCE_TAKEN = 4 * 1024 * 1024  # bytes of one program; nobody listens after that
 _EVIDENCE_KEPT = 65536  # bytes; a dump of all stacks of a ROS 2 program takes about 4 kB
@@ -107,11 +106,9 @@ class OutputCollector:
 
     def take_the_rest(self) -> None:
         """Read what is left when the program has ended."""
-        # They need not end: a program may have sent them to a process that lives on. So no more than can be there.
+        # They need not end: a program may have sent them to a process that lives on. So no more than is there.
         for name in self.open_streams().values():
-            for _ in range(0, _LAST_WORDS, _CHUNK):
-                if getattr(self.streams, name) >= 0:
-                    self.take(name)
+            self.take(name)
         self.over = True
 
     def too_much_output(self) -> bool:
@@ -180,7 +177,6 @@ class OutputCollector:
             with suppress(ValueError, TypeError):
                 self._facts.update(json.loads(line))
                 self.samples += 1
-        self._status = self._status[-_CHUNK:]
 
     def _read_notes(self) -> None:
         for line in self._evidence.split(b"\n"):

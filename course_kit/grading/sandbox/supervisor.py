@@ -128,17 +128,16 @@ class Supervisor:
                 answer = self._obey(message)
                 if answer is not None:
                     grader_process.send(answer)
-        except environment.NoDomainError:
-            return _NO_DOMAIN
-        except (environment.DomainError, _BrokenOffError) as problem:
-            self._again = isinstance(problem, _BrokenOffError)
-            return str(problem)
+        except environment.DomainError as lack:
+            return _NO_DOMAIN if isinstance(lack, environment.NoDomainError) else str(lack)
+        except _BrokenOffError as broken:
+            problem = str(broken)
         except (ChannelClosedError, TimeoutError) as gone:
-            self._again = True
-            return f"the grader's own process ended unexpectedly ({gone})"
-        except OSError as problem:  # the machine has run out of something
-            self._again = True
-            return f"the submission could not be started: {problem}"
+            problem = f"the grader's own process ended unexpectedly ({gone})"
+        except OSError as lack:  # the machine has run out of something
+            problem = f"the submission could not be started: {lack}"
+        self._again = True
+        return problem
 
     def _look_after_everything(self) -> None:
         """End a submission whose time is up."""
@@ -214,15 +213,6 @@ class Supervisor:
         self._collector.ask(init_process.STACKS + program)
         whole_s = began + _DUMP_S - time.monotonic()
         self._pump_until(lambda collector: collector.has_whole_dump() or collector.over, whole_s)
-        size = -1
-
-        def is_quiet(collector: OutputCollector) -> bool:
-            nonlocal size
-            before, size = size, collector.evidence_bytes
-            return size == before
-
-        # The rest of the second, which would be in the next one's way; a submission can go on writing for ever.
-        self._pump_until(is_quiet, began + _DUMP_S - time.monotonic())
         return self._collector.stacks()
 
     def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:

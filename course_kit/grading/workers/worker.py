@@ -120,7 +120,6 @@ class Worker(Closable):
             process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
             at = (process, process.channels[0])
         self._process, self._channel = at
-        self._closing = False
         self._greeting: Record | None = None
 
     @property
@@ -152,7 +151,7 @@ class Worker(Closable):
         try:
             yield
         except (ChannelClosedError, TimeoutError) as problem:
-            raise GradingError(f"The grader {what}. {self._last_words()}") from problem
+            raise GradingError(f"The grader {what}. {self._process.last_words()}") from problem
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""
@@ -160,12 +159,8 @@ class Worker(Closable):
 
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""
-        self._closing = True
         self._channel.hang_up()  # it notices, ends what it has under way, and stops
         self._process.end_unless_used()
-
-    def _last_words(self) -> str:
-        return "It was closed meanwhile." if self._closing else self._process.last_words()
 
 
 def isolation_status() -> Isolation:

@@ -36,6 +36,12 @@ if TYPE_CHECKING:
     from course_kit.grading.model.job import GradingOutcome, Isolation
     from course_kit.grading.sandbox.file_view import FileView
 
+_OF_EVERY_NODE = (
+    *("type_description_interfaces/srv/GetTypeDescription", "rcl_interfaces/msg/ParameterEvent"),
+    *("rcl_interfaces/srv/DescribeParameters", "rcl_interfaces/srv/GetParameters", "rcl_interfaces/srv/ListParameters"),
+    *("rcl_interfaces/srv/GetParameterTypes", "rcl_interfaces/srv/SetParameters"),
+    "rcl_interfaces/srv/SetParametersAtomically",
+)
 _TRIES = 3  # more than one for what may be no fault of the submission, such as a process that somebody has killed
 
 
@@ -128,26 +134,12 @@ def warm_up() -> None:
     import rclpy.action
     import rclpy.executors
     import rclpy.node
-    from rcl_interfaces import srv as parameter_services
-    from rcl_interfaces.msg import ParameterEvent
-    from rclpy.type_support import check_for_type_support
-    from type_description_interfaces.srv import GetTypeDescription
 
     import course_kit.grading.checks.grader_node
     import course_kit.grading.checks.vocabulary
 
     machine.processor_share()
-    for of_every_node in (
-        GetTypeDescription,
-        ParameterEvent,
-        parameter_services.DescribeParameters,
-        parameter_services.GetParameters,
-        parameter_services.GetParameterTypes,
-        parameter_services.ListParameters,
-        parameter_services.SetParameters,
-        parameter_services.SetParametersAtomically,
-    ):
-        check_for_type_support(of_every_node)  # else each submission loads it when its node is made
+    launcher.load_interfaces(_OF_EVERY_NODE)  # else each submission loads them when its node is made
     del rclpy, course_kit
 
 
