@@ -83,21 +83,17 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
         **BOUND_AT_ONCE,
     }
     if own_graph:
-        changes["ROS_DOMAIN_ID"] = "0"  # never joined: each grading has its own, and the worker needs no lease
-    variables = environment.child_environment(**changes)
-    if own_graph:
-        for name in _OTHER_GRAPHS:
-            variables.pop(name, None)
         # A grade does not depend on the user's middleware: the types of the exercises need Fast DDS. SYSTEM_DEFAULT
         # has it leave the transports to the profile, which allows loopback only; LOCALHOST would bring back shared
         # memory.
-        variables.update(
-            {
-                "RMW_IMPLEMENTATION": environment.middleware.SUPPORTED,
-                "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
-                environment.middleware.PROFILE_VARIABLE: str(environment.LOOPBACK_PROFILE),
-            }
-        )
+        changes |= {
+            **dict.fromkeys(_OTHER_GRAPHS),
+            "ROS_DOMAIN_ID": "0",  # never joined: each grading has its own, and the worker needs no lease
+            "RMW_IMPLEMENTATION": environment.middleware.SUPPORTED,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+            environment.middleware.PROFILE_VARIABLE: str(environment.LOOPBACK_PROFILE),
+        }
+    variables = environment.child_environment(**changes)
     if whole:
         return variables
     return {
