@@ -144,7 +144,7 @@ def test_a_container_may_have_too_few_processes(
     (tmp_path / "pids.current").write_text(f"{used}\n")
     monkeypatch.setattr(machine, "_CGROUPS", tmp_path)
     monkeypatch.setattr(machine, "_OWN_GROUPS", tmp_path / "own")
-    said = needs.describe_lacks(Limits(), guest=True)
+    said = " ".join(needs.describe_lacks(Limits(), guest=True))
     assert ("240 processes and threads (pids.max), 50 are there" in said) == lacks
     assert bool(said) == lacks
 

@@ -12,7 +12,7 @@ import resource
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import limits
@@ -43,32 +43,20 @@ _OF_A_GROUP = (
 )
 
 
-class _TaskRoom(NamedTuple):
-    """How many processes and threads there may be, how many there are, and how to say that these are too many."""
-
-    allowed: int
-    used: int
-    told: str
-
-
 def require_machine(promised: Limits) -> None:
     """See that this machine can grade."""
-    if problem := describe_lacks(promised, guest=os.geteuid() == 0):
+    for problem in describe_lacks(promised, guest=os.geteuid() == 0):
         raise GradingError(problem)
-
-
-def describe_lacks(promised: Limits, *, guest: bool) -> str:
-    """What this machine lacks, and what to do about it, in one or two sentences; empty when it lacks nothing."""
-    return next(_shortages(promised, guest=guest), "")
 
 
 def side_by_side(promised: Limits) -> int:
     """How many submissions that are promised so much this machine has processes for at the same time, at least one."""
     rooms = _task_rooms(guest=False)  # each worker's submissions have their own user, where they have one
-    return max(1, min(((room.allowed - room.used) // _tasks(promised) for room in rooms), default=_FEW))
+    return max(1, min(((allowed - used) // _tasks(promised) for allowed, used, _ in rooms), default=_FEW))
 
 
-def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
+def describe_lacks(promised: Limits, *, guest: bool) -> Iterator[str]:
+    """What this machine lacks, and what to do about it, each in one or two sentences."""
     if not sys.platform.startswith("linux"):
         yield (
             f"Grading takes a Linux, and this is {platform.system()}: only there can the grader count and end a "
@@ -94,9 +82,9 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
                 f"Allow more (ulimit {option} {least}, or in /etc/security/limits.conf){_AGAIN}"
             )
     tasks = _tasks(promised)
-    for room in _task_rooms(guest=guest):
-        if room.allowed - room.used < tasks:
-            yield room.told.format(allowed=room.allowed, used=room.used, needed=tasks, more=room.used + tasks)
+    for allowed, used, said in _task_rooms(guest=guest):
+        if allowed - used < tasks:
+            yield said.format(allowed=allowed, used=used, needed=tasks, more=used + tasks)
     with suppress(OSError):  # if it is missing, ROS 2 does without
         found = os.statvfs(_SHARED_MEMORY)
         if found.f_blocks and found.f_bavail * found.f_frsize < _SHARED_KB * _KB:
@@ -106,14 +94,14 @@ def _shortages(promised: Limits, *, guest: bool) -> Iterator[str]:
             )
 
 
-def _task_rooms(*, guest: bool) -> Iterator[_TaskRoom]:
-    """What limits the processes and threads of all gradings together; a limit that nobody reaches is left out."""
+def _task_rooms(*, guest: bool) -> Iterator[tuple[int, int, str]]:
+    """How many processes and threads there may be, how many there are, how to say so; no limit that nobody reaches."""
     allowed = _allowed(resource.RLIMIT_NPROC)
     if guest:  # of whom there is nothing yet
-        yield _TaskRoom(allowed, 0, _OF_A_USER)
+        yield allowed, 0, _OF_A_USER
     elif os.getuid() != 0 and allowed < _FEW:  # the kernel holds root to nothing
-        yield _TaskRoom(allowed, tree.tasks_of_user(os.getuid()), _OF_A_USER)
-    yield from (_TaskRoom(*numbers, _OF_A_GROUP) for numbers in machine.read_groups("pids.max", "pids.current"))
+        yield allowed, tree.tasks_of_user(os.getuid()), _OF_A_USER
+    yield from ((*numbers, _OF_A_GROUP) for numbers in machine.read_groups("pids.max", "pids.current"))
 
 
 def _tasks(promised: Limits) -> int:

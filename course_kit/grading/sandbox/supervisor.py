@@ -13,7 +13,7 @@ import socket
 import tempfile
 import time
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.sandbox import init_process, machine, namespaces
@@ -25,7 +25,7 @@ from course_kit.process.child import fork_child
 from course_kit.process.libc import die_with_parent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from course_kit.grading.model.job import GradingOutcome, Job
     from course_kit.grading.model.plain_data import Record
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 _ANSWER_S = 25.0  # how long the init process is waited for; on a busy machine it takes seconds until it is there
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
+_PROFILE = environment.middleware.PROFILE_VARIABLE
 _NO_DOMAIN = "no ROS domain is free: courses and graders on this machine use all. Close some, then grade again"
 
 
@@ -46,29 +47,23 @@ class _BrokenOffError(Exception):
     """The grading cannot go on, by no fault of the submission; the text says why."""
 
 
-class Network(NamedTuple):
-    """Where gradings take place: one after the other, and nothing of one lives when the next begins."""
+def enter_own_network(user: int) -> tuple[int, ...]:
+    """Put this process into a network with nothing but loopback; descriptors of the namespaces, for others to join.
 
-    descriptors: tuple[int, ...] = ()  # of the namespaces that a submission is to join; none for the machine's own
-    variables: Mapping[str, str] = {}  # what a submission is started with
-
-
-def enter_own_network(user: int) -> Network:
-    """Put this process into a network with nothing but loopback."""
+    Gradings take place there one after the other, and nothing of one lives when the next begins.
+    """
     namespaces.enter_network(user)
     die_with_parent()  # entering a user namespace has cleared it
-    name = environment.middleware.PROFILE_VARIABLE
-    variables = {}
-    if os.environ.get(name) == str(environment.LOOPBACK_PROFILE):
-        variables[name] = os.environ[name] = str(environment.PRIVATE_NETWORK_PROFILE)
-    return Network(tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net")), variables)
+    if os.environ[_PROFILE] == str(environment.LOOPBACK_PROFILE):
+        os.environ[_PROFILE] = str(environment.PRIVATE_NETWORK_PROFILE)
+    return tuple(os.open(f"/proc/self/ns/{kind}", os.O_RDONLY) for kind in ("user", "net"))
 
 
 class Supervisor:
     """The master of one grading."""
 
-    def __init__(self, job: Job, launcher: Launcher, view: FileView, network: Network, parent: Channel) -> None:
-        """Prepare a grading in a network; it is given up when `parent` hangs up."""
+    def __init__(self, job: Job, launcher: Launcher, view: FileView, network: tuple[int, ...], parent: Channel) -> None:
+        """Prepare a grading, in the machine's network or another; it is given up when `parent` hangs up."""
         self._job = job
         self._launcher = launcher
         self._view = view
@@ -175,13 +170,13 @@ class Supervisor:
         self._stop()
         self._arguments = tuple(message["arguments"])
         self._launches += 1
-        if self._network.descriptors:  # nobody else is there
+        if self._network:  # nobody else is there
             domain = self._launches
         else:
             self._domains.close()
             domain = self._domains.enter_context(environment.exclusive_domain())
         job = self._job.for_program(message["program"]) if self._job.files else self._job
-        variables = {**self._network.variables, "ROS_DOMAIN_ID": str(domain)}
+        variables = {_PROFILE: os.environ[_PROFILE], "ROS_DOMAIN_ID": str(domain)}
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=job.scratch or None)
         order = make_start_order(job, message, variables, self._view, self._folder)
         if order.user:
@@ -190,7 +185,7 @@ class Supervisor:
         self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
         try:
             types = [] if job.interfaces else [end.type for end in job.endpoints]  # a program loads those of strangers
-            self._launcher.start(order, inside, self._network.descriptors, types)
+            self._launcher.start(order, inside, self._network, types)
         finally:
             inside.close()
         self._lives[0] = True

@@ -8,7 +8,6 @@ No submission may see the folder of an exercise that was added, among Python's l
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import os
 import shlex
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.check import Check
     from course_kit.grading.model.exercise import Exercise
 
-_DIGITS = 16  # hexadecimal
 _TINY = 1e-6  # points
 
 
@@ -99,7 +97,7 @@ def checks_of_grader(grader: Any, job: Job) -> list[Check]:
 
 def python_module(path: Path) -> ModuleType:
     """The module in a file of an exercise's folder."""
-    package = f"exercise_{hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:_DIGITS]}"
+    package = f"exercise_{hash(path.parent):x}"
     if package not in sys.modules:
         made = ModuleType(package)
         made.__path__ = [str(path.parent)]

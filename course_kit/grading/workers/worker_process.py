@@ -23,7 +23,7 @@ from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, launcher, machine, namespaces, needs
 from course_kit.grading.sandbox.launcher import Launcher
-from course_kit.grading.sandbox.supervisor import GivenUpError, Network, Supervisor, enter_own_network
+from course_kit.grading.sandbox.supervisor import GivenUpError, Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job
 from course_kit.process.channel import Channel, ChannelClosedError
 from course_kit.process.child import BOUND_AT_ONCE, fork_child, freeze_memory
@@ -96,7 +96,7 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
     adopt_orphans()
     set_name("grade worker")
     user = isolation.guest_user(os.getpid()) if found.user else 0
-    network = Network()
+    network: tuple[int, ...] = ()
     with (
         suppress(ChannelClosedError, GivenUpError),
         tempfile.TemporaryDirectory(prefix="course-kit-worker-", ignore_cleanup_errors=True) as folder,
@@ -110,7 +110,7 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
             if not job.interfaces:
                 with suppress(Exception):  # the grader process meets it again, and says what is wrong with the grader
                     exercise_job.load_grader(job)
-            if found.network and job.mode != "attach" and not network.descriptors:
+            if found.network and job.mode != "attach" and not network:
                 network = enter_own_network(user)
             for _ in range(_TRIES):
                 outcome = _grade(job, channel, starter, view, network)
@@ -119,8 +119,8 @@ def _work(channel: Channel, starter: Launcher, found: Isolation, view: FileView)
             channel.send(outcome)
 
 
-def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, network: Network) -> GradingOutcome:
-    problem = needs.describe_lacks(job.limits, guest=job.user != 0)
+def _grade(job: Job, channel: Channel, starter: Launcher, view: FileView, network: tuple[int, ...]) -> GradingOutcome:
+    problem = next(needs.describe_lacks(job.limits, guest=job.user != 0), "")
     try:
         if not problem:
             return Supervisor(job, starter, view, network, channel).run(run_checks)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.submission import Submission
 from course_kit.grading.sandbox import file_view, isolation, launcher, namespaces, seccomp
-from course_kit.grading.sandbox.supervisor import Network, Supervisor, enter_own_network
+from course_kit.grading.sandbox.supervisor import Supervisor, enter_own_network
 from course_kit.grading.workers import exercise_job, worker_process
 from course_kit.process import libc
 from course_kit.process.channel import Channel
@@ -112,7 +112,7 @@ def _grade_each(
         sys.stdout.flush()
         if os.fork() == 0:
             adopt_orphans()
-            network = enter_own_network(user) if found.network else Network()
+            network = enter_own_network(user) if found.network else ()
             parent, _open = map(Channel, socket.socketpair())
             outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(
                 worker_process.run_checks
