@@ -131,12 +131,10 @@ def _checkout() -> tuple[str, ...]:
 
 def _interpreter() -> list[str]:
     """Python, its libraries and ROS, each where it says it is."""
-    named = [sys.prefix, sys.base_prefix, sys.exec_prefix, *(entry for entry in sys.path if os.path.isabs(entry))]  # noqa: PTH117
-    for variable in _SEARCH_PATHS:
-        named += _entries(os.environ.get(variable, ""))
-    named.append(os.path.dirname(os.path.realpath(sys.executable)))  # noqa: PTH120 - as text, like the others
-    named += [os.path.dirname(path) for path in _loaded_libraries()]  # noqa: PTH120
-    return list(dict.fromkeys(named))
+    searched = [os.environ.get(variable, "") for variable in _SEARCH_PATHS]
+    files = os.path.realpath(sys.executable), *_loaded_libraries()
+    named = [sys.prefix, sys.base_prefix, sys.exec_prefix, *map(os.path.dirname, files)]
+    return named + _entries(os.pathsep.join((*sys.path, *searched)))
 
 
 def _entries(text: str) -> list[str]:

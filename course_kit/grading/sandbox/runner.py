@@ -149,9 +149,8 @@ def _arrange_streams(inside: Streams) -> int:
     return evidence
 
 
-def _refuse_input(*prompt: object) -> str:
+def _refuse_input(*_: object) -> str:
     """Stands in for `input`, which would find the end of an empty file and say no more than that."""
-    del prompt
     raise EOFError("no one is there to type an answer")
 
 

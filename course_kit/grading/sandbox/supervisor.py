@@ -98,7 +98,6 @@ class Supervisor:
         finally:
             try:
                 self._stop()
-                self._launcher.end()
             finally:
                 self._domains.close()
                 tree.end_descendants()
