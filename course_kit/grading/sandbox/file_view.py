@@ -90,14 +90,14 @@ class FileView:
 
 def view_of_program() -> FileView:
     """What a Python program needs on this machine."""
-    return _view(_interpreter())
+    return _view()
 
 
 def view_of_command(words: Sequence[str], folder: str) -> FileView:
     """What a command of the user's own needs: the same, its folder, what it names, and where it looks for programs."""
     named = named_paths(words, folder)
-    places = [*_interpreter(), folder, *_entries(os.environ.get("PATH", ""))]
-    return _view([*places, *map(os.path.dirname, named)], (folder, *named))
+    places = [folder, *_entries(os.environ.get("PATH", "")), *map(os.path.dirname, named)]
+    return _view(places, (folder, *named))
 
 
 def named_paths(words: Iterable[str], folder: str) -> list[str]:
@@ -106,9 +106,9 @@ def named_paths(words: Iterable[str], folder: str) -> list[str]:
     return [path for name in found if os.path.exists(name) for path in (name, os.path.realpath(name))]  # noqa: PTH110
 
 
-def _view(places: Iterable[str], wanted: Iterable[str] = ()) -> FileView:
+def _view(places: Iterable[str] = (), wanted: Iterable[str] = ()) -> FileView:
     kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
-    safe = {path for path in places if _is_safe(path)} | set(wanted)
+    safe = {path for path in (*_interpreter(), *places) if _is_safe(path)} | set(wanted)
     is_shown = set(_checkout()) & set(map(os.path.realpath, safe))
     masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
     return FileView().with_more(sorted({*_SYSTEM, *safe, *kit}), masked)

@@ -30,8 +30,7 @@ _CGROUPS = Path("/sys/fs/cgroup")
 _OWN_GROUPS = Path("/proc/self/cgroup")
 _MEMORY = Path("/proc/meminfo")
 _BESIDE_PAGES = ("\nVmPTE:", "\nVmSwap:")  # the tables of pages, and what was swapped out
-_BUFFER = 212992  # bytes that a socket can hold in one direction (net.core.rmem_default and wmem_default of Linux)
-_TCP = ("/proc/sys/net/ipv4/tcp_rmem", "/proc/sys/net/ipv4/tcp_wmem")
+BUFFER = 212992  # bytes that a socket can hold in one direction (net.core.rmem_default and wmem_default of Linux)
 
 
 def processors_worked() -> float:
@@ -104,15 +103,9 @@ def _read_number(path: Path, words: str = "", unknown: int = 0) -> int:
     return unknown
 
 
-def bound_tcp_buffers() -> None:
-    """Give TCP in the network namespace of this process no larger buffers than other sockets have."""
-    for path in _TCP:
-        Path(path).write_text(f"4096 65536 {_BUFFER}", encoding="ascii")
-
-
 def bytes_of_sockets() -> int:
     """Bytes that all sockets of this network namespace can hold, closed ones that are not empty, too."""
-    return 2 * _BUFFER * _read_number(Path("/proc/net/sockstat"), "sockets: used ")
+    return 2 * BUFFER * _read_number(Path("/proc/net/sockstat"), "sockets: used ")
 
 
 class _Times(NamedTuple):

@@ -79,7 +79,8 @@ def enter_network(user: int = 0) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:  # `lo` begins switched off; a struct ifreq
         fcntl.ioctl(control, _SIOCSIFFLAGS, struct.pack("16sH14x", b"lo", _IFF_UP))
     with suppress(OSError):  # then a socket of TCP may hold more than it counts with
-        machine.bound_tcp_buffers()
+        for name in ("tcp_rmem", "tcp_wmem"):
+            Path("/proc/sys/net/ipv4", name).write_text(f"4096 65536 {machine.BUFFER}", encoding="ascii")
 
 
 def enter_processes(user: int = 0) -> None:

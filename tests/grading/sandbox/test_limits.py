@@ -56,7 +56,7 @@ def test_sockets_of_an_ordinary_program_are_far_from_the_limit_on_memory(
     if worker.ready().network:
         sockets = int(report.stdout.split()[2])
         assert sockets > 2
-        assert sockets * 2 * machine._BUFFER < Limits().memory_mb * 1024 * 1024 / 10
+        assert sockets * 2 * machine.BUFFER < Limits().memory_mb * 1024 * 1024 / 10
 
 
 @pytest.mark.parametrize(
