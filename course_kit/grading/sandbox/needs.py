@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from course_kit.grading.model.limits import Limits
 
-_KB, _MB = 1024, 1024 * 1024
+_KB = 1024
 _OWN_TASKS = 40  # processes and threads of the grader beside a submission
 _OWN_FILES = 256  # open files of a process of the grader
 _ADDRESSES_MB = 512  # address space that ROS 2 takes beside what is counted as a submission's memory
