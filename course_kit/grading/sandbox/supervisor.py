@@ -157,8 +157,7 @@ class Supervisor:
         if what == "time is up":
             self._end_submission("time")
         elif what == "finish":
-            patience_s = min(message["seconds"], self._deadline - time.monotonic())
-            self._pump_until(lambda collector: collector.over, patience_s)
+            self._pump_until(lambda: False, min(time.monotonic() + message["seconds"], self._deadline))
             self._look_after_everything()
         elif what == "facts" and not self._collector.over:
             self._ask(init_process.SAMPLE)
@@ -193,25 +192,24 @@ class Supervisor:
     def _ask(self, what: bytes) -> None:
         before = self._collector.samples
         self._collector.ask(what)
-        self._pump_until(lambda collector: collector.samples > before or collector.over, _ANSWER_S)
+        self._pump_until(lambda: self._collector.samples > before, time.monotonic() + _ANSWER_S)
 
     def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty if it is silent."""
         if self._collector.over:
             return ""
         self._collector.forget_stacks()
-        size, began = self._collector.evidence_bytes, time.monotonic()
+        size, deadline = self._collector.evidence_bytes, time.monotonic() + _DUMP_S
         self._collector.ask(init_process.STACKS + program)
-        self._pump_until(lambda collector: collector.evidence_bytes > size or collector.over, _DUMP_S)
+        self._pump_until(lambda: self._collector.evidence_bytes > size, deadline)
         # Nothing marks a dump's end, and a busy machine may halt it half-way. A second one begins when it is whole.
         self._collector.ask(init_process.STACKS + program)
-        whole_s = began + _DUMP_S - time.monotonic()
-        self._pump_until(lambda collector: collector.has_whole_dump() or collector.over, whole_s)
+        self._pump_until(self._collector.has_whole_dump, deadline)
         return self._collector.stacks()
 
-    def _pump_until(self, condition: Callable[[OutputCollector], bool], patience_s: float) -> None:
-        deadline = time.monotonic() + patience_s
-        while not condition(self._collector) and time.monotonic() < deadline:
+    def _pump_until(self, condition: Callable[[], bool], deadline: float) -> None:
+        """Take in what comes until the condition holds, the submission has ended, or it is too late."""
+        while not (self._collector.over or condition()) and time.monotonic() < deadline:
             self._pump(_QUIET_S, None)
 
     def _pump(self, timeout: float, grader_process: Channel | None) -> bool:
