@@ -159,7 +159,7 @@ class Supervisor:
         elif what == "finish":
             self._pump_until(lambda: False, min(time.monotonic() + message["seconds"], self._deadline))
             self._look_after_everything()
-        elif what == "facts" and not self._collector.over:
+        elif what == "facts":
             self._ask(init_process.SAMPLE)
         return self._collector.facts()
 
@@ -196,8 +196,6 @@ class Supervisor:
 
     def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty if it is silent."""
-        if self._collector.over:
-            return ""
         self._collector.forget_stacks()
         size, deadline = self._collector.evidence_bytes, time.monotonic() + _DUMP_S
         self._collector.ask(init_process.STACKS + program)
