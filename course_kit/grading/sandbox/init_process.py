@@ -77,11 +77,10 @@ class _Watch:
             poll.register(os.pidfd_open(self._child), select.POLLIN)
         while True:
             events = dict(poll.poll(_PERIOD_S * 1000))
-            ended = self._reap()
-            if ended is not None:
-                number = os.WTERMSIG(ended) if os.WIFSIGNALED(ended) else 0
-                end: Record = {"signal": number} if number else {"exit_code": os.WEXITSTATUS(ended)}
-                if number == signal.SIGXCPU:
+            code = self._reap()
+            if code is not None:
+                end: Record = {"exit_code": code} if code >= 0 else {"signal": -code}
+                if code == -signal.SIGXCPU:
                     end["limit"] = "time"
                 self._inside.tell(**self._usage(), **end)
                 return
@@ -92,14 +91,11 @@ class _Watch:
                 return
 
     def _reap(self) -> int | None:
-        """The wait status of the program when it has ended; orphans it has left are reaped on the way."""
+        """The exit code of the program when it has ended; orphans it has left are reaped on the way."""
         with suppress(ChildProcessError):
-            while True:
-                process_id, status = os.waitpid(-1, os.WNOHANG)
-                if process_id == self._child:
-                    return status
-                if process_id == 0:
-                    break
+            while (ended := os.waitpid(-1, os.WNOHANG))[0]:
+                if ended[0] == self._child:
+                    return os.waitstatus_to_exitcode(ended[1])
         return None
 
     def _obey(self) -> bool:

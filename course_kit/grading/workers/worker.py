@@ -50,9 +50,8 @@ class WarmProcess(QuietChild):
 
     def __init__(self, workers: int, variables: Mapping[str, str], interfaces: Iterable[str] = ()) -> None:
         """Start the process; it gets ready while the caller goes on, and loads these interfaces for all workers."""
-        pairs = [socket.socketpair() for _ in range(workers)]
-        self.channels = [Channel(ours) for ours, _ in pairs]
-        theirs = [end for _, end in pairs]
+        ours, theirs = zip(*(socket.socketpair() for _ in range(workers)), strict=True)
+        self.channels = [Channel(end) for end in ours]
         descriptors = [end.fileno() for end in theirs]
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
