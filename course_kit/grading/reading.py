@@ -11,12 +11,10 @@ import hashlib
 import io
 import json
 import os
-import select
 import signal
 import socket
 import stat
 import sys
-import time
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -52,8 +50,7 @@ _OF_THE_MACHINE = (
 )
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
 _START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
-_LOOK_S = 0.1  # how often it is asked whether somebody has pressed Ctrl-C
-_GRACE_S = 15.0  # beyond its own deadline; a reader that is later than that hangs, by a fault of ours
+_GRACE_S = 15.0  # beyond its own deadline
 _END_S = 2.0
 _TRIES = 2  # a reader that another program has ended gets a successor
 
@@ -163,7 +160,7 @@ class FileSummary:
     imports: frozenset[str] = frozenset()
     prints: frozenset[int] = frozenset()  # hashes of short runs of the program's tokens, see `reader.fingerprints`
     unreadable: str = ""  # why no program can be read
-    program: Submission | None = None  # where it was asked for, or is what the exercise asks for
+    program: Submission | None = None  # unless none can be read
 
 
 Memory: TypeAlias = dict[tuple[str, str, str], FileSummary]
@@ -180,21 +177,17 @@ class Reader(Closable):
 
     def read(self, copy: Copy, exercise: Exercise) -> Submission:
         """The program that somebody has handed in for an exercise."""
-        known = self.memory.get((copy.name, copy.digest, exercise.id))
-        summary = known or self._ask(copy, exercise, whatever=True, compared=False)
+        summary = self.memory.get((copy.name, copy.digest, exercise.id)) or self._ask(copy, exercise)
         if summary.program is None:
             raise UnreadableError(summary.unreadable)
         return summary.program
 
-    def summarize(self, copy: Copy, exercise: Exercise, *, whatever: bool = False) -> FileSummary:
-        """What a file holds, with its program if the exercise asks for it or `whatever` it is; that is remembered."""
+    def summarize(self, copy: Copy, exercise: Exercise) -> FileSummary:
+        """What a file holds; that is remembered."""
         key = (copy.name, copy.digest, exercise.id)
-        known = self.memory.get(key)
-        if known is None:
-            known = self._ask(copy, exercise, whatever=whatever, compared=True)
-            if known.program is not None:
-                self.memory[key] = known
-        return known
+        if key not in self.memory:
+            self.memory[key] = self._ask(copy, exercise)
+        return self.memory[key]
 
     def close(self) -> None:
         """End the process; what is remembered stays. Safe to call twice."""
@@ -207,6 +200,7 @@ class Reader(Closable):
         """Start the process; it gets ready while the caller goes on."""
         try:
             self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            self._line.settimeout(process.WALL_S + _GRACE_S)  # what is later than that hangs, by a fault of ours
             with theirs:
                 root = Path(course_kit.__file__).resolve().parent.parent
                 command = [sys.executable, "-I", "-S", "-W", "ignore", "-c", _START, str(theirs.fileno()), str(root)]
@@ -215,9 +209,9 @@ class Reader(Closable):
         except OSError as problem:
             raise GradingError(f"The process that reads submissions could not start: {problem.strerror}.") from problem
 
-    def _ask(self, copy: Copy, exercise: Exercise, **wishes: bool) -> FileSummary:
+    def _ask(self, copy: Copy, exercise: Exercise) -> FileSummary:
         names = {"exercise": exercise.id, "class_name": exercise.class_name, "variable": exercise.variable}
-        request = {"name": copy.name, "files": exercise.files, **names, **wishes}
+        request = {"name": copy.name, "files": exercise.files, **names}
         if self._stopped():
             raise ReadingStoppedError
         words = ""
@@ -242,14 +236,6 @@ class Reader(Closable):
             raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
         with answer:
             process.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
-            deadline = time.monotonic() + process.WALL_S + _GRACE_S
-            poll = select.poll()
-            poll.register(self._line, select.POLLIN)
-            while not poll.poll(_LOOK_S * 1000):
-                if self._stopped():
-                    raise ReadingStoppedError
-                if time.monotonic() > deadline:
-                    raise EOFError("the reader hangs")
             ended, _ = process.receive_packet(self._line)
             answer.seek(0)
             return ended, answer.read(process.ANSWER_BYTES)
@@ -306,7 +292,7 @@ def starter_identities(exercise: Exercise) -> frozenset[str]:
 def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
     """That of a file of the course, read here: whoever kills the reader must not make a starter an answer."""
     with suppress(UnreadableError, GradingError), copy_file(path, several=bool(wanted)) as copy:
-        wish = {"exercise": exercise_id, "files": wanted, "class_name": "", "variable": "", "whatever": False}
+        wish = {"exercise": exercise_id, "files": wanted, "class_name": "", "variable": ""}
         file = io.BytesIO(os.pread(copy.fileno(), copy.size, 0))
-        return str(process.look_at(copy.name, file, {**wish, "compared": True})["identity"])
+        return str(process.look_at(copy.name, file, wish)["identity"])
     return ""

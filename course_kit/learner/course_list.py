@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import Exercise, find_exercises, list_exercise_ids, load_exercise
+from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_exercise
 from course_kit.learner import handouts, progress, workspace
 from course_kit.quiz import guesses
 from course_kit.ros.names import did_you_mean
@@ -55,7 +55,7 @@ class Row:
 def list_rows(folder: Path | None = None, *, practice: bool = False) -> tuple[list[Row], list[str]]:
     """All exercises in their order, and what to tell the user about files that cannot be used."""
     records, trouble = progress.read_progress()
-    there = find_exercises(folder)
+    there = exercise_folders.find_exercises(folder)
     found, problems = [], [trouble]
     for name in sorted({*there.folders, *(exercise_folders.drills(folder) if practice else ())}):
         try:

@@ -125,12 +125,12 @@ def _answer_request(request: Mapping[str, Any], submission: int, answer: int) ->
 
 
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:
-    """Whether a file holds what is asked for; why it cannot be read; or its program, and what that is compared by."""
+    """Whether a file holds what is asked for; why it cannot be read, or its program, and what that is compared by."""
     problem = source = compared = ""
     places: list[tuple[int, int]] = []
     several: dict[str, files.Read] = {}
     try:
-        if wish.get("files"):
+        if wish["files"]:
             several = files.read_files(name, file, wish["exercise"], wish["files"])
             source = files.join_sources(several)
             compared = files.join_sources({name: several[name] for name in wish["files"] if name in several})
@@ -141,19 +141,18 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
         problem = str(error)
     seen = {
         "found": not several.keys().isdisjoint(wish["files"]) if several else _asked_for(name, file, source, wish),
-        "identity": fingerprints.program_identity(compared) if compared and wish["compared"] else "",
+        "identity": fingerprints.program_identity(compared) if compared else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }
-    if problem or not (seen["found"] or wish["whatever"]):
+    if problem:
         return seen
     program = (
         {"source": source, "files": {name: _describe_file(name, read) for name, read in several.items()}}
         if several
         else _describe_program(source, places, wish["variable"])
     )
-    prints = sorted(fingerprints.take_fingerprints(source)) if wish["compared"] else []
-    return {**seen, "prints": prints, "program": program}
+    return {**seen, "prints": sorted(fingerprints.take_fingerprints(source)), "program": program}
 
 
 def _describe_program(source: str, places: list[tuple[int, int]], variable: str = "") -> dict[str, object]:
@@ -178,7 +177,7 @@ def _describe_file(name: str, read: files.Read) -> dict[str, object]:
 
 
 def _asked_for(name: str, file: BinaryIO, program: str, wish: Mapping[str, Any]) -> bool:
-    if text.kind_of_file(name) == text.NOTEBOOK or wish.get("files"):
+    if text.kind_of_file(name) == text.NOTEBOOK or wish["files"]:
         if program:
             return True
         mark = rf"%%submission\s+{re.escape(wish['exercise'])}\b"

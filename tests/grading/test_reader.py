@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import psutil
 import pytest
@@ -15,6 +15,7 @@ from course_kit.grading.errors import GradingError
 from course_kit.grading.model.exercise import load_exercise
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import Copy, Reader, ReadingStoppedError, copy_file
+from course_kit.reader import process
 from course_kit.reader.python import MEMORY_MB
 from tests.reading import read
 from tests.waiting import wait_until
@@ -87,20 +88,23 @@ def test_a_reader_that_somebody_has_killed_gets_a_successor(program: Path) -> No
         assert reader._process.pid != killed
 
 
-def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submission(tmp_path: Path) -> None:
+def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submission(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "slow.py").write_text(SLOW)
     killed: list[int] = []
 
-    def kill() -> bool:
-        """Asked now and then while it is waited for."""
-        for one in psutil.Process(reader._process.pid).children() if reader._process else ():
-            if len(killed) < 2:
-                killed.append(one.pid)
-                one.kill()
-        return False
+    def kill(*line: Any, receive: Any = process.receive_packet) -> Any:
+        of_reader = psutil.Process(reader._process.pid)
+        wait_until(of_reader.children, "the reader being at work")
+        for child in of_reader.children():
+            killed.append(child.pid)
+            child.kill()
+        return receive(*line)
 
+    monkeypatch.setattr(process, "receive_packet", kill)
     with (
-        Reader(kill) as reader,
+        Reader() as reader,
         copy_file(tmp_path / "slow.py") as copy,
         pytest.raises(GradingError, match="was reading"),
     ):
@@ -108,22 +112,13 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
     assert len(killed) == 2
 
 
-def test_it_stops_when_somebody_asks_for_it(program: Path, tmp_path: Path) -> None:
-    (tmp_path / "slow.py").write_text(SLOW)
+def test_it_stops_when_somebody_asks_for_it(program: Path) -> None:
     stopped: list[bool] = []
-    with Reader(lambda: bool(stopped)) as reader, copy_file(program) as copy, copy_file(tmp_path / "slow.py") as slow:
+    with Reader(lambda: bool(stopped)) as reader, copy_file(program) as copy:
         assert reader.read(copy, EXERCISE)
         stopped.append(True)
         with pytest.raises(ReadingStoppedError):
             reader.read(copy, EXERCISE)
-        stopped.clear()
-        reader._stopped = lambda: len(psutil.Process(reader._process.pid).children()) > 0
-        with pytest.raises(ReadingStoppedError):
-            reader.read(slow, EXERCISE)
-        process = psutil.Process(reader._process.pid)
-        at_work = process.children()
-    assert at_work
-    assert not any(one.is_running() for one in (process, *at_work))
 
 
 STARTS_ONE = """
@@ -212,7 +207,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     exchange = Reader._exchange
 
     def record(self: Reader, request: dict[str, object], copy: Copy) -> tuple[dict[str, object], bytes]:
-        told.append("any" if request["whatever"] else "asked for")
+        told.append(f"{copy.name} for {request['exercise']}")
         return exchange(self, request, copy)
 
     monkeypatch.setattr(Reader, "_exchange", record)
@@ -231,10 +226,10 @@ def test_a_submission_is_read_while_it_is_looked_at(text: str, program: Path, as
         assert known.read(copy, EXERCISE) == due
     with Reader(lambda: True, memory=known.memory) as again, copy_file(program) as copy:
         assert again.read(copy, EXERCISE) == due
-        assert again.summarize(copy, EXERCISE, whatever=True) == summary
+        assert again.summarize(copy, EXERCISE) == summary
         with pytest.raises(ReadingStoppedError):
             again.read(copy, CHOICE)
-    assert asked == ["any", "asked for"]
+    assert asked == 2 * [f"{program.name} for {EXERCISE.id}"]
 
 
 def test_another_name_text_or_exercise_is_another_reading(program: Path, tmp_path: Path, asked: list[str]) -> None:
@@ -250,4 +245,5 @@ def test_another_name_text_or_exercise_is_another_reading(program: Path, tmp_pat
             assert known.read(copy, EXERCISE).name == "second.py"
             assert known.read(after, EXERCISE).source == "answers = {}\n"
             assert not known.summarize(after, EXERCISE).found
-    assert asked == ["asked for", "any", "any", "any", "asked for"]
+    one, other = (f"{program.name} for {exercise.id}" for exercise in (EXERCISE, CHOICE))
+    assert asked == [one, other, f"second.py for {EXERCISE.id}", one, one]

@@ -64,7 +64,7 @@ class ProgramTexts(Closable):
     def of_file(self, path: Path, exercise: Exercise) -> FileSummary:
         """The fingerprints of any file that is read as a submission for an exercise."""
         with suppress(UnreadableError, GradingError), copy_file(path, several=bool(exercise.files)) as copy:
-            return self._reader.summarize(copy, exercise, whatever=True)
+            return self._reader.summarize(copy, exercise)
         return FileSummary()
 
     def lines(self, record: GradeRecord) -> list[str]:

@@ -230,7 +230,8 @@ class Chooser:
             fits = glance.found or (is_script and file.file_name.removesuffix(".py") not in imported)
             is_starter = glance.identity in starters
             doubt = self._explain_doubt(file, exercise, glance, fits=fits)
-            if glance.program and (lacks := [name for name in exercise.files if name not in glance.program.files]):
+            lacks = [name for name in exercise.files if glance.program and name not in glance.program.files]
+            if glance.found and lacks:
                 doubt = f"missing: {', '.join(lacks)}"
             yield replace(
                 file,

@@ -13,7 +13,6 @@ from msgspec import structs
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.catalogue import DiagnosisWords, catalogue
-from course_kit.grading.model.exercise_folders import FoundExercises
 from course_kit.grading.model.job import ExerciseEndpoint  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record, convert_record
@@ -146,24 +145,14 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
         return replace(found, notebook=exercise_folders.in_course(self.folder, self.notebook))
 
 
-def find_exercises(folder: Path | None = None) -> FoundExercises:
-    """Where the exercises lie."""
-    if folder is not None:
-        return FoundExercises(exercise_folders.exercises_in_folder(folder))
-    found = exercise_folders.find_exercises()
-    if not found.folders and not found.problems and exercise_folders.course_folder() is None:
-        raise GradingError("There is no exercises folder here. Run this from a clone of the course.")
-    return found
-
-
 def list_exercise_ids(folder: Path | None = None) -> list[str]:
     """The ids of all exercises, in the alphabet's order."""
-    return sorted(find_exercises(folder).folders)
+    return sorted(exercise_folders.find_exercises(folder).folders)
 
 
 def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise."""
-    found = find_exercises(folder)
+    found = exercise_folders.find_exercises(folder)
     drills = exercise_folders.drills(folder)
     places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
     if not places:

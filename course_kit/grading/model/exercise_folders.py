@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.interfaces.sources import path_with
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable
 
 VARIABLE = "COURSE_EXERCISES"
 TOML = "exercise.toml"
@@ -28,13 +27,11 @@ PROOF = "proof"  # in an exercise's folder, too: what proves its grader
 _OPTION = "--exercises"
 
 
-@dataclass(frozen=True)
-class FoundExercises:
+class FoundExercises(NamedTuple):
     """What lies in the folders."""
 
-    # by id the folder of the exercise; several where that id is there more than once
-    folders: Mapping[str, tuple[Path, ...]]
-    problems: tuple[str, ...] = ()  # what is wrong with the folders that were added, a sentence each
+    folders: dict[str, list[Path]]  # by id those of the exercise; several where that id is there more than once
+    problems: list[str]  # what is wrong with the folders that were added, a sentence each
 
 
 def course_folder() -> Path | None:
@@ -57,15 +54,10 @@ def in_course(folder: Path, name: str) -> str:
     return (folder / name).relative_to(own.parent).as_posix()
 
 
-def exercises_in_folder(folder: Path) -> dict[str, tuple[Path, ...]]:
-    """The exercises in one folder, by their ids."""
-    return {toml.parent.name: (toml.parent,) for toml in sorted(folder.glob(f"*/{TOML}"))}
-
-
-def drills(folder: Path | None = None) -> dict[str, tuple[Path, ...]]:
+def drills(folder: Path | None = None) -> dict[str, list[Path]]:
     """The drills of the course, or of another folder of exercises, by their ids: found only when asked for."""
     own = course_folder() if folder is None else folder
-    return {} if own is None else exercises_in_folder(own / DRILLS)
+    return {} if own is None else _by_id(_below(own / DRILLS))
 
 
 def path_below(folder: Path) -> Path:
@@ -73,27 +65,25 @@ def path_below(folder: Path) -> Path:
     return Path(DRILLS, folder.name) if folder.parent.name == DRILLS else Path(folder.name)
 
 
-def find_exercises() -> FoundExercises:
-    """The course's own exercises and those that were added; a folder that is named twice counts once."""
-    own = course_folder()
-    found = {} if own is None else exercises_in_folder(own)
-    problems = []
-    for folder in _entries():
-        exercises = list(_exercises(folder))
-        if not exercises:
-            problems.append(_explain_nothing_found(folder, VARIABLE))
-        for exercise in exercises:
-            known = found.get(exercise.name, ())
-            if not any(exercise.samefile(other) for other in known):
-                found[exercise.name] = (*known, exercise)
-    return FoundExercises(found, tuple(problems))
+def find_exercises(folder: Path | None = None) -> FoundExercises:
+    """The exercises in a folder; without one the course's own, and those that were added."""
+    if folder is not None:
+        return FoundExercises(_by_id(_below(folder)), [])
+    own, problems = (
+        course_folder(),
+        [_explain_nothing_found(named, VARIABLE) for named in _entries() if not _exercises(named)],
+    )
+    found = _by_id([*(_below(own) if own else ()), *added_exercises()])
+    if own is None and not found and not problems:
+        problems = ["There is no exercises folder here. Run this from a clone of the course."]
+    return FoundExercises(found, problems)
 
 
 def add_exercise_folder(folders: Iterable[str]) -> None:
     """Add folders for this process and all that it starts."""
     for named in folders:
         folder = Path(os.path.abspath(os.path.expanduser(named)))  # noqa: PTH100, PTH111 - as typed, links kept
-        if not any(_exercises(folder)):
+        if not _exercises(folder):
             raise GradingError(_explain_nothing_found(folder, _OPTION))
         os.environ[VARIABLE] = os.pathsep.join(filter(None, [os.environ.get(VARIABLE, ""), str(folder)]))
 
@@ -114,15 +104,26 @@ def _entries() -> list[Path]:
     return [Path(os.path.expanduser(entry)) for entry in named if entry]  # noqa: PTH111 - of a user nobody knows: as it is
 
 
-def _exercises(folder: Path) -> Iterator[Path]:
+def _exercises(folder: Path) -> list[Path]:
     """A folder itself if it is an exercise, else those in it; a relative name means another in each place, and none."""
-    if not folder.is_absolute():
-        return
     with suppress(OSError):  # a folder of somebody else's
-        if (folder / TOML).is_file():
-            yield folder
-        else:
-            yield from (place for (place,) in exercises_in_folder(folder).values())
+        if folder.is_absolute():
+            return [folder] if (folder / TOML).is_file() else _below(folder)
+    return []
+
+
+def _below(folder: Path) -> list[Path]:
+    return [toml.parent for toml in sorted(folder.glob(f"*/{TOML}"))]
+
+
+def _by_id(exercises: Iterable[Path]) -> dict[str, list[Path]]:
+    """Folders of exercises by their names; one that is named twice counts once."""
+    found: dict[str, list[Path]] = {}
+    for exercise in exercises:
+        known = found.setdefault(exercise.name, [])
+        if not any(map(exercise.samefile, known)):
+            known.append(exercise)
+    return found
 
 
 def _explain_nothing_found(folder: Path, named_by: str) -> str:
