@@ -19,7 +19,7 @@ import msgspec
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
-from course_kit.grading.model.exercise import Exercise, load_exercise, read_exercise_table
+from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.exercise_folders import INTERFACES, TOML
 from course_kit.ros.names import did_you_mean
 
@@ -186,7 +186,7 @@ def _git(root: Path, *arguments: str) -> frozenset[str]:
 def carried_files(exercise: Exercise) -> dict[str, Path]:
     """The files of an exercise, by the names they have in a course's folder."""
     folder = exercise.folder
-    found = {folder / TOML, *(folder / name for name in exercise.starters), *_checks(folder)}
+    found = {folder / TOML, *(folder / name for name in exercise.starters), *_checks(exercise)}
     found |= {path for path in (folder / INTERFACES).rglob("*") if path.suffix in _KINDS}
     found |= {path for path in folder.glob("*") if path.suffix.lower() in _PICTURES}
     place = exercise_folders.path_below(folder)
@@ -199,11 +199,10 @@ def added_exercises() -> list[str]:
     return sorted(name for name, places in found.items() if any(map(exercise_folders.is_added, places)))
 
 
-def _checks(folder: Path) -> set[Path]:
+def _checks(exercise: Exercise) -> set[Path]:
     """The exercise's file of checks and what that imports from beside it, in any number of steps."""
     found: set[Path] = set()
-    grader = read_exercise_table(folder).get("grader")
-    waiting = [folder / grader] if isinstance(grader, str) and grader.endswith(".py") else []
+    waiting = [exercise.folder / exercise.written_grader]  # a module of the kit is no file there
     while waiting:
         path = waiting.pop()
         if path not in found and path.is_file():

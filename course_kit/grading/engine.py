@@ -121,18 +121,8 @@ def grade_submission(request: GradingRequest, *workers: Worker) -> Report:
 
 def report_unreadable(exercise: Exercise, shown: str, problem: str, status: str = "unreadable") -> Report:
     """The report of a submission that could not be graded at all."""
-    return Report(
-        exercise=exercise.id,
-        title=exercise.title,
-        submission=shown,
-        status=status,
-        passed=False,
-        score=0.0,
-        max_score=exercise.points,
-        practice=exercise.practice,
-        duration_s=0.0,
-        problem=problem,
-    )
+    made = Report(exercise.id, exercise.title, shown, status, max_score=exercise.points)
+    return replace(made, practice=exercise.practice, problem=problem)
 
 
 def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], require_isolation: bool) -> Report:

@@ -163,8 +163,7 @@ class FileSummary:
     program: Submission | None = None  # unless none can be read
 
 
-Memory: TypeAlias = dict[tuple[str, str, str], FileSummary]
-"""What was read, by the file's name and bytes and the exercise."""
+Memory: TypeAlias = dict[tuple[str, str, str], FileSummary]  # by the file's name and bytes and the exercise
 
 
 class Reader(Closable):
@@ -230,11 +229,7 @@ class Reader(Closable):
 
     def _exchange(self, request: Record, copy: Copy) -> tuple[Record, bytes]:
         """How the reader's child has ended, and what it has written."""
-        try:
-            answer = open(make_memory_file("reader"), "w+b", buffering=0)  # noqa: PTH123, SIM115 - a descriptor
-        except OSError as problem:
-            raise GradingError(f"A submission could not be read: {problem.strerror}.") from problem
-        with answer:
+        with open(make_memory_file("reader"), "w+b", buffering=0) as answer:  # noqa: PTH123 - a descriptor
             process.send_packet(self._line, request, (copy.fileno(), answer.fileno()))
             ended, _ = process.receive_packet(self._line)
             answer.seek(0)

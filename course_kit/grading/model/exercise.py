@@ -15,7 +15,7 @@ from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.catalogue import DiagnosisWords, catalogue
 from course_kit.grading.model.job import ExerciseEndpoint  # noqa: TC001 - as above
 from course_kit.grading.model.limits import Limits
-from course_kit.grading.model.plain_data import Record, convert_record
+from course_kit.grading.model.plain_data import convert_record
 from course_kit.ros.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -170,28 +170,16 @@ def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
 
 def read_exercise(folder: Path) -> Exercise:
     """Read the exercise in a folder."""
-    table = read_exercise_table(folder)
+    toml = folder / exercise_folders.TOML
     try:
-        if table.get("format_version") != FORMAT_VERSION:
-            version = table.get("format_version")
+        table = msgspec.toml.decode(toml.read_text(encoding="utf-8"), type=dict)
+        if (version := table.get("format_version")) != FORMAT_VERSION:
             raise ValueError(f"its format_version is {version}, but this kit reads {FORMAT_VERSION}")  # noqa: TRY301
         exercise = convert_record({**table, "folder": folder}, Exercise)
         _require_sense(exercise)
-    except ValueError as problem:
-        raise _explain_unusable(folder, problem) from problem
-    return exercise
-
-
-def read_exercise_table(folder: Path) -> Record:
-    """All that stands in the exercise.toml of a folder."""
-    try:
-        return msgspec.toml.decode((folder / exercise_folders.TOML).read_text(encoding="utf-8"), type=dict)
     except (OSError, ValueError) as problem:
-        raise _explain_unusable(folder, problem) from problem
-
-
-def _explain_unusable(folder: Path, problem: Exception) -> GradingError:
-    return GradingError(f"{folder / exercise_folders.TOML} cannot be used: {problem}.")
+        raise GradingError(f"{toml} cannot be used: {problem}.") from problem
+    return exercise
 
 
 def _require_sense(exercise: Exercise) -> None:

@@ -61,10 +61,10 @@ class Report:
     title: str  # the exercise's title
     submission: str  # the submission's path or name
     status: str  # graded, unreadable, crashed (it ended before it could be asked) or error (not the learner's fault)
-    passed: bool  # whether the score reaches the pass mark
-    score: float  # the points of all passed checks
-    max_score: float  # full marks
-    duration_s: float  # from the call to the verdict
+    passed: bool = False  # whether the score reaches the pass mark
+    score: float = 0.0  # the points of all passed checks
+    max_score: float = 0.0  # full marks
+    duration_s: float = 0.0  # from the call to the verdict
     checks: tuple[CheckReport, ...] = ()  # each check, in the order they were run
     stdout: str = ""  # first and last 4 kB of what the submission printed
     stderr: str = ""  # the same of its errors; ROS 2 logs go there
