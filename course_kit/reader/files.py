@@ -34,7 +34,7 @@ def read_files(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str]) 
         return _of_archive(name, file, exercise, wanted)
     if text.kind_of_file(name) == text.NOTEBOOK:
         return _of_notebook(name, file.read(), exercise)
-    return {name: read_file(name, file.read())}
+    return {name: read_file(name, file.read())} if is_name(name) else {}
 
 
 def read_file(name: str, data: bytes) -> Read:

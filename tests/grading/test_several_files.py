@@ -75,16 +75,19 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     exercise = read_exercise(several_files.write(tmp_path))
     (tmp_path / "it.ipynb").write_text(several_files.notebook(guard_py=None))
     packed = several_files.zipped(tmp_path / "it.zip", guard_py=None)
-    alone = tmp_path / "it" / "gate.py"
+    alone, unusable = tmp_path / "it" / "gate.py", tmp_path / "my gate.py"
+    unusable.write_text(alone.read_text())
     with Reader() as reader:
         read = []
-        for path in (tmp_path / "it", packed, tmp_path / "it.ipynb", alone):
+        for path in (tmp_path / "it", packed, tmp_path / "it.ipynb", alone, unusable):
             with copy_file(path, several=True) as copy:
                 read.append(reader.read(copy, exercise))
-    folder, archive, cells, one = ({name: text.source.strip() for name, text in each.files.items()} for each in read)
+    folder, archive, cells, one, none = (
+        {name: text.source.strip() for name, text in each.files.items()} for each in read
+    )
     assert folder == archive == cells
     assert sorted(folder) == ["gate.py", "pair.launch.py", "pair.yaml"]
-    assert one == {"gate.py": folder["gate.py"]}
+    assert (one, none) == ({"gate.py": folder["gate.py"]}, {})
     assert read[2].files["pair.yaml"].describe_line(2) == "cell 3, line 3"
 
 
