@@ -253,10 +253,6 @@ class LimiterSteps(Model):
         if not changed:
             return
         evidence = Evidence(sent or "get_parameters", describe_value(wanted), describe_value(read))
-        for values, refused in reversed(self.past):
-            if refused and any(name in values for name in changed):
-                why = "The parameter has changed although the change was refused."
-                raise Failed(evidence, why, "parameter.not_atomic", breaks="atomic" if len(values) > 1 else "refuses")
         why = "Your node accepted the value, but afterwards the parameter has a different one."
         raise Failed(evidence, why, breaks=CHANGES[changed[0]])
 

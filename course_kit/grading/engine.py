@@ -138,8 +138,9 @@ def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], 
     outcome = _grade_parts(exercise, job, workers)
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
-    report = _report(exercise, shown, outcome, isolation, began)
-    return report.of_part(job.only) if job.only else report
+    return replace(
+        _report(exercise, shown, outcome, job.only), duration_s=time.monotonic() - began, isolation=isolation
+    )
 
 
 def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> GradingOutcome:
@@ -172,7 +173,7 @@ def _domain() -> int:
         raise GradingError(str(problem)) from None
 
 
-def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: str, began: float) -> Report:
+def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, part: str) -> Report:
     checks = tuple(_check(exercise, result) for result in bounds.bound_results(outcome["results"]))
     problem, broken = outcome["problem"], next((check for check in checks if check.status == "error"), None)
     if problem or not checks:
@@ -182,15 +183,18 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, isolation: 
     crashed = checks and checks[0].status == "failed" and (checks[0].diagnosis or "").startswith(_NOT_STARTED)
     status = "error" if problem else "crashed" if crashed else "graded"
     score = 0.0 if problem else sum(check.points for check in checks)
+    most, enough = exercise.points, exercise.pass_mark
+    if part:  # its checks are full marks, and all of them pass it
+        most = enough = sum(check.max_points for check in checks)
     return replace(
         report_unreadable(exercise, shown, problem, status),
-        passed=status != "error" and score >= exercise.pass_mark,
+        passed=status != "error" and score >= enough,
         score=score,
-        duration_s=time.monotonic() - began,
+        max_score=most,
+        part=part,
         checks=checks,
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
-        isolation=isolation,
     )
 
 

@@ -11,6 +11,7 @@ import pkgutil
 import re
 import signal
 import sys
+from contextlib import suppress
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -253,8 +254,8 @@ def explain_status(name: str, process: ProcessStatus, job: Job) -> Cause:
 def explain_silence(look: Callable[[], Activity], over: str, seconds: float, process: ProcessStatus, job: Job) -> Cause:
     """Why no result came from a program that lives on, whose threads can be looked at."""
     if over:
-        cause = explain_goal_exception(process, job)
-        return cause or (None, f"The goal ended as {over}, but its result was never sent.")
+        why = f"The goal ended as {over}, but its result was never sent."
+        return explain_goal_exception(process, job) or (None, why)
     looks = [look() for _ in range(_LOOKS)]
     at_work = [seen.callback for seen in looks if seen.callback is not None]
     if not at_work:
@@ -303,13 +304,10 @@ def _suggest_module(raised: TracebackException) -> str:
 
 def _names_in(module: str) -> set[str]:
     """What can be imported from a module; nothing where importing it here would not do."""
-    loaded = sys.modules.get(module)
-    try:
-        if loaded is None and _HARMLESS.fullmatch(module):
-            loaded = importlib.import_module(module)
-    except Exception:  # noqa: BLE001 - no such name, or it is not whole
-        return set()
-    return set(dir(loaded)) if loaded is not None else set()
+    with suppress(Exception):  # no such name, or it is not whole
+        if module in sys.modules or _HARMLESS.fullmatch(module):
+            return set(dir(importlib.import_module(module)))
+    return set()
 
 
 def _signal_name(number: int) -> str:

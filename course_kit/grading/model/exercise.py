@@ -62,7 +62,6 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     """One exercise: what stands in its exercise.toml, and where that lies."""
 
     folder: Path
-    format_version: int
     id: _Identifier  # its name, which is the folder's
     title: _Text  # for people
     order: int  # its place in the course

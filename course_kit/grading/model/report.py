@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from course_kit.ros.graph import Overview  # noqa: TC001 - msgspec looks it up
@@ -99,11 +99,6 @@ class Report:
             if check.status == "skipped":
                 found.setdefault(check.message.rstrip("."), []).append(check)
         return found
-
-    def of_part(self, part: str) -> Report:
-        """The report where only the checks of a part were run: they are full marks, and all of them pass it."""
-        most = sum(check.max_points for check in self.checks)
-        return replace(self, part=part, max_score=most, passed=self.status == "graded" and self.score >= most)
 
     def to_mapping(self) -> Record:
         """The report as JSON has it: exactly these names."""
