@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from course_kit.grading.sandbox.file_view import FileView
     from course_kit.grading.sandbox.launcher import Launcher
 
-_ANSWER_S = 25.0  # how long the init process is waited for; on a busy machine it takes seconds until it is there
+_ANSWER_S = 5.0  # how long the init process is waited for; it has answered long before, unless the machine is very busy
+_FIRST_S = 25.0  # the same after a start: on a busy machine a sandbox takes seconds to be made
 _QUIET_S = 0.04  # nothing more is coming when nothing came for so long
 _DUMP_S = 3.0  # how long a dump of stacks is waited for: a submission may have turned it off
 _PROFILE = environment.middleware.PROFILE_VARIABLE
@@ -192,7 +193,8 @@ class Supervisor:
     def _ask(self, what: bytes) -> None:
         before = self._collector.samples
         self._collector.ask(what)
-        self._pump_until(lambda: self._collector.samples > before, time.monotonic() + _ANSWER_S)
+        patience_s = _ANSWER_S if before else _FIRST_S
+        self._pump_until(lambda: self._collector.samples > before, time.monotonic() + patience_s)
 
     def _stacks(self, program: bytes) -> str:
         """What each thread of the program executes, by faulthandler; empty if it is silent."""

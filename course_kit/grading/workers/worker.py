@@ -169,7 +169,6 @@ def isolation_status() -> Isolation:
 
 def side_by_side(number: int, exercises: Iterable[Exercise] = ()) -> list[Worker]:
     """Start several workers that share the cost of getting warm, and of loading what these exercises need of ROS."""
-    known = (exercise for exercise in exercises if not exercise.interfaces)  # others are found only with their job
-    interfaces = sorted({end.type for exercise in known for end in exercise.endpoints})
+    interfaces = {end.type for exercise in exercises if not exercise.interfaces for end in exercise.endpoints}
     process = WarmProcess(number, variables_of(whole=False, own_graph=True), interfaces)
     return [Worker(at=(process, channel)) for channel in process.channels]
