@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Submission
 
 _NOT_STARTED = ("start.", "limit.")
-_DIGITS = 6  # of points
 
 
 @dataclass(frozen=True)
@@ -160,9 +159,9 @@ def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> Gra
             whole["problem"] = whole["problem"] or outcome["problem"]
         if job.first_failure and any(one["status"] == "failed" and one["max_points"] for one in whole["results"]):
             return whole
-    worth = sum(each["max_points"] for each in whole["results"])
-    if parts and not whole["problem"] and round(worth - job.points, _DIGITS):
-        whole["problem"] = f"the checks of its parts are worth {worth:g} together, but the exercise {job.points:g}"
+    worth, whole_worth = f"{sum(each['max_points'] for each in whole['results']):g}", f"{job.points:g}"
+    if parts and not whole["problem"] and worth != whole_worth:
+        whole["problem"] = f"the checks of its parts are worth {worth} together, but the exercise {whole_worth}"
     return whole
 
 

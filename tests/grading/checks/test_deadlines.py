@@ -137,8 +137,7 @@ def test_a_start_is_counted_from_when_the_sandbox_answers(
     context: CheckContext, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     context.clock()  # it is known how things stood before the start
-    look = Mock(return_value=ProcessorUse())
-    monkeypatch.setattr(context.program, "processor_use", look)
+    monkeypatch.setattr(context.program, "processor_use", look := Mock(return_value=ProcessorUse()))
     is_there = Mock(side_effect=lambda: look.called)
     assert context.wait_for_start(is_there)
     assert is_there.call_count == 2  # at its first look, and as the answer
