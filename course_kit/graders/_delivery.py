@@ -16,8 +16,8 @@ from course_kit.grading.checks.graded_goal import SUCCEEDED
 from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed, GradedGoal, GradedNode, offer_service
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.graded_goal import GoalOutcome
     from course_kit.grading.checks.grader_node import OfferedService
+    from course_kit.ros.messages import Message
 
 STATE, DISTANCE, DOCKED, OPEN, DELIVER = "/battery", "/odometry_distance", "/docked", "/door/open", "/deliver"
 DOOR, DRIVING = Deliver.Feedback.DOOR, Deliver.Feedback.DRIVING
@@ -44,7 +44,7 @@ def have_running(node: GradedNode, program: str, *arguments: str, **parameters: 
     wanted, memory = (program, arguments, parameters), node.context.memory
     if not node.context.spoiled and memory.get("runs") == wanted:
         return False
-    node.start(*arguments, program=program, parameters=parameters, meets=False)
+    node.start(*arguments, program=program, parameters=parameters)
     memory.update(runs=wanted, at=0.0, driven=0.0)
     node.prepare()
     return True
@@ -161,7 +161,7 @@ def deliver(node: GradedNode, room: str, speed_mps: float = ALONE_MPS, goal: Gra
     memory["at"] = PLACES[room]
 
 
-def require_distance(node: GradedNode, goal: GradedGoal, ended: GoalOutcome, metres: float) -> None:
+def require_distance(node: GradedNode, goal: GradedGoal, ended: Message, metres: float) -> None:
     """The result says that so many metres were driven for this goal."""
     node.context.memory["driven"] += (driven_m := ended.result.distance)
     evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={driven_m:.3f}")
@@ -200,7 +200,7 @@ def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> Grad
     return second if second.accepted else first.accepted_by()
 
 
-def finish(node: GradedNode, goal: GradedGoal, room: str, seconds: float) -> GoalOutcome:
+def finish(node: GradedNode, goal: GradedGoal, room: str, seconds: float) -> Message:
     """A goal that was accepted ends, however; then the robot is where it was sent."""
     ended, memory = goal.wait_for_end(seconds, "SUCCEEDED"), node.context.memory
     memory["driven"] += ended.result.distance

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from course_interfaces.action import MoveRobot
 
 from course_kit.grading.checks.evidence import UnseenError
-from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED
+from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED, describe_end
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
 
 if TYPE_CHECKING:
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.checks.graded_goal import GoalOutcome, GradedGoal
+    from course_kit.grading.checks.graded_goal import GradedGoal
     from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.checks.vocabulary import GradedNode
+    from course_kit.ros.messages import Message
 
 ARENA = 10.0  # metres; 0 <= x, y <= ARENA
 TOLERANCE = 0.05  # metres; how near to the target a move has to end
@@ -83,7 +84,7 @@ class Move:
     begin: ArenaPoint
     target: ArenaPoint
     goal: GradedGoal
-    ended: GoalOutcome
+    ended: Message  # the response to the request for its result
 
     @property
     def length(self) -> float:
@@ -201,7 +202,7 @@ def require_arrival(move: Move) -> None:
     if off <= TOLERANCE:
         return
     expected = f"SUCCEEDED, final_position within {TOLERANCE} m of {move.target}"
-    evidence = Evidence(move.goal.shown, expected, str(move.ended))
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
     if move.ended.result == MoveRobot.Result():
         raise Failed(evidence, "The result still has its default values: your callback set none of its fields.")
     raise Failed(evidence, f"The robot ended {off:.3g} m away from the target.", "action.stops_short")
@@ -216,7 +217,7 @@ def require_distance(move: Move) -> None:
     if abs(travelled - length) <= tolerance:
         return
     expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
-    evidence = Evidence(move.goal.shown, expected, str(move.ended))
+    evidence = Evidence(move.goal.shown, expected, describe_end(move.ended))
     began = place_of(move.goal.feedback[0].feedback.position) if move.goal.feedback else move.begin
     why = "distance_travelled is not the length of this move alone."
     if math.dist(began, move.begin) > TOLERANCE and abs(travelled - math.dist(began, end)) <= tolerance:
@@ -338,7 +339,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
 def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
-    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", str(ended))
+    evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", describe_end(ended))
     places = (place_of(message.feedback.position) for message in reversed(goal.feedback))
     # Where it was last on its way; what lies beside it is another check's matter.
     seen = next((place for place in places if distance_beside(move.begin, target, place) <= BESIDE), None)

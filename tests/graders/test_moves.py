@@ -22,7 +22,7 @@ from course_kit.graders._moves import (
     send_goal,
 )
 from course_kit.grading.checks.evidence import Evidence, Failed, UnseenError
-from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, GoalOutcome, is_spread
+from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED, is_spread
 from course_kit.grading.checks.grader_node import ReceivedFeedback
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.job import Job, ProcessStatus
@@ -141,7 +141,8 @@ def test_the_distance_is_that_of_this_goal_as_far_as_it_went(
     status: int, final: float, travelled: float, right: bool
 ) -> None:
     result = MoveRobot.Result(final_position=Point(x=final), distance_travelled=travelled)
-    move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), GoalOutcome(status, result))
+    ended = MoveRobot.Impl.GetResultService.Response(status=status, result=result)
+    move = Move(ArenaPoint(1.0, 0.0), ArenaPoint(2.0, 0.0), goal(), ended)
     if right:
         require_distance(move)
         return

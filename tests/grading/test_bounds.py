@@ -18,16 +18,17 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
 from course_kit.grading.checks import grader_node
-from course_kit.grading.checks.grader_node import BoundedInbox, Feedback, Statuses
+from course_kit.grading.checks.grader_node import ActionChannels, BoundedInbox
 from course_kit.grading.model import bounds
 
 INFO = {"received_timestamp": 2_000_000_000, "source_timestamp": 1_000_000_000}
 TEXTS = ("sent", "expected", "got", "message")
+NOBODY: Any = SimpleNamespace(node=None, client=lambda *_: None, listen=lambda *_, **__: None)
 
 
-def take(inbox: Any, message: Any) -> None:
+def take(keep: Any, message: Any) -> None:
     handle = SimpleNamespace(take_message=lambda *_: (message, INFO))
-    assert grader_node._take_message(SimpleNamespace(handle=handle, msg_type=None, raw=False), inbox)
+    assert grader_node._take_message(SimpleNamespace(handle=handle, msg_type=None, raw=False), keep)
 
 
 def test_texts_and_sequences_of_a_message_are_cut_wherever_they_stand() -> None:
@@ -49,7 +50,7 @@ def test_texts_and_sequences_of_a_message_are_cut_wherever_they_stand() -> None:
 def test_of_a_flood_on_a_topic_the_last_messages_are_kept_and_all_are_counted() -> None:
     heard = BoundedInbox()
     for number in range(5000):
-        take(heard, String(data=f"{number} {'x' * 20_000}"))
+        take(heard.keep, String(data=f"{number} {'x' * 20_000}"))
     assert heard.count == 5000
     assert len(heard.messages) == len(heard.times) == 1000
     assert sum(len(message.data) for message in heard.messages) <= 1000 * bounds.LONGEST_TEXT
@@ -63,23 +64,23 @@ def feedback(goal: bytes, number: int) -> Any:
 
 
 def test_of_feedback_without_end_the_beginning_and_the_last_are_kept() -> None:
-    ours, other, heard = b"a" * 16, b"b" * 16, Feedback()
-    told = heard.of_goal(ours)
+    ours, other, channels = b"a" * 16, b"b" * 16, ActionChannels(NOBODY, "/move_robot", MoveRobot)
+    told, _ = channels.follow(ours)
     for number in range(12_000):
-        take(heard, feedback(ours, number))
-        take(heard, feedback(other, number))
+        take(channels.keep_feedback, feedback(ours, number))
+        take(channels.keep_feedback, feedback(other, number))
     assert len(told) == 10_000
     assert [told[place].feedback.progress for place in (0, 1, -2, -1)] == [0, 1, 9998, 11_999]
-    assert heard.of_goal(other) == []
+    assert channels.follow(other)[0] == []
 
 
 def test_only_changes_of_the_status_of_our_own_goals_are_kept() -> None:
-    ours, heard = bytes(range(16)), Statuses()
-    changes = heard.of_goal(ours)
+    ours, channels = bytes(range(16)), ActionChannels(NOBODY, "/move_robot", MoveRobot)
+    _, changes = channels.follow(ours)
     for status in (1, 2, 2, 2, 77, 4, 4, *range(-30, 0)):
         entries = [GoalStatus(status=status) for _ in range(1100)]
         entries[-1].goal_info.goal_id.uuid = list(ours)
-        take(heard, serialize_message(GoalStatusArray(status_list=entries)))
+        take(channels.keep_statuses, serialize_message(GoalStatusArray(status_list=entries)))
     assert [status for _, status in changes[:4]] == [1, 2, 77, 4]
     assert len(changes) == 20
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import uuid
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import are_same, describe_value, require_fields
-from course_kit.grading.checks.evidence import GRADER, Evidence, Exchange, Failed, Followed, charge_to, in_one_line
-from course_kit.grading.checks.grader_node import ActionChannels
+from course_kit.grading.checks.evidence import GRADER, Evidence, Exchange, Failed, TimedStep, charge_to, in_one_line
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import causes
 from course_kit.ros.goal import status_name
@@ -32,28 +31,15 @@ if TYPE_CHECKING:
 SUCCEEDED, CANCELED, ABORTED = GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED
 END_S = 10.0
 PROMPT_S = 1.0
-_STATUS = {"SUCCEEDED": SUCCEEDED, "CANCELED": CANCELED, "ABORTED": ABORTED}
 _GOOD_PART = 0.4  # of the time of a goal, from the first to the last feedback
 _TOO_LATE = 0.1  # of the time of a goal, before its end, for what tells of its middle
 _QUIET_S = 0.025  # feedback is complete when none came for so long after the result, fairly counted
 _REPAIRED_S = 3.5  # a message that got lost is sent again after the writer's next heartbeat, each 3 s in Fast DDS
 
 
-@dataclass(frozen=True)
-class GoalOutcome:
-    """How a goal ended: its status (see action_msgs/msg/GoalStatus) and its result, as the client gets them."""
-
-    status: int
-    result: Message
-
-    @property
-    def name(self) -> str:
-        """The status in words, `SUCCEEDED`."""
-        return status_name(self.status)
-
-    def __str__(self) -> str:
-        """As the learner is shown it."""
-        return f"{self.name}, {in_one_line(self.result)}"
+def describe_end(ended: Message) -> str:
+    """How a goal ended, by the response to the request for its result, as the learner is shown it."""
+    return f"{status_name(ended.status)}, {in_one_line(ended.result)}"
 
 
 class GradedGoal:
@@ -62,7 +48,7 @@ class GradedGoal:
     def __init__(self, context: CheckContext, action: str, interface: ActionType, message: Message) -> None:
         self.shown = f"a goal with {in_one_line(message)}"
         self._context, self._parts = context, interface.Impl
-        self._line = ActionChannels(context.grader_node, action, interface)
+        self._line = context.grader_node.action(interface, action)
         self._stderr = context.program.stderr
         self._id = uuid.uuid4().bytes
         self._result: SentRequest | None = None
@@ -70,25 +56,14 @@ class GradedGoal:
         self.clock = context.clock()
         request = self._parts.SendGoalService.Request(goal_id=self._uuid(), goal=message)
         self._turn = context.record.add_sent(f"goal for {action}: {in_one_line(message)}")
-        context.record.follow(self._feedback_steps)
-        for inbox in (self._line.feedback, self._line.statuses):
-            inbox.of_goal(self._id)  # what comes about this goal is kept from now on
+        self._turn.further_steps = self._feedback_steps
+        self.feedback, self.statuses = self._line.follow(self._id)  # so far, oldest first
         self._answer = self._line.goals.send(request)
 
     @property
     def accepted(self) -> bool:
         """Whether it has said yes."""
         return self._answer.is_answered() and bool(self._answer.response().accepted)
-
-    @property
-    def feedback(self) -> list[ReceivedFeedback]:
-        """The feedback about this goal so far, oldest first."""
-        return self._line.feedback.of_goal(self._id)
-
-    @property
-    def statuses(self) -> list[tuple[float, int]]:
-        """The statuses received for this goal so far, each with its time on the system's clock."""
-        return self._line.statuses.of_goal(self._id)
 
     @property
     def over_at(self) -> float | None:
@@ -153,7 +128,7 @@ class GradedGoal:
         not_before_s: float = 0.0,
         breaks: str = "",
         **fields: Any,
-    ) -> GoalOutcome:
+    ) -> Message:
         """It ends with this status, and a result with these fields.
 
         Args:
@@ -172,12 +147,12 @@ class GradedGoal:
         expected = ", ".join(filter(None, (status, describe_value(fields))))
         with charge_to(breaks):
             ended = self.wait_for_end(within_s, expected)
-            evidence = Evidence(self.shown, expected, str(ended))
+            evidence = Evidence(self.shown, expected, describe_end(ended))
             went_on = status == "CANCELED" and ended.status == SUCCEEDED
             if went_on and causes.explain_goal_exception(self.process(), self._context.job) is None:
                 why = "Your server agreed to cancel the goal, but went on to its end."
                 raise Failed(evidence, why, "action.cancel_ignored")
-            self.require_status(ended, _STATUS[status], evidence)
+            self.require_status(ended, getattr(GoalStatus, f"STATUS_{status}"), evidence)
             require_fields(fields, ended.result, "In the result, ", evidence)
             if (took_s := self.clock.wall_s()) < not_before_s:
                 evidence = Evidence(self.shown, f"not before {not_before_s:g} s", f"it ended after {took_s:.2f} s")
@@ -255,7 +230,7 @@ class GradedGoal:
         self._turn.add_received("accepted" if self.accepted else "rejected")
         return self.accepted
 
-    def wait_for_end(self, seconds: float, expected: str) -> GoalOutcome:
+    def wait_for_end(self, seconds: float, expected: str) -> Message:
         """Wait for the result."""
         result = self._result or self._line.results.send(self._parts.GetResultService.Request(goal_id=self._uuid()))
         self._result = result
@@ -263,10 +238,8 @@ class GradedGoal:
         with hangs.explain_end(self._context, evidence, causes.explain_program, "no result: the program ended"):
             self._context.wait_until(lambda: result.is_answered(RESEND_AFTER_S if self.over_at else None), seconds)
         if result.is_answered():
-            response = result.response()
-            end = GoalOutcome(response.status, response.result)
-            self._turn.add_received(f"result: {end}")
-            return end
+            self._turn.add_received(f"result: {describe_end(result.response())}")
+            return result.response()
         self._context.spoil()
         seconds = min(seconds, clock.fair_s())
         over = next((status_name(status) for _, status in self.statuses if status >= SUCCEEDED), "")
@@ -284,8 +257,8 @@ class GradedGoal:
 
         def is_quiet() -> bool:
             nonlocal count, clock
-            if count != self._line.feedback.count:
-                count, clock = self._line.feedback.count, self._context.clock()
+            if count != len(self.feedback):
+                count, clock = len(self.feedback), self._context.clock()
             return clock.has_passed(_QUIET_S) and (clock.has_passed(_REPAIRED_S) or complete(self.feedback))
 
         self._context.wait_until(is_quiet, hangs.ANSWER_S, step_s=_QUIET_S / 2)
@@ -333,16 +306,16 @@ class GradedGoal:
         before = os.path.commonprefix([self._stderr, process.stderr])  # noqa: RUF071 - character by character
         return replace(process, stderr=process.stderr.removeprefix(before))
 
-    def require_status(self, ended: GoalOutcome, status: int, evidence: Evidence, breaks: str = "") -> None:
+    def require_status(self, ended: Message, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""
         process, job = self.process(), self._context.job
         cause = causes.explain_goal_exception(process, job)
         if ended.status != status:
-            cause = causes.explain_status(ended.name, process, job)
+            cause = causes.explain_status(status_name(ended.status), process, job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
-    def _feedback_steps(self) -> Iterator[Followed]:
+    def _feedback_steps(self) -> Iterator[TimedStep]:
         """The first and the last feedback."""
         heard, begin = self.feedback, self._turn.steps[0][0]
         for number in sorted({1, len(heard)} if heard else ()):

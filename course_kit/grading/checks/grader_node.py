@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
+from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
@@ -22,7 +22,6 @@ from course_kit.grading.checks.evidence import GRADER, Evidence, ExchangeLog, Fa
 from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
-from course_kit.ros.names import is_hidden, is_of_ros
 from course_kit.ros.service import ServiceClient
 from course_kit.ros.topic import NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 
@@ -41,10 +40,9 @@ _MOST_REQUESTS = 1000  # for a service of ours
 _AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
 _MOST_SEEN = 30  # nodes that are drawn
 DEPTH = 10  # of queues, as the tutorials of ROS 2 have it
-_FOR_PARAMETERS = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
+# Of nodes, by the kind of an endpoint.
+ROLES = {"service": graph.SERVES, "action": graph.RUNS, "publisher": graph.PUBLISHES, "subscription": graph.LISTENS}
 NAME = "_course_kit_grader"  # hidden from `ros2 node list`, as names with an underscore are
-AnyInbox = TypeVar("AnyInbox", bound="BoundedInbox | Feedback | Statuses")
-Kept = TypeVar("Kept")
 _MOST_FEEDBACK = 10_000  # messages about one goal that are kept
 _MOST_CHANGES = 20  # of the status of one goal
 _ENTRIES, _IDENTIFIER, _STATUS_AT = 8, 16, 24  # bytes of a serialized status message: before, and in, an entry
@@ -63,6 +61,7 @@ class BoundedInbox:
 
     def keep(self, message: Message, received_s: float) -> None:
         """Keep one message, with the time the middleware noted, however late it is looked at."""
+        self.count += 1
         self.messages.append(bound_message(message))
         self.times.append(received_s)
 
@@ -94,7 +93,8 @@ class OfferedService:
             return
         self.requests.append(bound_message(request))
         self._waiting.append(header)
-        self._record.add_unasked(f"request {self.rclpy_service.srv_name}: {in_one_line(self.requests[-1])}", "request")
+        text = f"request {self.rclpy_service.srv_name}: {in_one_line(self.requests[-1])}"
+        self._record.begin_exchange().add_received(text, "request")
         if self.answer is not None:
             self.reply(self.answer)
 
@@ -114,18 +114,19 @@ class GraderNode:
         rclpy.init(args=[], context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         self.node = quiet_node(NAME, self._context)
         self._clients: dict[tuple[str, int], ServiceClient] = {}
-        self._inboxes: dict[str, tuple[Subscription, Any]] = {}
+        self._inboxes: dict[str, BoundedInbox] = {}
+        self._actions: dict[str, ActionChannels] = {}
         self._publishers: dict[str, Publisher] = {}
         self._services: dict[str, OfferedService] = {}
         # By the handle's address, as the wait set names what is ready.
         self._takers: dict[int, Callable[[], object]] = {}
+        self._waking: list[Subscription] = []
+        self._quiet: list[Callable[[], bool]] = []  # takers of what does not wake
         self._nothing = rclpy_implementation.GuardCondition(self._context.handle)  # a wait set must not be empty
         self._wait_set: rclpy_implementation.WaitSet | None = None
 
     def spin_once(self, timeout_s: float) -> None:
         """Take in what has come, or wait for something at most `timeout_s` seconds."""
-        if not self._context.ok():
-            raise ExternalShutdownException
         try:
             self._receive(timeout_s)
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
@@ -143,21 +144,36 @@ class GraderNode:
 
     def inbox(self, interface: MessageType, topic: str) -> BoundedInbox:
         """What comes on a topic, from the first use on; with the default profile of depth 10."""
-        return self.inbox_of(BoundedInbox, interface, topic, DEPTH)
-
-    def inbox_of(
-        self, kind: type[AnyInbox], interface: MessageType, topic: str, qos: QoSProfile | int, *, raw: bool = False
-    ) -> AnyInbox:
-        """The inbox that has taken every message on a topic since the first use."""
         if topic not in self._inboxes:
-            made = kind()
-            subscription = self.node.create_subscription(
-                interface, topic, lambda _: None, qos, event_callbacks=NO_SUBSCRIPTION_EVENTS, raw=raw
-            )
-            self._inboxes[topic] = (subscription, made)
-            self._await(subscription.handle, lambda: _take_message(subscription, made))
-        found: AnyInbox = self._inboxes[topic][1]
-        return found
+            self._inboxes[topic] = inbox = BoundedInbox()
+            self.listen(interface, topic, DEPTH, inbox.keep, wakes=True)
+        return self._inboxes[topic]
+
+    def action(self, interface: ActionType, name: str) -> ActionChannels:
+        """The connections with an action; made on first use and kept."""
+        if name not in self._actions:
+            self._actions[name] = ActionChannels(self, name, interface)
+        return self._actions[name]
+
+    def listen(  # noqa: PLR0913 - what tells topics apart
+        self,
+        interface: MessageType,
+        topic: str,
+        qos: QoSProfile | int,
+        keep: Callable[[Any, float], None],
+        *,
+        raw: bool = False,
+        wakes: bool = False,  # whether a message ends a wait, as that costs computing for each
+    ) -> None:
+        """Have `keep` called with each message on a topic and its time."""
+        events = NO_SUBSCRIPTION_EVENTS
+        made = self.node.create_subscription(interface, topic, lambda _: None, qos, event_callbacks=events, raw=raw)
+        take = partial(_take_message, made, keep)
+        if wakes:
+            self._waking.append(made)
+            self._await(made.handle, take)
+        else:
+            self._quiet.append(take)
 
     def publisher(self, interface: MessageType, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
@@ -191,27 +207,19 @@ class GraderNode:
         uses = (use._replace(node=f"/{GRADER}") for use in own if (use.channel, use.role) not in there)
         return graph.Overview((*seen.nodes, f"/{GRADER}"), (*seen.uses, *uses))
 
-    def topics(self) -> list[str]:
-        """The names of all topics but those every node has and those only the grader uses."""
-        names = (name for name, _ in self.node.get_topic_names_and_types() if not is_of_ros(name))
-        return [name for name in names if self.ends("publisher", name) or self.ends("subscription", name)]
-
     def nodes(self) -> list[str]:
         """Full names of all other nodes; a name stands as often as nodes carry it."""
         return [name for name in graph.node_names(self.node) if not name.endswith(f"/{NAME}")]
 
     def offers(self, kind: str) -> list[tuple[str, str]]:
-        """Name and type of each "service" or "action" of other nodes, but for those of parameters and of actions."""
-        role: graph.Role = graph.SERVES if kind == "service" else graph.RUNS
-        uses = (use for name in self.nodes() for use in graph.uses_of(self.node, name, role))
-        offers = [(use.channel, interface) for use in uses for interface in use.types]
-        return [(name, kind) for name, kind in offers if not (kind.startswith(_FOR_PARAMETERS) or is_hidden(name))]
+        """Name and type of what other nodes have of a kind of endpoints, but for what ROS itself has made."""
+        uses = (use for name in set(self.nodes()) for use in graph.uses_of(self.node, name, ROLES[kind]))
+        return sorted({(use.channel, each) for use in uses if not graph.is_plumbing(use) for each in use.types})
 
     def close(self) -> None:
-        """Leave the graph. Safe to call twice."""
-        if self._context.ok():
-            self.node.destroy_node()
-            self._context.try_shutdown()
+        """Leave the graph."""
+        self.node.destroy_node()
+        self._context.try_shutdown()
 
     def _await(self, handle: Any, take: Callable[[], object]) -> None:
         self._takers[handle.pointer] = take
@@ -220,25 +228,22 @@ class GraderNode:
     def _receive(self, timeout_s: float) -> None:
         """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
         ready = self._wait(timeout_s)
-        for subscription, inbox in self._inboxes.values():
-            if not isinstance(inbox, BoundedInbox):
-                for _ in range(_AT_ONCE):
-                    if not _take_message(subscription, inbox):
-                        break
+        for take in self._quiet:
+            for _ in range(_AT_ONCE):
+                if not take():
+                    break
         for kind in ("subscription", "client", "service"):
             for pointer in ready.get_ready_entities(kind):
                 self._takers[pointer]()
 
     def _wait(self, timeout_s: float) -> rclpy_implementation.WaitSet:
-        """Wait for what wakes: messages about an action do not, as that costs computing for each."""
-        waking = [subscription for subscription, inbox in self._inboxes.values() if isinstance(inbox, BoundedInbox)]
         if self._wait_set is None:
-            sizes = len(waking), 1, 0, len(self._clients), len(self._services), 0
+            sizes = len(self._waking), 1, 0, len(self._clients), len(self._services), 0
             self._wait_set = rclpy_implementation.WaitSet(*sizes, self._context.handle)
         wait_set = self._wait_set
         wait_set.clear_entities()
         wait_set.add_guard_condition(self._nothing)
-        for subscription in waking:
+        for subscription in self._waking:
             wait_set.add_subscription(subscription.handle)
         for client in self._clients.values():
             wait_set.add_client(client.rclpy_client.handle)
@@ -248,13 +253,12 @@ class GraderNode:
         return wait_set
 
 
-def _take_message(subscription: Subscription, inbox: BoundedInbox | Feedback | Statuses) -> bool:
+def _take_message(subscription: Subscription, keep: Callable[[Any, float], None]) -> bool:
     """Take in the next message; False if none has come."""
     taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
     if taken is not None:
         message, info = taken
-        inbox.count += 1
-        inbox.keep(message, info["received_timestamp"] / 1e9)
+        keep(message, info["received_timestamp"] / 1e9)
     return taken is not None
 
 
@@ -274,58 +278,44 @@ class ReceivedFeedback(NamedTuple):
     came_s: float
 
 
-class _GoalInbox(Generic[Kept]):
-    """What has come about goals that are followed."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._of_goals: dict[bytes, list[Kept]] = {}
-
-    def of_goal(self, goal: bytes) -> list[Kept]:
-        """All about a goal, oldest first, from the first question for it on."""
-        return self._of_goals.setdefault(goal, [])
-
-
-class Feedback(_GoalInbox[ReceivedFeedback]):
-    """Feedback; of one without end the beginning and the last."""
-
-    def keep(self, message: Message, received_s: float) -> None:
-        """Keep one message."""
-        changes = self._of_goals.get(bytes(message.goal_id.uuid))
-        if changes is not None:
-            del changes[_MOST_FEEDBACK - 1 :]
-            changes.append(ReceivedFeedback(bound_message(message.feedback), received_s))
-
-
-class Statuses(_GoalInbox[tuple[float, int]]):
-    """Each change of a goal's status, with its time on the system's clock."""
-
-    def keep(self, message: bytes, received_s: float) -> None:
-        """Keep of a message what is news: each has all recent goals, so it is read as it came."""
-        place = _ENTRIES
-        while place + _STATUS_AT < len(message):
-            goal = message[place : place + _IDENTIFIER]
-            place += (-place) % 4 + _STATUS_AT
-            changes, status = self._of_goals.get(goal), message[place]
-            if changes is not None and len(changes) < _MOST_CHANGES and status not in [known for _, known in changes]:
-                changes.append((received_s, status))
-            place += 1
-
-
 class ActionChannels:
-    """The grader's connections with an action; made on first use, and the same as long as the grader's node."""
+    """The grader's connections with an action, and what has come about the goals that are followed."""
 
     def __init__(self, node: GraderNode, name: str, interface: ActionType) -> None:
         parts, self._below = interface.Impl, f"{name}/_action"
         self._node = node.node
+        self._feedback: dict[bytes, list[ReceivedFeedback]] = {}
+        self._statuses: dict[bytes, list[tuple[float, int]]] = {}
         self.goals = node.client(parts.SendGoalService, f"{self._below}/send_goal")
         self.cancels = node.client(parts.CancelGoalService, f"{self._below}/cancel_goal")
         self.results = node.client(parts.GetResultService, f"{self._below}/get_result")
-        self.feedback = node.inbox_of(Feedback, parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK)
-        self.statuses = node.inbox_of(Statuses, parts.GoalStatusMessage, f"{self._below}/status", _STATUS, raw=True)
+        node.listen(parts.FeedbackMessage, f"{self._below}/feedback", _FEEDBACK, self.keep_feedback)
+        node.listen(parts.GoalStatusMessage, f"{self._below}/status", _STATUS, self.keep_statuses, raw=True)
 
     def is_ready(self) -> bool:
         """Whether a goal can be sent and everything about it will be heard."""
         return all(client.is_ready() for client in (self.goals, self.results, self.cancels)) and all(
             self._node.count_publishers(f"{self._below}/{topic}") for topic in ("feedback", "status")
         )
+
+    def follow(self, goal: bytes) -> tuple[list[ReceivedFeedback], list[tuple[float, int]]]:
+        """What comes about a goal from now on: feedback, and its statuses with their times on the system's clock."""
+        return self._feedback.setdefault(goal, []), self._statuses.setdefault(goal, [])
+
+    def keep_feedback(self, message: Message, received_s: float) -> None:
+        """Keep one message; of those without end the beginning and the last."""
+        heard = self._feedback.get(bytes(message.goal_id.uuid))
+        if heard is not None:
+            del heard[_MOST_FEEDBACK - 1 :]
+            heard.append(ReceivedFeedback(bound_message(message.feedback), received_s))
+
+    def keep_statuses(self, message: bytes, received_s: float) -> None:
+        """Keep of a message what is news: each has all recent goals, so it is read as it came."""
+        place = _ENTRIES
+        while place + _STATUS_AT < len(message):
+            goal = message[place : place + _IDENTIFIER]
+            place += (-place) % 4 + _STATUS_AT
+            changes, status = self._statuses.get(goal), message[place]
+            if changes is not None and len(changes) < _MOST_CHANGES and status not in [known for _, known in changes]:
+                changes.append((received_s, status))
+            place += 1
