@@ -61,7 +61,7 @@ def guard(node):
 @check(points=2.0)
 def pair(node):
     """Both run together."""
-    node.start("pace:=3.5", program="pair.launch.py", meets=False)
+    node.start("pace:=3.5", program="pair.launch.py")
     node.parameters("/guard").expect_served()
     node.call("/gate/open", data=True).expect(success=True, message="from the file")
     node.expect("/guard/pace", 3.5)

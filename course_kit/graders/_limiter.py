@@ -357,7 +357,7 @@ class LimiterSteps(Model):
             return any(read_status(str(status.data)) == wanted for status in inbox.newer_than(asked))
 
         if context.wait_until(fits, _LINE_S + _ACTS_S):
-            context.record.add_unasked(f"{STATUS}: {str(inbox.messages[-1].data)!r}")
+            context.record.begin_exchange().add_received(f"{STATUS}: {str(inbox.messages[-1].data)!r}", "message")
             return
         silent = inbox.count == asked and not context.wait_until(lambda: inbox.count > asked, SILENT_S - clock.wall_s())
         line = str(inbox.messages[-1].data) if inbox.count else ""

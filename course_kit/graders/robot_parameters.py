@@ -221,6 +221,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     context = node.context
     try:
         node.start(**start)
+        node.ensure_running()
     except Failed as failed:
         failed.evidence, process = replace(failed.evidence, sent=sent), context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
@@ -291,6 +292,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
     try:
         try:
             node.start(parameters=values)
+            node.ensure_running()
         except Failed as failed:
             if context.program.status(fresh=True).running:
                 failed.evidence = replace(failed.evidence, sent=sent)

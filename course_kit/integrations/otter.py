@@ -26,17 +26,14 @@ def test_{check.id}():
 
 def case_file(exercise_id: str, seed: int | None = None) -> str:
     """The text of the test file for an exercise; one that draws its questions has other checks with another seed."""
-    from course_kit.grading.checks.check import in_order
     from course_kit.grading.model.exercise import load_exercise
     from course_kit.grading.workers import exercise_job
 
     exercise = load_exercise(exercise_id)
     drawn = seed if seed is not None else exercise.seed or 0
     command, more = (exercise_id, "") if seed is None else (f"{exercise_id} --seed {seed}", f", seed={seed}")
-    cases = [
-        _CASE.format(check=check, exercise=exercise_id, more=more)
-        for check in in_order(exercise_job.checks_of(exercise, drawn))
-    ]
+    checks = exercise_job.checks_of(exercise, drawn)
+    cases = [_CASE.format(check=check, exercise=exercise_id, more=more) for check in checks]
     return "".join([_HEAD.format(command=command, name=exercise_id), *cases])
 
 

@@ -10,7 +10,7 @@ from course_kit import lab
 from course_kit.grading.checks import discovery
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.checks.discovery import WantedEndpoint
-from course_kit.grading.checks.evidence import GRADER, NOTHING_SENT, Evidence, Failed
+from course_kit.grading.checks.evidence import GRADER, Evidence, Failed
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
@@ -135,6 +135,5 @@ def _exchange(context: CheckContext, seen: Evidence) -> list[str]:
     lines = []
     for arrow in context.record.steps(seen):
         mark = "  " if arrow.sender == arrow.receiver else "->" if arrow.sender == GRADER else "<-"
-        if arrow.text != NOTHING_SENT:
-            lines.append(f"  {mark} {arrow.text.rstrip(': ')}")
+        lines.append(f"  {mark} {arrow.text.rstrip(': ')}")
     return lines

@@ -43,7 +43,7 @@ def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool],
     messages = node.inbox(topic).messages
     came = node.context.wait_until(lambda: bool(messages) and wanted(messages[-1]), seconds)
     last = in_one_line(messages[-1]) if messages else "nothing"
-    node.context.record.add_unasked(f"{topic}: {last}")
+    node.context.record.begin_exchange().add_received(f"{topic}: {last}", "message")
     if not came:
         raise Failed(Evidence("", words, last), f"{topic} has to say {words}. It said {last}.")
 

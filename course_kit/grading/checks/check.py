@@ -8,17 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from course_kit.grading.checks.evidence import GRADER, Evidence, Failed, NotRun
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import CheckResult
-from course_kit.ros.sequence import Arrow
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.ros.graph import Overview
 
 
 @dataclass(frozen=True)
@@ -34,22 +32,15 @@ class Check:
     proves: tuple[str, ...] = ()  # ids of the sentences in exercise.toml that it proves
 
 
-def in_order(checks: Sequence[Check]) -> list[Check]:
-    """The checks such that each comes after those it depends on, otherwise as declared."""
-    names = [check.id for check in checks]
-    if doubles := sorted({name for name in names if names.count(name) > 1}):
-        raise ValueError(f"two checks are called {doubles[0]}")
-    ordered: list[Check] = []
-    waiting = list(checks)
-    while waiting:
-        done = {check.id for check in ordered}
-        following = next((check for check in waiting if set(check.depends_on) <= done), None)
-        if following is None:
-            unmet = sorted({name for check in waiting for name in check.depends_on} - done)
-            raise ValueError(f"these checks are never run because they wait for {', '.join(unmet)}")
-        waiting.remove(following)
-        ordered.append(following)
-    return ordered
+def require_order(checks: Sequence[Check]) -> None:
+    """Each check has its own id, and comes after those it depends on."""
+    before: list[str] = []
+    for check in checks:
+        if check.id in before:
+            raise ValueError(f"two checks are called {check.id}")
+        if unmet := [name for name in check.depends_on if name not in before]:
+            raise ValueError(f"the check {check.id} is never run: {', '.join(unmet)} does not come before it")
+        before.append(check.id)
 
 
 def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
@@ -57,17 +48,18 @@ def choose_part(checks: Sequence[Check], part: str) -> list[Check]:
     chosen = {check.id for check in checks if f"{check.id}_".startswith(f"{part}_")}
     if not chosen:
         raise GradingError(f"There is no part '{part}'. The checks are: {', '.join(check.id for check in checks)}.")
-    for check in reversed(in_order(checks)):
+    for check in reversed(checks):
         if check.id in chosen:
             chosen.update(check.depends_on)
     return [check for check in checks if check.id in chosen]
 
 
 def run_all(checks: Sequence[Check], context: CheckContext) -> Iterator[CheckResult]:
-    """Run the checks in order of dependence, yielding each result as soon as it is known."""
+    """Run the checks, yielding each result as soon as it is known."""
+    require_order(checks)
     lost: dict[str, list[str]] = {}  # for each check that failed or waits for such a one: what failed, as quoted titles
     broken = ""
-    for check in in_order(checks):
+    for check in checks:
         missing = list(dict.fromkeys(title for name in check.depends_on for title in lost.get(name, ())))
         if broken or missing:  # where the grader has failed there is no grade
             lost[check.id] = missing
@@ -89,7 +81,7 @@ def _run(check: Check, context: CheckContext) -> CheckResult:
     except Failed as verdict:
         name_lost_node(context, verdict)
         seen, status, diagnosis, message = verdict.evidence, "failed", verdict.diagnosis, verdict.message
-        steps, graph = _describe_moment(context, verdict)
+        steps, graph = verdict.steps or context.record.steps(seen), context.see_graph()
     except GradingError:
         raise
     except NotRun as reason:
@@ -108,11 +100,3 @@ def name_lost_node(context: CheckContext, failed: Failed) -> None:
     if failed.evidence.got.startswith("no ") and (place := context.program.lost_in()):
         failed.diagnosis = "action.node_lost"
         failed.message = f"A callback spins its own node in {causes.source_line(context.job, place)}."
-
-
-def _describe_moment(context: CheckContext, failed: Failed) -> tuple[tuple[Arrow, ...], Overview | None]:
-    """The steps that led to a verdict, and the graph then; whatever goes wrong in telling them, the verdict stays."""
-    try:
-        return failed.steps or context.record.steps(failed.evidence), context.see_graph()
-    except Exception as problem:  # noqa: BLE001 - as above
-        return (Arrow(GRADER, GRADER, "note", f"The grader could not tell the exchange ({problem!r})."),), None

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from course_kit.ros.sequence import Kind
 
 GRADER, NODE = "grader", "your node"
-NOTHING_SENT = "(nothing)"  # the turn of a check that only listens
 _MOST = 8  # steps; what happened before them is left out, and that is said
 _LONGEST = 110  # characters of a step's text
 _LONGEST_TEXT = 40  # of a text in a message
@@ -66,6 +65,9 @@ class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
     """A check that makes no sense in this grading; the text tells the learner why."""
 
 
+TimedStep = tuple[float, Arrow]  # a step and when it happened, in seconds of the system's clock
+
+
 @dataclass
 class Exchange:
     """Something the grader has sent, and what came back for it."""
@@ -73,14 +75,12 @@ class Exchange:
     about: str = ""
     minor: bool = False
     partner: str = NODE
-    steps: list[tuple[float, Arrow]] = field(default_factory=list)
+    steps: list[TimedStep] = field(default_factory=list)
+    further_steps: Callable[[], Iterable[TimedStep]] = tuple  # asked for when the check has failed
 
     def add_received(self, text: str, kind: Kind = "response") -> None:
         """Keep what the node has sent; as a "failure", what should have come and has not."""
         self.steps.append((time.time(), Arrow(self.partner, GRADER, kind, _cut(text))))
-
-
-Followed = tuple[float, Arrow]  # a step and when it happened, in seconds of the system's clock
 
 
 class ExchangeLog:
@@ -89,17 +89,15 @@ class ExchangeLog:
     def __init__(self) -> None:
         self.partner = NODE
         self._turns: list[Exchange] = []
-        self._followed: list[Callable[[], Iterable[Followed]]] = []
         self._looking = True
 
     def clear(self) -> None:
         """Forget everything: another check begins. What still comes for an old turn is ignored."""
-        self._turns, self._followed = [], []
+        self._turns = []
 
     def forget_all_but(self, last: int) -> None:
         """Forget the oldest turns."""
         del self._turns[:-last]
-        del self._followed[:-last]
 
     def last_exchange(self) -> tuple[str, str]:
         """What was sent last and what came for it, in words."""
@@ -111,20 +109,20 @@ class ExchangeLog:
         """All that was sent, in words, as far as it is kept."""
         return (arrow.text for turn in self._turns for _, arrow in turn.steps if arrow.sender == GRADER)
 
-    def add_sent(self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False) -> Exchange:
+    def add_sent(
+        self, text: str, kind: Kind = "request", *, about: str = "", minor: bool = False, partner: str = ""
+    ) -> Exchange:
         """Keep what the grader sends."""
-        turn = self._exchange_for(about, minor=minor)
+        turn = self.begin_exchange(about, minor=minor, partner=partner)
         turn.steps.append((time.time(), Arrow(GRADER, turn.partner, kind, _cut(text))))
         return turn
 
-    def add_unasked(self, text: str, kind: Kind = "message") -> None:
-        """Keep what the node has sent by itself."""
-        self._exchange_for().add_received(text, kind)
-
-    def follow(self, told: Callable[[], Iterable[Followed]]) -> None:
-        """Have `told` asked for further steps when the check has failed."""
+    def begin_exchange(self, about: str = "", *, minor: bool = False, partner: str = "") -> Exchange:
+        """Keep what the node sends by itself, or what the grader is about to send."""
+        turn = Exchange(about, minor, partner or self.partner)
         if self._looking:
-            self._followed.append(told)
+            self._turns.append(turn)
+        return turn
 
     @contextmanager
     def looking_away(self) -> Iterator[None]:
@@ -140,8 +138,9 @@ class ExchangeLog:
         turns = [turn for turn in self._turns if turn.about and turn.about == evidence.sent][-1:]
         if not turns:
             turns = [turn for turn in self._turns if not turn.minor or turn is self._turns[-1]]
-        followed = (step for steps in self._followed for step in steps())
-        pairs = sorted((*(pair for turn in turns for pair in turn.steps), *followed), key=lambda pair: pair[0])
+        pairs = sorted(
+            (pair for turn in turns for pair in (*turn.steps, *turn.further_steps())), key=lambda pair: pair[0]
+        )
         found = [step for _, step in pairs]
         if not found:
             return ()
@@ -149,12 +148,6 @@ class ExchangeLog:
             note = f"({before} earlier step{'s' * (before > 1)} left out)"
             found = [Arrow(GRADER, GRADER, "note", note), *found[before:]]
         return (*found, *_end(found[-1], evidence))
-
-    def _exchange_for(self, about: str = "", *, minor: bool = False) -> Exchange:
-        turn = Exchange(about, minor, self.partner)
-        if self._looking:
-            self._turns.append(turn)
-        return turn
 
 
 def _end(last: Arrow, evidence: Evidence) -> Iterator[Arrow]:

@@ -13,7 +13,7 @@ from msgspec.structs import astuple
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import Answer, Change, describe_value, message_of, only_field, require_fields
 from course_kit.grading.checks.discovery import WantedEndpoint
-from course_kit.grading.checks.evidence import NOTHING_SENT, Evidence, Exchange, Failed, charge_to, in_one_line
+from course_kit.grading.checks.evidence import Evidence, Exchange, Failed, charge_to, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.parameters import (
     RemoteParameters,
@@ -292,21 +292,16 @@ class GradedNode:
         parameters: Mapping[str, Any] | None = None,
         file: Mapping[str, Any] | None = None,
         of: str = "",
-        meets: bool = True,
         program: str = "",
     ) -> None:
-        """Start the program afresh, as a learner would on the command line.
+        """Start the program afresh, as a learner would on the command line; whoever asks it something waits for it.
 
         Args:
             arguments: what follows the program's name.
             parameters: values given with `-p`.
             file: values given in a parameter file.
             of: the node's name in that file; any node's when left out.
-            meets: wait until it is up; else that is done when it is first asked something.
             program: the file to start alone, of a submission of several; the one that was started last when left out.
-
-        Raises:
-            Failed: it does not come up.
 
         Example:
             >>> node.start(parameters={"max_speed": 0.5})
@@ -319,8 +314,6 @@ class GradedNode:
             files[_FILE] = parameter_file(file, of)
             words += [*([] if "--ros-args" in words else ["--ros-args"]), "--params-file", _FILE]
         self.context.launch(words, files, program=program)
-        if meets:
-            self.ensure_running()
 
     def kill(self, program: str) -> bool:
         """End the process that runs one of the files, at once, while the others run on.
@@ -336,10 +329,7 @@ class GradedNode:
             >>> node.kill("door.py")
             True
         """
-        record = self.context.record
-        before, record.partner = record.partner, program.removesuffix(".py")
-        record.add_sent(f"kill {program}", "message")
-        record.partner = before  # whoever was asked is who a hang is explained by
+        self.context.record.add_sent(f"kill {program}", "message", partner=program.removesuffix(".py"))
         return self.context.program.kill(program)
 
     def ensure_running(self) -> None:
@@ -348,14 +338,13 @@ class GradedNode:
         if not context.spoiled and context.memory.get(_MET):
             return
         self.prepare()
-        clock = context.clock()
-        evidence = Evidence("", f"a node with {', '.join(end.name for end in self.endpoints)}")
-        with hangs.explain_end(context, evidence, causes.explain_start, discovery.ENDED):
-            context.wait_for_start(lambda: self._is_connected() or discovery.has_settled(context, clock))
-            if missing := [end for end in self.endpoints if not end.is_there(context)]:
-                context.spoil()
-                evidence = replace(evidence, got=f"missing: {', '.join(end.name for end in missing)}")
-                raise Failed(evidence, *discovery.explain_missing(context, missing[0]))
+        expected = f"a node with {', '.join(end.name for end in self.endpoints)}"
+        discovery.await_start(context, expected, self._is_connected)
+        if missing := [end for end in self.endpoints if not end.is_there(context)]:
+            context.spoil()
+            evidence = Evidence("", expected, f"missing: {', '.join(end.name for end in missing)}")
+            raise Failed(evidence, *discovery.explain_missing(context, missing[0]))
+        with hangs.explain_end(context, Evidence("", expected), causes.explain_start, discovery.ENDED):
             hangs.greet_node(context)
         context.memory[_MET] = True
 
@@ -374,10 +363,7 @@ class GradedNode:
     @property
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
-        memory = self.context.memory  # empty after each launch, which may be of another program
-        if "endpoints" not in memory:
-            memory["endpoints"] = [WantedEndpoint(*astuple(end)) for end in self.context.job.running_endpoints]
-        return memory["endpoints"]  # type: ignore[no-any-return] # what a memory holds is known to who keeps it
+        return [WantedEndpoint(*astuple(end)) for end in self.context.job.running_endpoints]
 
     # --- inside
 
@@ -402,7 +388,7 @@ class GradedNode:
         return self.context.grader_node.inbox(self._end(topic).interface, topic)
 
     def _exchange(self) -> Exchange:
-        return self._turn or self.context.record.add_sent(NOTHING_SENT, minor=True)
+        return self._turn or self.context.record.begin_exchange()
 
 
 def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer: Any) -> OfferedService:

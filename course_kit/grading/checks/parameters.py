@@ -8,27 +8,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.msg import SetParametersResult
-from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters, SetParametersAtomically
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import describe_value
-from course_kit.grading.checks.discovery import ENDED, explain_other_nodes, has_settled, list_names, why_empty
+from course_kit.grading.checks.discovery import ENDED, await_start, explain_other_nodes, list_nodes, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
-    from rcl_interfaces.msg import ParameterValue
+    from rcl_interfaces.msg import Parameter, ParameterValue
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.ros.messages import Message
     from course_kit.ros.parameters import Question, Steps
 
-_INTERFACES = (ListParameters, GetParameters, SetParameters, SetParametersAtomically)
 _IN_YAML = {"True": "true", "False": "false", "nan": ".nan", "inf": ".inf", "-inf": "-.inf"}
-_VERBS = ("list_parameters", "get_parameters", "set_parameters", "set_parameters_atomically")
+_VERBS = ("set_parameters_atomically", "set_parameters", "get_parameters", "list_parameters")  # made last by a node
 T = TypeVar("T")
 
 
@@ -39,8 +37,8 @@ class RemoteParameters:
         """Prepare to ask the node with the full name `node`."""
         self.node = node
         self._context = context
-        pairs = reversed(tuple(zip(_VERBS, _INTERFACES, strict=True)))  # a node makes list_parameters last
-        self._clients = {verb: context.grader_node.client(interface, f"{node}/{verb}") for verb, interface in pairs}
+        types = {verb: parameters.Question(verb, {}).interface for verb in _VERBS}
+        self._clients = {verb: context.grader_node.client(kind, f"{node}/{verb}") for verb, kind in types.items()}
 
     def is_ready(self) -> bool:
         """Whether all its parameter services can be called."""
@@ -48,27 +46,26 @@ class RemoteParameters:
 
     def values(self, names: Iterable[str]) -> dict[str, Any]:
         """Their values, or None."""
-        return {name: parameters.from_message(value) for name, value in self._ask_values(names)}
+        return _read(self._ask_values(names))
 
     def set_values(self, values: Mapping[str, object]) -> SetParametersResult:
         """Set one parameter, or several at once: all or none, in this order."""
         messages = [parameters.to_message(*pair) for pair in values.items()]
-        if len(messages) > 1:
-            return self._ask(parameters.set_together(messages))
-        return next(iter(self._ask(parameters.set_each(messages))), SetParametersResult())
+        several, expected = len(messages) > 1, "an answer: accepted, or refused and why"
+        sent = f"set_parameters{'_atomically' * several}: {describe_value(values)}"
+        steps = parameters.set_together(messages) if several else _set_one(messages)
+        return self._ask(steps, sent, expected, describe_result)
 
     def expect_served(self) -> Evidence:
         """The node, of a program that was just started, is up and answers when it is asked for its parameters."""
         context, expected = self._context, f"a node called {self.node}"
-        clock = context.clock()
-
+        await_start(context, expected, self.is_ready)
+        if not self.is_ready():
+            raise self._explain_absence(expected)
+        clock, question = context.clock(), parameters.Question("list_parameters", {})
         with hangs.explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
-            context.wait_for_start(lambda: self.is_ready() or has_settled(context, clock))
-            if not self.is_ready():
-                raise self._explain_absence(expected)
-            clock = context.clock()
-            if not hangs.is_answered(context, self._clients[_VERBS[0]], ListParameters.Request(), hangs.ANSWER_S):
-                evidence = Evidence(_VERBS[0], expected)
+            if not hangs.is_answered(context, self._clients[question.service], question.request, hangs.ANSWER_S):
+                evidence = Evidence(question.service, expected)
                 raise hangs.explain_no_answer(context, evidence, clock.fair_s(), causes.explain_logged)
         return Evidence("", expected, expected)
 
@@ -80,7 +77,9 @@ class RemoteParameters:
 
     def expect_names(self, names: Iterable[str]) -> Evidence:
         """It has parameters with these names."""
-        found = self._ask(parameters.ask_names())
+        found = self._ask(
+            parameters.ask_names(), "list_parameters", "the names of all parameters", ", ".join, minor=True
+        )
         evidence = Evidence(f"list_parameters of {self.node}", ", ".join(names), ", ".join(found) or "no parameters")
         if missing := [name for name in names if name not in found]:
             raise Failed(evidence, f"{self.node} has not declared {', '.join(missing)}.", "parameter.undeclared")
@@ -88,7 +87,7 @@ class RemoteParameters:
 
     def expect_types(self, values: Mapping[str, Any]) -> Evidence:
         """Its parameters have the types of these values."""
-        found = {name: parameters.type_of(value) for name, value in self._ask_values(values)}
+        found = {name: parameters.type_of(value) for name, value in self._ask_values(values).items()}
         wanted = {name: parameters.type_of(parameters.to_message(name, value).value) for name, value in values.items()}
         told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
         evidence = Evidence(f"get_parameters of {self.node}", expected, told)
@@ -114,7 +113,7 @@ class RemoteParameters:
     def _explain_absence(self, expected: str) -> Failed:
         context, nodes = self._context, self._context.grader_node.nodes()
         context.spoil()
-        evidence = Evidence("", expected, f"on the graph: {list_names(nodes, 'node')}")
+        evidence = Evidence("", expected, f"on the graph: {list_nodes(nodes)}")
         if self.node in nodes:
             why = "is running but has no parameter services (was it made with start_parameter_services=False?)."
             return Failed(evidence, f"The node {self.node} {why}")
@@ -122,26 +121,41 @@ class RemoteParameters:
         if died:  # one of several programs, while the others run on
             return Failed(evidence, *died[::-1])
         if nodes:
-            return explain_other_nodes(self.node, nodes, evidence)
+            return explain_other_nodes(self.node, nodes)
         return Failed(evidence, *why_empty(context, self.node)[::-1])
 
-    def _ask_values(self, names: Iterable[str]) -> Iterable[tuple[str, ParameterValue]]:
+    def _ask_values(self, names: Iterable[str]) -> dict[str, ParameterValue]:
         wanted = list(names)
-        return zip(wanted, self._ask(parameters.ask_values(wanted)), strict=True)
 
-    def _ask(self, steps: Steps[T]) -> T:
-        return parameters.run_steps(steps, self._answer)
+        def ask() -> Steps[dict[str, ParameterValue]]:
+            return dict(zip(wanted, (yield from parameters.ask_values(wanted)), strict=True))
 
-    def _answer(self, question: Question) -> Message:
-        context, request = self._context, question.request
-        evidence = _evidence(question)
-        turn = context.record.add_sent(evidence.sent, minor=question.service in _VERBS[:2])
-        sent = self._clients[question.service].send(request)
-        ended, logged = causes.explain_end, causes.explain_logged
-        hangs.await_answer(context, sent.is_answered, evidence, ended=ended, logged=logged)
-        response = sent.response()
-        turn.add_received(_describe_response(request, response))
-        return response
+        sent = f"get_parameters: {', '.join(wanted)}"
+        return self._ask(ask(), sent, "their values", lambda found: describe_value(_read(found)), minor=True)
+
+    def _ask(
+        self, steps: Steps[T], sent: str, expected: str, describe: Callable[[T], str], *, minor: bool = False
+    ) -> T:
+        context, evidence = self._context, Evidence(sent, expected)
+        turn = context.record.add_sent(sent, minor=minor)
+
+        def answer(question: Question) -> Message:
+            asked = self._clients[question.service].send(question.request)
+            ended, logged = causes.explain_end, causes.explain_logged
+            hangs.await_answer(context, asked.is_answered, evidence, ended=ended, logged=logged)
+            return asked.response()
+
+        found = parameters.run_steps(steps, answer)
+        turn.add_received(describe(found))
+        return found
+
+
+def _set_one(messages: Sequence[Parameter]) -> Steps[SetParametersResult]:
+    return next(iter((yield from parameters.set_each(messages))), SetParametersResult())
+
+
+def _read(values: Mapping[str, ParameterValue]) -> dict[str, Any]:
+    return {name: parameters.from_message(value) for name, value in values.items()}
 
 
 def describe_result(result: SetParametersResult) -> str:
@@ -166,25 +180,3 @@ def _to_yaml(value: object) -> str:
     if isinstance(value, str):
         return "'" + value.replace("'", "''") + "'"
     return _IN_YAML.get(repr(value), repr(value))
-
-
-def _evidence(question: Question) -> Evidence:
-    """What is asked and expected, as the learner is shown it."""
-    if question.service == "list_parameters":
-        return Evidence(question.service, "the names of all parameters")
-    if question.service == "get_parameters":
-        return Evidence(f"get_parameters: {', '.join(question.fields['names'])}", "their values")
-    values = {parameter.name: parameters.from_message(parameter.value) for parameter in question.fields["parameters"]}
-    return Evidence(f"{question.service}: {describe_value(values)}", "an answer: accepted, or refused and why")
-
-
-def _describe_response(request: Message, response: Message) -> str:
-    if isinstance(response, ListParameters.Response):
-        return f"names: {', '.join(response.result.names)}"
-    if isinstance(response, GetParameters.Response):
-        if len(response.values) != len(request.names):
-            return "no values: one of these parameters is not declared, or has no value"
-        values = [parameters.from_message(value) for value in response.values]
-        return describe_value(dict(zip(request.names, values, strict=True)))
-    results = response.results if isinstance(response, SetParameters.Response) else [response.result]
-    return "; ".join(map(describe_result, results))

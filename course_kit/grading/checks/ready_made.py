@@ -1,6 +1,6 @@
 """Ready-made checks: functions that return a check. What they look at is named in exercise.toml, `[[endpoints]]`.
 
-Each takes its declaration, the fields of `CheckFields` or `CheckOptions`, as keywords.
+Each takes its declaration, the fields of `CheckFields`, as keywords.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 from course_kit.grading.checks import discovery, hangs
 from course_kit.grading.checks.answers import UNFILLED, Approximation, are_same, describe_value, differences, only_field
 from course_kit.grading.checks.check import Check
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.evidence import Evidence, Failed, in_one_line
 from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
 from course_kit.grading.checks.steps import draw_values
 
@@ -29,10 +29,12 @@ _SILENT_S = 2.0
 _EFFECT_S = 0.2  # rclpy may tell the callbacks of a change after it has answered
 
 
-class CheckOptions(TypedDict, total=False):
-    """What every check is declared with.
+class CheckFields(TypedDict, total=False):
+    """What a check is declared with.
 
     Attributes:
+        check_id: its id; that of `check` is the function's name.
+        title: one line for the learner; that of `check` is the first line of the docstring.
         points: what it is worth.
         proves: ids of the sentences of the exercise that it proves.
         after: ids of checks without which it makes no sense: it is skipped unless they passed.
@@ -40,6 +42,8 @@ class CheckOptions(TypedDict, total=False):
         afresh: after it has failed the program is started again, for the state that may be left behind.
     """
 
+    check_id: str
+    title: str
     points: Required[float]
     proves: Sequence[str]
     after: Sequence[str]
@@ -47,25 +51,13 @@ class CheckOptions(TypedDict, total=False):
     afresh: bool
 
 
-class CheckFields(CheckOptions):
-    """What a ready-made check is declared with, beside `CheckOptions`.
-
-    Attributes:
-        check_id: its id.
-        title: one line for the learner.
-    """
-
-    check_id: str
-    title: str
-
-
-def check(**declared: Unpack[CheckOptions]) -> Callable[[Callable[[GradedNode], object]], Check]:
+def check(**declared: Unpack[CheckFields]) -> Callable[[Callable[[GradedNode], object]], Check]:
     """Decorator that makes a function a check: it talks with a node, and passes when nothing it expects fails.
 
     The function's name is the check's id, the first line of its docstring what a learner reads.
 
     Args:
-        declared: see `CheckOptions`.
+        declared: see `CheckFields`.
 
     Raises:
         ValueError: the function has no docstring, or is worth nothing.
@@ -80,7 +72,8 @@ def check(**declared: Unpack[CheckOptions]) -> Callable[[Callable[[GradedNode], 
 
     def declare(talk: Callable[[GradedNode], object]) -> Check:
         title = (inspect.getdoc(talk) or "").partition("\n")[0].rstrip(".")
-        return make_check(talk, check_id=talk.__name__, title=title, **declared)
+        fields: CheckFields = {"check_id": talk.__name__, "title": title, **declared}
+        return make_check(talk, **fields)
 
     return declare
 
@@ -109,19 +102,12 @@ def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFie
     return Check(check_id, title, float(points), after, deadline_s, run, tuple(declared.get("proves", ())))
 
 
-def endpoints_offered(
-    *names: str,
-    title: str = "All of its endpoints are there, with their types",
-    check_id: str = "offered",
-    **declared: Unpack[CheckOptions],
-) -> Check:
+def endpoints_offered(*names: str, **declared: Unpack[CheckFields]) -> Check:
     """A check that the program offers the endpoints of exercise.toml, each with its type, and a default one connects.
 
     Args:
         names: some of the endpoints; all of them when none is named.
-        title: one line for the learner.
-        check_id: its id.
-        declared: see `CheckOptions`.
+        declared: see `CheckFields`; its id is `offered` unless another one is given.
 
     Example:
         >>> endpoints_offered(points=1.0, proves=["topics"], title="Both topics are there")
@@ -132,20 +118,24 @@ def endpoints_offered(
         ends = [end for end in node.endpoints if not names or end.name in names]
         return discovery.expect_endpoints(node.context, ends)
 
-    return make_check(talk, check_id=check_id, title=title, **declared)
+    title = "All of its endpoints are there, with their types"
+    fields: CheckFields = {"check_id": "offered", "title": title, **declared}
+    return make_check(talk, **fields)
 
 
-def node_name(name: str, **declared: Unpack[CheckOptions]) -> Check:
-    """A check that the node has its name, given without a slash; declared with `CheckOptions`.
+def node_name(name: str, **declared: Unpack[CheckFields]) -> Check:
+    """A check that the node has its name, given without a slash; declared with `CheckFields`.
 
     Example:
         >>> node_name("battery_monitor", points=0.5, proves=["node"], after=["offered"])
     """
 
     def talk(node: GradedNode) -> Evidence:
-        return discovery.expect_node(node.context, f"/{name}", node.ensure_running)
+        node.ensure_running()
+        return discovery.expect_node(node.context, f"/{name}")
 
-    return make_check(talk, check_id="node_name", title=f"The node is called {name}", **declared)
+    fields: CheckFields = {"check_id": "node_name", "title": f"The node is called {name}", **declared}
+    return make_check(talk, **fields)
 
 
 def service_answers(  # noqa: PLR0913 - what an author may say of it
@@ -391,8 +381,8 @@ def parameter_acts(
                 if new == old:
                     why = "Your node accepted the change, but the output is the same as before."
                     code = "parameter.read_once"
-                text = f"set {describe_value(setting)}; {subscription}: {message}"
-                raise Failed(Evidence(text, describe_value(wanted), str(got)), why, code)
+                text = f"set {describe_value(setting)}; {subscription}: {in_one_line(message)}"
+                raise Failed(Evidence(text, describe_value(wanted), in_one_line(got)), why, code)
             node.set(before).accepted()
 
     return make_check(talk, **declared)

@@ -16,7 +16,7 @@ from course_kit import environment
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
 from course_kit.grading.checks.context import CheckContext, SubmissionEndedError
-from course_kit.grading.checks.discovery import WantedEndpoint, expect_endpoints, expect_node
+from course_kit.grading.checks.discovery import WantedEndpoint, await_start, expect_endpoints, expect_node
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.fair_clock import ProcessorUse
 from course_kit.grading.checks.graded_goal import GradedGoal
@@ -101,8 +101,8 @@ VERBS: dict[str, tuple[Callable[[CheckContext], Any], float]] = {
     "node that serves its parameters": (lambda context: RemoteParameters(context, NODE).expect_served(), ANSWER_S),
     "endpoints": (lambda context: expect_endpoints(context, [OTHER]), 2.0),
     "service that is missing": (lambda context: expect_endpoints(context, [MISSING]), 2.0),
-    "node's name": (lambda context: expect_node(context, "/nobody", lambda: None), 1.5),
-    "start": (lambda context: context.wait_for_start(lambda: False), START_S),
+    "node's name": (lambda context: expect_node(context, "/nobody"), 1.5),
+    "start": (lambda context: await_start(context, "a node", lambda: False), START_S),
 }
 
 

@@ -46,7 +46,7 @@ def test_a_long_exchange_says_what_is_left_out() -> None:
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
     record = ExchangeLog()
     turn = record.add_sent("goal")
-    record.follow(lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))])
+    turn.further_steps = lambda: [(turn.steps[0][0] + 1e-9, Arrow(NODE, GRADER, "message", "feedback"))]
     record.add_sent("cancel").add_received("nothing came", "failure")
     assert [step.text for step in record.steps(Evidence())] == ["goal", "feedback", "cancel", "nothing came"]
 
