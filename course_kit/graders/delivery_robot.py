@@ -60,9 +60,11 @@ def battery_rate(node: GradedNode) -> Evidence:
 def battery_falls(node: GradedNode) -> None:
     """battery.py alone: its charge is full at the start, and falls with the distance driven."""
     robot.have_running(node, "battery.py")
+    full = Approximation(1.0, absolute=CLOSE)
+    robot.expect_state(node, "A battery that was just started is full.", percentage=full)  # and is not charged yet
     node.send(DOCKED, data=True)
     node.wait(CALM_S)
-    robot.expect_state(node, "A battery that was just started is full.", percentage=Approximation(1.0, absolute=CLOSE))
+    robot.expect_state(node, "It is never more than full.", percentage=full)
     node.send(DOCKED, data=False)
     robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
     metres, more = node.context.random.uniform(2.0, 4.0), node.context.random.uniform(2.0, 4.0)
@@ -362,6 +364,7 @@ def delivery_whole(node: GradedNode) -> None:
     robot.expect_state(node, why, power_supply_status=robot.CHARGING)
     node.set({"capacity_m": 2.0}, of="/battery").accepted()
     node.set({"opening_s": 0.05}, of="/door").accepted()
+    node.context.wait_until(lambda: node.inbox(STATE).messages[-1].percentage > 1.0 - CLOSE, 8.0)  # at the dock
     robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
     for room in ("kitchen", "office"):
         robot.require_some_delivery(node, room, PATIENCE_S)
