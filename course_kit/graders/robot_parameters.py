@@ -208,7 +208,7 @@ def status_rate(node: GradedNode) -> Evidence:
     with suppress(Failed):
         node.set({**_LONG, "max_velocity": 0.7}, of=NODE)
     inbox, clock = node.inbox(STATUS), node.context.clock()
-    while "reacts" not in held.failed_checks and not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
+    while "reacts" not in held.lost_checks and not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
         if clock.has_passed(2 * _LINES * _RATE[1]):  # a timer that waits for commands
             evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
             raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
@@ -231,7 +231,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
         raise
     started = node.get(*TYPES, of=NODE)
     model = Limiter(LimiterSettings(**{**started, **given}))
-    model.lost = context.conversations[Limiter].failed_checks
+    model.lost = context.conversations[Limiter].lost_checks
     evidence = Evidence(sent, describe_value(given), describe_value({name: started[name] for name in given}))
     if evidence.got != evidence.expected:
         why = "The program was started with these values, but its parameters have others."
@@ -259,7 +259,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
 def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
     rng = node.context.random
-    highest = 4.9 if "change_velocity" in node.context.conversations[Limiter].failed_checks else 5.0
+    highest = 4.9 if "change_velocity" in node.context.conversations[Limiter].lost_checks else 5.0
     given = {"max_velocity": highest, "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
     return _start(node, given, " ".join(start_arguments(given)), parameters=given)
 

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
+ANSWER_S = 5.0  # how long an answer is waited for, and after one that never came
+ANSWER_AGAIN_S = 2.0
 _LOST_S = 2.0  # for an answer of a node that no executor runs any more; it may be on its way
 _WATCH_S = 0.05  # how often it is asked whether the submission lives, while an answer is waited for
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long
@@ -129,6 +131,7 @@ class CheckContext:
         self.random = random.Random(job.seed)  # noqa: S311 - test values, not secrets
         self.memory: dict[str, Any] = {}  # what the checks know of the running submission; empty after each launch
         self.conversations: dict[type, Any] = {}  # that were held, by their models
+        self.patience_s = ANSWER_S  # how long an answer is waited for
         self.deadline_s = 0.0
         self._grader_node: GraderNode | None = None
         self.spoiled = False  # the running submission can be asked nothing more

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Check, name_lost_node
-from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnseenError
+from course_kit.grading.checks.evidence import Evidence, Failed, NoAnswerError, NotRun, UnseenError
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 from course_kit.grading.errors import GradingError
@@ -29,6 +29,7 @@ _WALL, _WALL_AFTER_ALL = 0.8, 0.5  # as long as a rule has not been tried once, 
 _SHRINK_S = 2.5  # for all tries on one failure, after the first
 _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
+_SILENT_RULES = 3  # so many different steps without an answer, and none that was right: it answers nothing
 _OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
 _ENDLESS = "limit.time"  # names its line; to see it again takes seconds of computing, and tells no more
 _ENDED_AT_START = ("start.crash", "start.exit", "start.import")
@@ -143,6 +144,7 @@ class Conversation:
     _hindered: dict[str, str] = field(default_factory=dict)  # what kept a check from being judged
     _unseen: set[str] = field(default_factory=set)  # checks of which something was over before it could be seen
     _strikes: Counter[str] = field(default_factory=Counter)  # by rules
+    _silent: set[str] = field(default_factory=set)  # rules whose step got no answer
     _apart: bool = False  # each rule on a fresh start: what one leaves behind for another is lost already
 
     def hold(self) -> None:
@@ -152,7 +154,7 @@ class Conversation:
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
             step = steps.draw_step(model, done, apart=self._apart)
-            if self._part_of(step.rule, "").id in self._failed or self._strikes[step.rule.name] >= _STRIKES:
+            if self._part_of(step.rule, "").id in self.lost_checks or self._strikes[step.rule.name] >= _STRIKES:
                 continue
             all_tried = number > len(rules_of(self.model))
             wall = _WALL_AFTER_ALL if all_tried else _WALL  # of the time after which the program would be ended
@@ -167,7 +169,7 @@ class Conversation:
                 step.do(node, model, done)
             except Failed as failed:
                 self._keep(failed, done)
-                if self.context.job.first_failure and self.failed_checks:
+                if self._is_over(step, failed):
                     return
                 self.context.spoil()
                 try:
@@ -186,10 +188,24 @@ class Conversation:
         except Failed as failed:
             self._keep(failed, done or [step])
 
+    def _is_over(self, step: Step, failed: Failed) -> bool:
+        """Whether nothing more is asked after a failure: the first was wanted, or the program answers nothing."""
+        if self.context.job.first_failure:
+            return bool(self._failed)
+        if self._done or len(self._silent) < _SILENT_RULES:
+            return False
+        title = self._part_of(step.rule, failed.breaks).title
+        self._hindered = {part.id: title for part in self.parts} | self._hindered
+        return True
+
     @property
-    def failed_checks(self) -> frozenset[str]:
-        """The ids of the checks that are lost."""
-        return frozenset(self._failed)
+    def lost_checks(self) -> frozenset[str]:
+        """The ids of the checks that have failed, and of those that will not be run without them."""
+        lost = set(self._failed)
+        for part in self.parts:  # in the order in which they depend on each other
+            if lost.intersection(part.after):
+                lost.add(part.id)
+        return frozenset(lost)
 
     def verdict_of(self, part: CheckPart) -> Evidence:
         """What came of it for one of its checks; raises NotRun, or GradingError, where it could not be judged."""
@@ -211,7 +227,7 @@ class Conversation:
         node = GradedNode(self.context)
         node.ensure_running()
         model = self.model()
-        model.lost = self.failed_checks
+        model.lost = self.lost_checks
         model.begin(node)
         self.context.record.clear()
         return node, model, []
@@ -230,28 +246,33 @@ class Conversation:
             self._unseen.add(self._part_of(last.rule, "").id)
             return
         name_lost_node(self.context, failed)
-        lost = self._part_of(last.rule, failed.breaks)
+        lost, fails_alone = self._part_of(last.rule, failed.breaks), len(done) == 1
         if lost.id not in self._failed:
             endless = failed.diagnosis == _ENDLESS
             if endless:
                 self.context.record.forget_all_but(1)
             failed.steps = failed.steps or self.context.record.steps(failed.evidence)
-            if not endless and not self.context.job.first_failure and self.context.job.mode != "attach":
+            shrinks = not endless and not self.context.job.first_failure and self.context.job.mode != "attach"
+            if shrinks and (not fails_alone or self.last):
                 failed, lost, needed = self._shrink(failed, done, lost)
+                fails_alone = needed == 1
                 if self.model.history and needed > 1:
                     self._apart = True
                     lost = self._part_of(last.rule, self.model.history)
         if lost.id in self._failed:
             self._strikes[last.rule.name] += 1
         self._failed.setdefault(lost.id, failed)
-        self._credit(last, lost)
+        if isinstance(failed, NoAnswerError):
+            self._strikes[last.rule.name] = _STRIKES
+            self._silent.add(last.rule.name)
+        self._credit(last, lost, fails_alone=fails_alone)
 
-    def _credit(self, last: Step, lost: CheckPart) -> None:
+    def _credit(self, last: Step, lost: CheckPart, *, fails_alone: bool) -> None:
         """A rule that has failed for another check is right for its own where the step passes by itself."""
         own = self._part_of(last.rule, "")
         if own == lost or self._done[own.id] or self.context.job.first_failure:
             return
-        if self.context.job.mode != "attach" and self._find_failure([last]) is None:
+        if not fails_alone and self.context.job.mode != "attach" and self._find_failure([last]) is None:
             self._done[own.id] += 1
         else:
             self._strikes[last.rule.name] = _STRIKES

@@ -61,6 +61,10 @@ class UnseenError(Failed):
     """What a step was to show was over before the grader could see it: it shows nothing, and proves nothing."""
 
 
+class NoAnswerError(Failed):
+    """The program runs and does not answer."""
+
+
 class NotRun(Exception):  # noqa: N818 - it is a verdict, not an error
     """A check that makes no sense in this grading; the text tells the learner why."""
 

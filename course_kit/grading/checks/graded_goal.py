@@ -224,7 +224,7 @@ class GradedGoal:
                 why = "Your server did not answer the request to cancel before the goal was over."
         raise Failed(replace(evidence, got=got), why, code, breaks=breaks)
 
-    def wait_for_answer(self, expected: str, seconds: float = hangs.ANSWER_S) -> bool:
+    def wait_for_answer(self, expected: str, seconds: float = 0.0) -> bool:
         """Wait until the server has said yes or no; whether it has said yes."""
         hangs.await_answer(self._context, self._answer.is_answered, Evidence(self.shown, expected), seconds)
         self._turn.add_received("accepted" if self.accepted else "rejected")

@@ -50,14 +50,14 @@ class GradedNode:
     # --- services
 
     def call(
-        self, service: str, request: Any = None, *, within_s: float = hangs.ANSWER_S, breaks: str = "", **fields: Any
+        self, service: str, request: Any = None, *, within_s: float = 0.0, breaks: str = "", **fields: Any
     ) -> Answer:
         """Send a request and wait for the answer.
 
         Args:
             service: its name.
             request: the request as a message or a dict; or its fields one by one.
-            within_s: how long an answer is waited for.
+            within_s: how long an answer is waited for, where 5 s, and 2 s after one that never came, will not do.
             breaks: the sentence of the exercise, or the check, that it costs when none comes.
             fields: of the request.
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from rcl_interfaces.srv import ListParameters
 
-from course_kit.grading.checks.context import GRAPH_STEP_S, SubmissionEndedError
-from course_kit.grading.checks.evidence import Evidence, Failed
+from course_kit.grading.checks.context import ANSWER_AGAIN_S, ANSWER_S, GRAPH_STEP_S, SubmissionEndedError
+from course_kit.grading.checks.evidence import Evidence, Failed, NoAnswerError
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
 from course_kit.ros.parameters import LIST_SERVICE
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     EndExplainer = Callable[[ProcessStatus, Job], causes.Cause]  # of what the supervisor knows
     LogExplainer = Callable[[str, Job], causes.Cause | None]  # of what the program has written
 
-ANSWER_S = 5.0  # how long one answer is waited for
 RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
 _GREET_S = 1.0
@@ -53,12 +52,13 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     context: CheckContext,
     answered: Callable[[], bool],
     evidence: Evidence,
-    seconds: float = ANSWER_S,
+    seconds: float = 0.0,  # if not as long as an answer is usually waited for
     *,
     ended: EndExplainer = causes.explain_call,
     logged: LogExplainer = causes.explain_logged_exception,
 ) -> None:
     """Wait until something is answered."""
+    seconds = seconds or context.patience_s
     clock, too_late = context.clock(), context.time_is_up()
     with explain_end(context, evidence, ended, "no answer: the program ended"):
         if context.wait_until(answered, min(_NUDGE_S, seconds)):
@@ -95,18 +95,19 @@ def is_answered(context: CheckContext, client: ServiceClient, request: Message, 
 
 def explain_no_answer(
     context: CheckContext, evidence: Evidence, waited_s: float, logged: LogExplainer = causes.explain_logged_exception
-) -> Failed:
+) -> NoAnswerError:
     """Establish why a program that is still running does not answer."""
     context.spoil()
     seen = current_activity(context)
     busy = is_computing(context)
     evidence = replace(evidence, got=f"no answer within {describe_seconds(waited_s)} s; the program is still running")
     diagnosis, message = _why_silent(context, seen, describe_seconds(waited_s), busy=busy)
+    patience_s, context.patience_s = context.patience_s, ANSWER_AGAIN_S
     if diagnosis is None and (cause := logged(context.program.status(fresh=True).stderr, context.job)):
         diagnosis, message = cause
-    if waited_s < ANSWER_S and context.time_is_up():
+    if waited_s < patience_s and context.time_is_up():
         message += f" This check may take {context.deadline_s:g} s, and no time is left."
-    return Failed(evidence, message, diagnosis)
+    return NoAnswerError(evidence, message, diagnosis)
 
 
 def describe_seconds(waited_s: float, most: float = ANSWER_S) -> str:

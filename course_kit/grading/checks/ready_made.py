@@ -170,7 +170,8 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         if at_a_time:
             answers = node.call_together(service, several, at_a_time=at_a_time, within_s=within_s)
         else:
-            answers = [node.call(service, fields) for fields in several]
+            patience_s = max(within_s, hangs.ANSWER_S)
+            answers = [node.call(service, fields, within_s=patience_s) for fields in several]
         for answer, fields in zip(answers, wanted, strict=True):
             if not at_a_time:
                 answer.not_before(not_before_s)

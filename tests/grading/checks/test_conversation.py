@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed, NotRun, UnseenError
+from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed, NoAnswerError, NotRun, UnseenError
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
 from course_kit.grading.errors import GradingError
 
@@ -186,3 +186,36 @@ def test_what_a_simpler_cause_explains_costs_nothing_more(*, also_a: bool, of_c:
             raise failed
 
     assert judge(checks_of(Blamed), StandIn())["c"] == of_c
+
+
+def test_a_program_that_answers_nothing_is_asked_three_different_things() -> None:
+    def be_silent(_: Model, node: GradedNode) -> None:
+        node.context.ask("it")  # type: ignore[attr-defined]
+        raise NoAnswerError(Evidence("it"), "No answer.", breaks="a")
+
+    rules = {}
+    for name in "abcde":
+        step = FunctionType(be_silent.__code__, globals(), f"ask_{name}", None, be_silent.__closure__)
+        rules[step.__name__] = step_rule(name)(step)
+    silent, context = type("Silent", (Model,), rules), StandIn()
+    found = judge(conversation(silent, *(CheckPart(name, name, 1.0, []) for name in "abcde"), steps=40), context)
+    assert found == {"a": "No answer."} | dict.fromkeys("bcde", 'because "a" did not pass.')
+    assert context.starts == 1 + 2 + 1  # after two of three failures, and for the checks after the conversation
+
+
+def test_what_hangs_on_a_lost_check_is_asked_no_more() -> None:
+    class Wrong(Letters):
+        @step_rule("a")
+        def ask_a(self, node: GradedNode) -> None:
+            fail(node.context.ask("a")[0])  # type: ignore[attr-defined]
+
+        @step_rule("c", often=3)
+        def ask_c(self, node: GradedNode) -> None:
+            assert "a" not in conversations[Wrong].lost_checks
+            node.context.ask("c")  # type: ignore[attr-defined]
+
+    context = StandIn()
+    conversations = context.conversations
+    parts = [CheckPart(name, name, 1.0, [], after=["a"] * (name == "c")) for name in "abc"]
+    assert judge(conversation(Wrong, *parts, steps=40), context)["a"] == "a is wrong."
+    assert conversations[Wrong].lost_checks == {"a", "c"}
