@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
+_NUDGED_S = 0.1  # it need not answer that
 _GREET_S = 1.0
 _ASK_AGAIN_S = 0.5
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
@@ -64,7 +65,7 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
         if context.wait_until(answered, min(_NUDGE_S, seconds)):
             return
         with context.record.looking_away():  # an executor of several threads tells what a callback has raised when it
-            greet_node(context)  # has more to do
+            greet_node(context, _NUDGED_S)  # has more to do
         if context.wait_until(answered, seconds - _NUDGE_S):
             return
     if too_late:
@@ -74,14 +75,14 @@ def await_answer(  # noqa: PLR0913 - what differs between services, goals and pa
     raise explain_no_answer(context, evidence, clock.fair_s(), logged)
 
 
-def greet_node(context: CheckContext) -> None:
+def greet_node(context: CheckContext, seconds: float = _GREET_S) -> None:
     """Have the node's process know our endpoints: asked last, a question for its parameters is answered after that."""
     node = context.grader_node
     offers = [name for name, _ in node.node.get_service_names_and_types() if name.endswith(LIST_SERVICE)]
     if offers:
         client = node.client(ListParameters, offers[0])
-        context.wait_until(client.is_ready, _GREET_S, step_s=GRAPH_STEP_S)
-        is_answered(context, client, ListParameters.Request(), _GREET_S)
+        context.wait_until(client.is_ready, seconds, step_s=GRAPH_STEP_S)
+        is_answered(context, client, ListParameters.Request(), seconds)
     else:
         context.wait_until(lambda: False, 0.1)
 
