@@ -167,10 +167,7 @@ def test_two_students_never_share_a_folder(names: tuple[str, str]) -> None:
     assert max(len(first.encode()), len(second.encode())) < 200, "with an ending and a mark it has to fit"
 
 
-@pytest.mark.parametrize(
-    ("source", "out"),
-    [("in", "in"), ("all/in", "all"), ("all/in", "link")],
-)
+@pytest.mark.parametrize(("source", "out"), [("in", "in"), ("all/in", "all"), ("all/in", "link")])
 def test_results_and_submissions_never_lie_in_one_another(tmp_path: Path, source: str, out: str) -> None:
     for name in ("in/ann", "all/in/ann"):
         (tmp_path / name).mkdir(parents=True)

@@ -130,14 +130,8 @@ def test_every_pattern_has_a_name_and_so_is_measured() -> None:
 
 
 JOB = Job("course_kit.graders.temperature_service", "run", 1, Submission("answer.py", "answer.py", "x = 1\n"))
-CLASS = {
-    "exercise": "temperature_service",
-    "class_name": "TemperatureService",
-    "variable": "",
-    "whatever": False,
-    "compared": True,
-}
 VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers", "whatever": False, "compared": True}
+CLASS = {**VARIABLE, "exercise": "temperature_service", "class_name": "TemperatureService", "variable": ""}
 FRAME = '  File "answer.py", line 3, in f\n'
 DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {

@@ -103,11 +103,7 @@ def test_a_child_of_the_reader_that_somebody_has_killed_is_no_fault_of_the_submi
         return receive(*line)
 
     monkeypatch.setattr(process, "receive_packet", kill)
-    with (
-        Reader() as reader,
-        copy_file(tmp_path / "slow.py") as copy,
-        pytest.raises(GradingError, match="was reading"),
-    ):
+    with Reader() as reader, copy_file(tmp_path / "slow.py") as copy, pytest.raises(GradingError, match="was reading"):
         reader.read(copy, EXERCISE)
     assert len(killed) == 2
 

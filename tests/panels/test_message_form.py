@@ -96,11 +96,7 @@ def test_what_is_typed_arrives_in_the_message_wherever_it_is(everything: Any) ->
         ("offset", "1, 2", "Expected 3 numbers, with commas (float64[3]), not '1, 2'."),
         ("numbers", "1, x", "Expected up to 4 whole numbers, with commas (int32[<=4], from -2147483648 to"),
         ("words", "a, b, c", "Expected up to 2 texts, with commas (string[<=2]), not 'a, b, c'."),
-        (
-            "points",
-            "{w: 1}",
-            "Expected messages, with commas, each as {field: value, ...} (geometry_msgs/P",
-        ),
+        ("points", "{w: 1}", "Expected messages, with commas, each as {field: value, ...} (geometry_msgs/P"),
         ("pose.position.x", "left", "Expected a number (float64), not 'left'."),
     ],
 )

@@ -34,10 +34,7 @@ def given(fields: Fields) -> None:
             {"positon": {}},
             "There is no field 'positon' in a pose; it has position, orientation. Did you mean 'position'?",
         ),
-        (
-            {"position": {"q": 1.0}},
-            "There is no field 'q' in position, a geometry_msgs/Point; it has x, y, z.",
-        ),
+        ({"position": {"q": 1.0}}, "There is no field 'q' in position, a geometry_msgs/Point; it has x, y, z."),
     ],
 )
 def test_both_say_the_same_of_a_field_that_is_not_there(

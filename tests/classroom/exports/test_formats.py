@@ -43,8 +43,7 @@ def test_every_file_follows_its_platforms_rules(gradebook: Gradebook) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "matched"),
-    [("grades.csv", set()), ("exports/canvas.csv", {1, 3}), ("exports/nbgrader.csv", {3})],
+    ("name", "matched"), [("grades.csv", set()), ("exports/canvas.csv", {1, 3}), ("exports/nbgrader.csv", {3})]
 )
 def test_no_cell_of_a_table_begins_a_formula_that_does_anything(name: str, matched: set[int]) -> None:
     """But where a platform finds students by it: a sign before what can call nothing, such as -jane, stays there."""
@@ -83,13 +82,7 @@ def test_where_the_grader_failed_there_is_no_grade_in_any_export(tmp_path: Path)
     assert "exports/moodle_temperature_service.csv" in graded
     exports.write_all(book(not_graded("jane", **of_moodle)), tmp_path)  # the grade of before must not stay either
     left = {path.relative_to(tmp_path).as_posix(): path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
-    assert set(left) == {
-        "grades.csv",
-        "exports/canvas.csv",
-        "exports/nbgrader.csv",
-        "index.html",
-        "last_run.json",
-    }
+    assert set(left) == {"grades.csv", "exports/canvas.csv", "exports/nbgrader.csv", "index.html", "last_run.json"}
     assert not any("jane" in left[name] for name in left if name.startswith("exports/"))
     assert table(left["grades.csv"])[0]["temperature_service status"] == "error"
 
@@ -138,9 +131,7 @@ def test_canvas_finds_students_by_its_own_number_else_by_login() -> None:
         ("7", "7", "0"),
     ]
     _, students = rules.canvas(written(book(good("jane"), not_graded("jörg")))["exports/canvas.csv"])
-    assert [(one["ID"], one["SIS Login ID"], one[SERVICE.title]) for one in students] == [
-        ("", "jane", "10"),
-    ]
+    assert [(one["ID"], one["SIS Login ID"], one[SERVICE.title]) for one in students] == [("", "jane", "10")]
 
 
 def test_moodle_gets_a_worksheet_for_each_exercise() -> None:

@@ -13,15 +13,7 @@ from course_kit.classroom import exports
 from course_kit.classroom.exports import page
 from course_kit.classroom.records import RecordFolder
 from tests.classroom.exports import books
-from tests.classroom.exports.books import (
-    HOSTILE,
-    SERVICE,
-    bad,
-    book,
-    good,
-    not_graded,
-    unreadable,
-)
+from tests.classroom.exports.books import HOSTILE, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -15,12 +15,7 @@ class MoveRobotServer(Node):
         self.robot = SimulatedRobot()
         self.busy = False
         self.server = ActionServer(
-            self,
-            MoveRobot,
-            "move_robot",
-            self.execute,
-            goal_callback=self.on_goal,
-            cancel_callback=self.on_cancel,
+            self, MoveRobot, "move_robot", self.execute, goal_callback=self.on_goal, cancel_callback=self.on_cancel
         )
 
     def on_goal(self, goal):
