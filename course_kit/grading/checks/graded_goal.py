@@ -13,6 +13,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import are_same, describe_value, require_fields
+from course_kit.grading.checks.context import ANSWER_S
 from course_kit.grading.checks.evidence import GRADER, Evidence, Exchange, Failed, TimedStep, charge_to, in_one_line
 from course_kit.grading.checks.hangs import RESEND_AFTER_S
 from course_kit.grading.diagnosis import causes
@@ -261,7 +262,7 @@ class GradedGoal:
                 count, clock = len(self.feedback), self._context.clock()
             return clock.has_passed(_QUIET_S) and (clock.has_passed(_REPAIRED_S) or complete(self.feedback))
 
-        self._context.wait_until(is_quiet, hangs.ANSWER_S, step_s=_QUIET_S / 2)
+        self._context.wait_until(is_quiet, ANSWER_S, step_s=_QUIET_S / 2)
         self._all_heard = complete(self.feedback)
         return self.feedback
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.grader_node import BoundedInbox, OfferedService
     from course_kit.ros.messages import Message, ServiceType
 
-ANSWER_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
+MESSAGE_S = 3.0  # within which a message is answered by another one, unless the check says otherwise
 _MET = "met"  # remembered of a running submission
 _FILE = "parameters.yaml"
 _CLIENTS = 2  # that ask together: each of them is woken by every answer
@@ -136,7 +136,7 @@ class GradedNode:
         topic: str,
         wanted: Any = None,
         *,
-        within_s: float = ANSWER_S,
+        within_s: float = MESSAGE_S,
         breaks: str = "",
         why: str = "",
         diagnosis: str | None = None,

@@ -11,6 +11,7 @@ from rcl_interfaces.msg import SetParametersResult
 
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.answers import describe_value
+from course_kit.grading.checks.context import ANSWER_S
 from course_kit.grading.checks.discovery import ENDED, await_start, explain_other_nodes, list_nodes, why_empty
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
@@ -64,7 +65,7 @@ class RemoteParameters:
             raise self._explain_absence(expected)
         clock, question = context.clock(), parameters.Question("list_parameters", {})
         with hangs.explain_end(context, Evidence("", expected), causes.explain_start, ENDED):
-            if not hangs.is_answered(context, self._clients[question.service], question.request, hangs.ANSWER_S):
+            if not hangs.is_answered(context, self._clients[question.service], question.request, ANSWER_S):
                 evidence = Evidence(question.service, expected)
                 raise hangs.explain_no_answer(context, evidence, clock.fair_s(), causes.explain_logged)
         return Evidence("", expected, expected)

@@ -8,11 +8,12 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from course_kit.grading.checks import discovery, hangs
+from course_kit.grading.checks import discovery
 from course_kit.grading.checks.answers import UNFILLED, Approximation, are_same, describe_value, differences, only_field
 from course_kit.grading.checks.check import Check
+from course_kit.grading.checks.context import ANSWER_S
 from course_kit.grading.checks.evidence import Evidence, Failed, in_one_line
-from course_kit.grading.checks.graded_node import ANSWER_S, GradedNode
+from course_kit.grading.checks.graded_node import MESSAGE_S, GradedNode
 from course_kit.grading.checks.steps import draw_values
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
     requests: Sequence[dict[str, Any]],
     expect: Callable[[Any], dict[str, Any]],
     *,
-    within_s: float = hangs.ANSWER_S,
+    within_s: float = ANSWER_S,
     not_before_s: float = 0.0,
     at_a_time: int = 0,
     **declared: Unpack[CheckFields],
@@ -170,7 +171,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         if at_a_time:
             answers = node.call_together(service, several, at_a_time=at_a_time, within_s=within_s)
         else:
-            patience_s = max(within_s, hangs.ANSWER_S)
+            patience_s = max(within_s, ANSWER_S)
             answers = [node.call(service, fields, within_s=patience_s) for fields in several]
         for answer, fields in zip(answers, wanted, strict=True):
             if not at_a_time:
@@ -233,7 +234,7 @@ def topic_answers(
     messages: Sequence[Any],
     expect: Callable[[Any], Any],
     *,
-    within_s: float = ANSWER_S,
+    within_s: float = MESSAGE_S,
     **declared: Unpack[CheckFields],
 ) -> Check:
     """A check that each message on one topic is answered by exactly one on another.

@@ -15,13 +15,12 @@ from course_interfaces.srv import ConvertTemperature
 from course_kit import environment
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
-from course_kit.grading.checks.context import CheckContext, SubmissionEndedError
+from course_kit.grading.checks.context import ANSWER_S, CheckContext, SubmissionEndedError
 from course_kit.grading.checks.discovery import WantedEndpoint, await_start, expect_endpoints, expect_node
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.fair_clock import ProcessorUse
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode
-from course_kit.grading.checks.hangs import ANSWER_S
 from course_kit.grading.checks.parameters import RemoteParameters
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.limits import Limits
