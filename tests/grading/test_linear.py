@@ -130,8 +130,9 @@ def test_every_pattern_has_a_name_and_so_is_measured() -> None:
 
 
 JOB = Job("course_kit.graders.temperature_service", "run", 1, Submission("answer.py", "answer.py", "x = 1\n"))
-VARIABLE = {"exercise": "pattern_choice", "class_name": "", "variable": "answers", "whatever": False, "compared": True}
-CLASS = {**VARIABLE, "exercise": "temperature_service", "class_name": "TemperatureService", "variable": ""}
+COMMON = {"class_name": "", "variable": "", "whatever": False, "compared": True, "files": []}
+VARIABLE = {**COMMON, "exercise": "pattern_choice", "variable": "answers"}
+CLASS = {**COMMON, "exercise": "temperature_service", "class_name": "TemperatureService"}
 FRAME = '  File "answer.py", line 3, in f\n'
 DUMP = "Current thread 0x1 (most recent call first):\n"
 FUNCTIONS: dict[str, Callable[[str], object]] = {

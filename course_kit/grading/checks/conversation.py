@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from course_kit.grading.checks.check import Check, name_lost_node
-from course_kit.grading.checks.evidence import Evidence, Failed, NoAnswerError, NotRun, UnseenError
+from course_kit.grading.checks.evidence import Evidence, Failed, NotRun, UnansweredError, UnseenError
 from course_kit.grading.checks.graded_node import GradedNode
 from course_kit.grading.checks.steps import Rule, Step, Steps, rules_of
 from course_kit.grading.errors import GradingError
@@ -262,7 +262,7 @@ class Conversation:
         if lost.id in self._failed:
             self._strikes[last.rule.name] += 1
         self._failed.setdefault(lost.id, failed)
-        if isinstance(failed, NoAnswerError):
+        if isinstance(failed, UnansweredError):
             self._strikes[last.rule.name] = _STRIKES
             self._silent.add(last.rule.name)
         self._credit(last, lost, fails_alone=fails_alone)

@@ -61,7 +61,7 @@ class UnseenError(Failed):
     """What a step was to show was over before the grader could see it: it shows nothing, and proves nothing."""
 
 
-class NoAnswerError(Failed):
+class UnansweredError(Failed):
     """The program runs and does not answer."""
 
 

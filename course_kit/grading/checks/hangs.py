@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from rcl_interfaces.srv import ListParameters
 
 from course_kit.grading.checks.context import ANSWER_AGAIN_S, ANSWER_S, GRAPH_STEP_S, SubmissionEndedError
-from course_kit.grading.checks.evidence import Evidence, Failed, NoAnswerError
+from course_kit.grading.checks.evidence import Evidence, Failed, UnansweredError
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.diagnosis.tracebacks import Activity, read_activity
 from course_kit.ros.parameters import LIST_SERVICE
@@ -96,7 +96,7 @@ def is_answered(context: CheckContext, client: ServiceClient, request: Message, 
 
 def explain_no_answer(
     context: CheckContext, evidence: Evidence, waited_s: float, logged: LogExplainer = causes.explain_logged_exception
-) -> NoAnswerError:
+) -> UnansweredError:
     """Establish why a program that is still running does not answer."""
     context.spoil()
     seen = current_activity(context)
@@ -108,7 +108,7 @@ def explain_no_answer(
         diagnosis, message = cause
     if waited_s < patience_s and context.time_is_up():
         message += f" This check may take {context.deadline_s:g} s, and no time is left."
-    return NoAnswerError(evidence, message, diagnosis)
+    return UnansweredError(evidence, message, diagnosis)
 
 
 def describe_seconds(waited_s: float, most: float = ANSWER_S) -> str:

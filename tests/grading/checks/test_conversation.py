@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed, NoAnswerError, NotRun, UnseenError
+from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed, NotRun, UnansweredError, UnseenError
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_one_of, step_rule
 from course_kit.grading.errors import GradingError
 
@@ -191,7 +191,7 @@ def test_what_a_simpler_cause_explains_costs_nothing_more(*, also_a: bool, of_c:
 def test_a_program_that_answers_nothing_is_asked_three_different_things() -> None:
     def be_silent(_: Model, node: GradedNode) -> None:
         node.context.ask("it")  # type: ignore[attr-defined]
-        raise NoAnswerError(Evidence("it"), "No answer.", breaks="a")
+        raise UnansweredError(Evidence("it"), "No answer.", breaks="a")
 
     rules = {}
     for name in "abcde":
