@@ -233,8 +233,9 @@ def _group_rows(sentences: Sequence[Sentence]) -> Iterable[tuple[bool, list[Sent
 
     def kind(sentence: Sentence) -> tuple[bool, int]:
         nonlocal table
-        table += sentence.is_row and bool(sentence.heading)
-        return sentence.is_row, table if sentence.is_row else 0
+        is_row = sentence.text.startswith("|")
+        table += is_row and bool(sentence.heading)
+        return is_row, table if is_row else 0
 
     for (rows, _), group in itertools.groupby(sentences, kind):
         yield rows, list(group)

@@ -31,7 +31,7 @@ from course_kit.process.libc import make_memory_file
 from course_kit.reader import files, process
 from course_kit.reader.files import ARCHIVE, YAML
 from course_kit.reader.python import MEMORY_MB
-from course_kit.reader.text import NOTEBOOK, PROGRAM, kind_of_file
+from course_kit.reader.text import LARGEST, NOTEBOOK, PROGRAM, kind_of_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from course_kit.grading.model.exercise import Exercise
 
 _MB = 1 << 20
-LARGEST = _MB  # bytes of a program
 LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
 _LARGEST = {PROGRAM: LARGEST, YAML: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK, ARCHIVE: LARGEST_NOTEBOOK}
 _MOST_FILES = 1000  # in a folder with everything that lies below it
@@ -216,11 +215,8 @@ class Reader(Closable):
         words = ""
         for _ in range(_TRIES):
             process = self._process or self.start()
-            try:
+            with suppress(EOFError, OSError):  # another program has ended it
                 ended, answer = self._exchange(request, copy)
-            except (EOFError, ValueError, OSError):  # another program has ended it
-                pass
-            else:
                 if self._has_answer(copy, ended):
                     return _summary(copy, answer)
             words = process.last_line()

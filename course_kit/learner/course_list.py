@@ -57,7 +57,7 @@ def list_rows(folder: Path | None = None, *, practice: bool = False) -> tuple[li
     records, trouble = progress.read_progress()
     there = exercise_folders.find_exercises(folder)
     found, problems = [], [trouble]
-    for name in sorted({*there.folders, *(exercise_folders.drills(folder) if practice else ())}):
+    for name in sorted({*there.folders, *(there.drills if practice else ())}):
         try:
             exercise = load_exercise(name, folder)
         except GradingError as problem:  # noqa: PERF203 - one that is being written must not hide the others

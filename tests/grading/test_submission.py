@@ -10,7 +10,8 @@ import pytest
 
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
-from course_kit.grading.reading import LARGEST, copy_file
+from course_kit.grading.reading import copy_file
+from course_kit.reader.text import LARGEST
 from tests.reading import read
 
 if TYPE_CHECKING:

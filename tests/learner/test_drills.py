@@ -19,7 +19,7 @@ from tests.course_copy import REPOSITORY, Course, copy_course
 if TYPE_CHECKING:
     from pathlib import Path
 
-IDS = sorted(exercise_folders.drills(REPOSITORY / "exercises"))
+IDS = sorted(exercise_folders.find_exercises(REPOSITORY / "exercises").drills)
 DRILL = "dark_lamp"
 PASSED = {"best": 2.0, "tries": 1, "first_passed": "2026-11-22T12:00:00+00:00"}
 

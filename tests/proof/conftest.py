@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = environment.checkout_folder() or Path()
 EXERCISES = corpus.all_exercises(ROOT)
-DRILLS = sorted(exercise_folders.drills(ROOT / "exercises"))
+DRILLS = sorted(exercise_folders.find_exercises(ROOT / "exercises").drills)
 SAMPLE = "sample"
 ONE_IN = 6  # of the right programs beside the solutions
 SIDE_BY_SIDE = 4  # fewer than a class has: other tests run beside these

@@ -52,11 +52,6 @@ class Sentence(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         for name in self.__struct_fields__:
             structs.force_setattr(self, name, getattr(self, name).strip())
 
-    @property
-    def is_row(self) -> bool:
-        """Whether it is a row of a table."""
-        return self.text.startswith("|")
-
 
 class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     """One exercise: what stands in its exercise.toml, and where that lies."""
@@ -152,11 +147,10 @@ def list_exercise_ids(folder: Path | None = None) -> list[str]:
 def load_exercise(exercise_id: str, folder: Path | None = None) -> Exercise:
     """Read one exercise."""
     found = exercise_folders.find_exercises(folder)
-    drills = exercise_folders.drills(folder)
-    places = found.folders.get(exercise_id, ()) or drills.get(exercise_id, ())
+    places = found.folders.get(exercise_id, ()) or found.drills.get(exercise_id, ())
     if not places:
         known = sorted(found.folders)
-        guess = did_you_mean(exercise_id, [*known, *sorted(drills)])
+        guess = did_you_mean(exercise_id, [*known, *sorted(found.drills)])
         there_are = f"There is no exercise '{exercise_id}'.{guess} Exercises: {', '.join(known) or 'none'}."
         raise GradingError(" ".join((there_are, *found.problems)))
     if len(places) > 1:

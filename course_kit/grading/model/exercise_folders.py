@@ -31,6 +31,7 @@ class FoundExercises(NamedTuple):
     """What lies in the folders."""
 
     folders: dict[str, list[Path]]  # by id those of the exercise; several where that id is there more than once
+    drills: dict[str, list[Path]]  # the course's own, by id as well
     problems: list[str]  # what is wrong with the folders that were added, a sentence each
 
 
@@ -54,12 +55,6 @@ def in_course(folder: Path, name: str) -> str:
     return (folder / name).relative_to(own.parent).as_posix()
 
 
-def drills(folder: Path | None = None) -> dict[str, list[Path]]:
-    """The drills of the course, or of another folder of exercises, by their ids: found only when asked for."""
-    own = course_folder() if folder is None else folder
-    return {} if own is None else _by_id(_below(own / DRILLS))
-
-
 def path_below(folder: Path) -> Path:
     """Where an exercise lies in a folder of exercises: under its id, or among the drills."""
     return Path(DRILLS, folder.name) if folder.parent.name == DRILLS else Path(folder.name)
@@ -67,16 +62,13 @@ def path_below(folder: Path) -> Path:
 
 def find_exercises(folder: Path | None = None) -> FoundExercises:
     """The exercises in a folder; without one the course's own, and those that were added."""
-    if folder is not None:
-        return FoundExercises(_by_id(_below(folder)), [])
-    own, problems = (
-        course_folder(),
-        [_explain_nothing_found(named, VARIABLE) for named in _entries() if not _exercises(named)],
-    )
-    found = _by_id([*(_below(own) if own else ()), *added_exercises()])
-    if own is None and not found and not problems:
+    own, named = (course_folder(), _entries()) if folder is None else (folder, [])
+    problems = [_explain_nothing_found(entry, VARIABLE) for entry in named if not _exercises(entry)]
+    if own is None and not named:
         problems = ["There is no exercises folder here. Run this from a clone of the course."]
-    return FoundExercises(found, problems)
+    added = [exercise for entry in named for exercise in _exercises(entry)]
+    here, drills = (_below(own), _below(own / DRILLS)) if own else ([], [])
+    return FoundExercises(_by_id([*here, *added]), _by_id(drills), problems)
 
 
 def add_exercise_folder(folders: Iterable[str]) -> None:
