@@ -116,8 +116,9 @@ def grade_class(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from course_kit.grading import GradingError, advice_for_root, isolation_status, require_machine
+    from course_kit.grading import GradingError, advice_for_root, isolation_status
     from course_kit.grading.model.exercise import load_exercise
+    from course_kit.grading.sandbox import needs
 
     chosen = {name: load_exercise(name) for name in options.exercise}
     if options.out.exists() and not options.out.is_dir():
@@ -133,7 +134,7 @@ def _run(options: argparse.Namespace) -> int:
     if not options.scheduler:
         note(advice_for_root())
         for exercise in chosen.values():
-            require_machine(exercise.limits)
+            needs.require_machine(exercise.limits)
         if options.require_isolation:  # each worker insists on it, too; of a cluster only they can
             isolation_status().require()
     with ExitStack() as ends:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.checks.context import CheckContext
-    from course_kit.grading.checks.fair_clock import FairClock
     from course_kit.grading.checks.graded_goal import GradedGoal
     from course_kit.grading.checks.grader_node import ReceivedFeedback
     from course_kit.grading.checks.vocabulary import GradedNode
@@ -112,15 +111,6 @@ def speed_of(context: CheckContext) -> Speed:
     strange = context.job.mode == "attach"
     speed: Speed = context.conversations.setdefault(Speed, Speed(strange, OFTEN if strange else 0))
     return speed
-
-
-def is_too_hasty(clock: FairClock, context: CheckContext, again: int) -> bool:
-    """Whether the fast robot or a busy machine may be to blame for a failure; then the robot gets its own speed."""
-    speed = speed_of(context)
-    if again >= OFTEN or (speed.own and clock.grader_lost() <= 0.3 * clock.wall_s()):  # else nobody knows their order
-        return False
-    speed.needed, speed.own = speed.needed + 1, True
-    return True
 
 
 def place_of(point: Any) -> ArenaPoint:

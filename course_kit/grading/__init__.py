@@ -6,18 +6,15 @@ what to tell the user; `Worker` to grade many; `isolation_status` for the doctor
 
 from course_kit.grading.engine import grade
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.job import Isolation
 from course_kit.grading.model.report import CheckReport, Report, exit_code
 from course_kit.grading.render.html import render_html
 from course_kit.grading.render.text import render_text
 from course_kit.grading.sandbox.isolation import advice_for_root
-from course_kit.grading.sandbox.needs import require_machine
 from course_kit.grading.workers.worker import Worker, isolation_status
 
 __all__ = [
     "CheckReport",
     "GradingError",
-    "Isolation",
     "Report",
     "Worker",
     "advice_for_root",
@@ -26,5 +23,4 @@ __all__ = [
     "isolation_status",
     "render_html",
     "render_text",
-    "require_machine",
 ]

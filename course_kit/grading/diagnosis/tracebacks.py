@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _SCRATCH = "/course-kit-"  # is in the path of what lies in a scratch directory
 _HANDING_OVER = ("publish", "publish_feedback", "call_async", "send_goal_async", "log")
+_OF_CALLBACKS = ("rclpy/executors.py", "rclpy/task.py")
+_RUN_CALLBACKS = {"await_or_execute", "_execute", "handler", "__call__"}
 _HEADER = "Traceback (most recent call last):"
 _FILE_LINE = re.compile(r'^\s+File "(?P<file>[^"]*)", line (?P<line>\d{1,9})(?:,)? in (?P<function>.+)$')
 _EXCEPTION = re.compile(r"^(?P<type>[A-Za-z_][\w.]*)(?:: (?P<text>.*))?$")
@@ -85,26 +87,17 @@ def read_activity(dump: str, programs: Collection[str]) -> Activity:
     spinning, callback, waits, anywhere = False, None, False, None
     stacks = _stacks(dump)
     for stack in stacks:
-        executor = [place for place, frame in enumerate(stack) if frame.file.endswith("rclpy/executors.py")]
         own = [place for place, frame in enumerate(stack) if _is_own(frame, programs)]
-        spinning = spinning or bool(executor)
+        spinning = spinning or any(frame.file.endswith("rclpy/executors.py") for frame in stack)
         if not own:
             continue
         anywhere = anywhere or stack[own[0]]
-        if not waits and executor and executor[-1] > own[0] and _below_handler(stack, own[0]):
+        callers = {frame.function for frame in stack[own[0] + 1 :] if frame.file.endswith(_OF_CALLBACKS)}
+        if not waits and callers & _RUN_CALLBACKS:  # else on its way to spin
             callback = stack[own[0]]
             called = [frame for frame in stack[: own[0]] if "rclpy/" in frame.file]  # by the learner's line
             waits = bool(called) and not any(frame.function in _HANDING_OVER for frame in called)
     return Activity(bool(stacks), spinning, callback, waits, callback or anywhere)
-
-
-def _below_handler(stack: list[Frame], place: int) -> bool:
-    """Whether the frame at `place` was called by an executor running a callback, not by `main` on its way to spin."""
-    return any(
-        frame.file.endswith(("rclpy/executors.py", "rclpy/task.py"))
-        and frame.function in ("await_or_execute", "_execute", "handler", "__call__")
-        for frame in stack[place + 1 :]
-    )
 
 
 def _stacks(dump: str) -> list[list[Frame]]:

@@ -18,7 +18,7 @@ from tests.grading.sandbox.attacks import ATTACKS, SECRET_OF_A_STUDENT
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from course_kit.grading import Isolation
+    from course_kit.grading.model.job import Isolation
 
 
 BEFORE = "of a student graded before"
