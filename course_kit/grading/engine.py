@@ -74,8 +74,9 @@ def grade(  # noqa: PLR0913 - the options of one verb
         require_isolation: refuse to run a submission where it would not be fully isolated.
 
     Raises:
-        GradingError: usage, an unknown exercise or part, no ROS domain to look for a running node in, a broken
-            installation, or a machine that lacks something, such as isolation; the text is for the user.
+        GradingError: usage, an unknown exercise or part, a broken installation, or a machine that lacks something,
+            such as isolation; the text is for the user.
+        DomainError: there is no ROS domain to look for a running node in; as above.
     """
     exercise = load_exercise(exercise_id, exercises)
     if sum((path is not None, attach, exec_command is not None)) != 1:
@@ -101,7 +102,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
         raise GradingError(
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
         )
-    name = f"the node on ROS domain {_domain()}" if exec_command is None else exec_command
+    name = f"the node on ROS domain {environment.apply_settings().domain_id}" if exec_command is None else exec_command
     with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
         return _grade(exercise, job, name, (used,), require_isolation)
@@ -163,13 +164,6 @@ def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> Gra
     if parts and not whole["problem"] and worth != whole_worth:
         whole["problem"] = f"the checks of its parts are worth {worth} together, but the exercise {whole_worth}"
     return whole
-
-
-def _domain() -> int:
-    try:
-        return environment.apply_settings().domain_id
-    except environment.DomainError as problem:
-        raise GradingError(str(problem)) from None
 
 
 def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, part: str) -> Report:
