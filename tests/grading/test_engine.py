@@ -131,7 +131,7 @@ def test_a_check_that_breaks_leaves_no_grade() -> None:
     outcomes = {"a": "passed", "b": "error", "c": "skipped"}
     results = [asdict(CheckResult(one, one.upper(), how, 4.0, message=f"about {one}")) for one, how in outcomes.items()]
     outcome = {"results": results, "problem": "", "stdout": "", "stderr": ""}
-    report = engine._report(load_exercise(EXERCISE), "shown", outcome, "", time.monotonic())
+    report = engine._report(load_exercise(EXERCISE), "shown", outcome, "")
     assert (report.status, report.score, report.passed) == ("error", 0.0, False)
     assert report.problem == 'The grading did not finish: it stopped at the check "B". about b'
     assert grading.exit_code(report) == 2
