@@ -37,10 +37,6 @@ class ProofSubmission:
     seed: int | None = None  # what the checks draw from for it; as everywhere in this run when None
     told_in: Path | None = None  # the file that declares a slip
 
-    def text(self) -> str:
-        """The program to grade."""
-        return self.texts()[self.path.name]
-
     def texts(self) -> dict[str, str]:
         """The files to grade, by name."""
         texts = {path.name: path.read_text(encoding="utf-8") for path in self.files or (self.path,)}
