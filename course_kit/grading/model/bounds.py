@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from course_kit.grading.model.plain_data import Record
-    from course_kit.ros.messages import Message
 
 LONGEST_TEXT = 4096  # characters of a text in a message
 MOST_ELEMENTS = 1000  # of a sequence in a message
@@ -26,24 +25,18 @@ _PER_CHARACTER = 6  # bytes at most, as JSON
 _DOTS = "..."
 
 
-def bound_message(message: Message) -> Message:
-    """A ROS message in which no text and no sequence is too long; it is changed, not copied."""
-    for name in message.get_fields_and_field_types():
+def bound_message(message: Any) -> Any:
+    """A message, or what a field holds, in which no text and no sequence is too long; it is changed, not copied."""
+    if isinstance(message, str):
+        return message[:LONGEST_TEXT]
+    if isinstance(message, (list, array)):
+        last = message[-MOST_ELEMENTS:] if len(message) > MOST_ELEMENTS else message
+        return list(map(bound_message, last)) if isinstance(last, list) else last
+    for name in getattr(message, "get_fields_and_field_types", dict)():
         value = getattr(message, name)
-        bounded = _bound_value(value)
-        if bounded is not value:
+        if (bounded := bound_message(value)) is not value:
             setattr(message, name, bounded)
     return message
-
-
-def _bound_value(value: Any) -> Any:
-    if isinstance(value, str):
-        return value[:LONGEST_TEXT]
-    if hasattr(value, "get_fields_and_field_types"):
-        return bound_message(value)
-    if isinstance(value, (list, array)) and len(value) > MOST_ELEMENTS:
-        value = value[-MOST_ELEMENTS:]
-    return list(map(_bound_value, value)) if isinstance(value, list) else value
 
 
 def cut_text(text: str, longest: int = _LONGEST) -> str:
