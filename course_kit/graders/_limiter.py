@@ -11,9 +11,10 @@ import re
 import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, Vector3
 
 from course_kit.grading.checks.answers import are_same, describe_value
 from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, Model
@@ -36,8 +37,8 @@ ANSWER_S = 1.0  # of a change
 _LINE_S = 1.0  # in which a change shows on /status
 _ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.1  # how long what nobody asked for is waited for; the last at the end
-FIELDS = [(part, axis) for part in ("linear", "angular") for axis in "xyz"]
-_NAMES = [".".join(field) for field in FIELDS]
+NAMES = [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
+_fields_of = attrgetter(*NAMES)
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
 BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
 RANGES = {
@@ -85,14 +86,14 @@ class Reaction(NamedTuple):
 
 def describe_fields(fields: Sequence[float]) -> str:
     """The fields of a geometry_msgs/Twist that are not 0."""
-    parts = [f"{name}={value:.6g}" for name, value in zip(_NAMES, fields, strict=True) if value != 0.0]
+    parts = [f"{name}={value:.6g}" for name, value in zip(NAMES, fields, strict=True) if value != 0.0]
     return ", ".join(parts) or "all fields 0"
 
 
 def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reaction:
     """What has to come out for a command with these fields."""
     if not settings.enabled:
-        return Reaction((0.0,) * len(FIELDS), 0.0)
+        return Reaction((0.0,) * len(NAMES), 0.0)
     limited = min(max(fields[0], -settings.max_velocity), settings.max_velocity)
     return Reaction((limited, *fields[1:]), _ratio(limited, settings.wheel_diameter / 2.0))
 
@@ -102,13 +103,13 @@ def cause_of(
 ) -> tuple[str, str | None, str]:
     """What is wrong with a reaction to a command: the sentence that is broken, the diagnosis, and what to say."""
     right = right_reaction(settings, fields)
-    names = [name for name, mine, two in zip(_NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
+    names = [name for name, mine, two in zip(NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
     if not settings.enabled:
         if names:
             why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
             return "disabled", None, why
         return "disabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
-    if others := [name for name in names if name != _NAMES[0]]:
+    if others := [name for name in names if name != NAMES[0]]:
         hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
         return "limited", None, hint
     if names:
@@ -166,10 +167,8 @@ def _ratio(number: float, other: float) -> float:
 
 
 def twist_of(fields: list[float]) -> Twist:
-    twist = Twist()
-    for (of, axis), value in zip(FIELDS, fields, strict=True):
-        setattr(getattr(twist, of), axis, value)
-    return twist
+    linear, angular = (Vector3(**dict(zip("xyz", part, strict=True))) for part in (fields[:3], fields[3:]))
+    return Twist(linear=linear, angular=angular)
 
 
 class LimiterSteps(Model):
@@ -276,7 +275,7 @@ class LimiterSteps(Model):
                 raise
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
-        got = Reaction(tuple(getattr(getattr(twist, part), axis) for part, axis in FIELDS), wheel.data)
+        got = Reaction(_fields_of(twist), wheel.data)
         right = right_reaction(self.settings, fields)
         if are_same(right, got) or ("wheel_speed" in self.lost and are_same(right.fields, got.fields)):
             self.seen = self.settings

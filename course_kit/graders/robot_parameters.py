@@ -66,7 +66,7 @@ _WITH_NAMES = (
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _COMMANDS = ([0.0] * 6, [0.05, *[0.0] * 5], [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
-_ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.FIELDS[1:])])
+_ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.NAMES[1:])])
 
 
 class Limiter(LimiterSteps):
