@@ -57,6 +57,9 @@ def test_an_export_shows_each_panel_and_diagram_offline(tmp_path: Path, jupyter:
             assert frame is not None
             assert frame["height"] > 40
         require_no_findings(shown, pictures)
+        shown.set_viewport_size({"width": 640, "height": 768})  # as beside a docked panel: no name is cut off
+        for drawn in shown.locator(".ck-exchange .ck-scroll").all():
+            assert drawn.evaluate("frame => frame.scrollWidth <= frame.clientWidth")
         for drawn in shown.locator("main img[alt]").all():
             assert drawn.evaluate("image => image.naturalWidth") > 100
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
