@@ -69,6 +69,8 @@ def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
 def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
     count = len(found.rungs)
     lines = _wrap(f"{exercise.title} ({exercise.id}): hints {found.about}")
+    if 0 < found.in_report == first:
+        lines += ["", f"Hint 1 of {count} is in the report."]
     for number in range(first + 1, last + 1):
         where = ", as in the report" if number <= found.in_report else ""
         lines += ["", *_wrap(f"Hint {number} of {count}{where}: {found.rungs[number - 1]}")]

@@ -71,7 +71,7 @@ def expect_robot_at(node: GradedNode, x: float, y: float, near: float) -> None:
 
 @step("00_welcome", POSITION)
 def drive(node: GradedNode) -> None:
-    """The robot is at x = 2, y = 1."""
+    """The robot is near x = 2, y = 1."""
     expect_robot_at(node, 2.0, 1.0, near=0.5)
 
 

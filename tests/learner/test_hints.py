@@ -77,7 +77,7 @@ def test_without_a_grading_the_ladder_begins_at_its_foot(folder: Path) -> None:
 def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
     failed("start")
     assert ask(folder, again=True) == ["Hint 1 of 3, as in the report: A nudge."]
-    assert ask(folder) == ["Hint 2 of 3: A push."]  # the report has given the first
+    assert ask(folder) == ["Hint 1 of 3 is in the report.", "Hint 2 of 3: A push."]
     failed("start")  # the same again: the ladder does not begin anew
     assert ask(folder) == ["Hint 3 of 3: A shove."]
     failed("end")

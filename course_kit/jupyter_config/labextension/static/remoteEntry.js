@@ -311,7 +311,7 @@
         show(true, 'Running the cells above, then this one ...');
         void this.wake(cell).finally(() => show(false, WAKE));
       });
-      bar.append('This is the last picture of a panel: its kernel has ended.', button);
+      bar.append('This is the last picture of a panel: it is not running now.', button);
       return bar;
     }
 
