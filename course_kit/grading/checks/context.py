@@ -251,15 +251,14 @@ class CheckContext:
         self._late_s += time.monotonic() - looked
         return True
 
-    def wait_for_start(self, condition: Callable[[], bool]) -> bool:
-        """Wait until `condition` holds of a program just started; False when it does not within its time to start."""
+    def wait_for_start(self, condition: Callable[[], bool]) -> None:
+        """Wait until `condition` holds of a program just started, or its time to start is over."""
 
         def is_over() -> bool:
             return condition() or (self.has_computed_enough() and not self.grader_node.nodes())
 
         self._state()  # until the sandbox stands: on a busy machine that takes seconds, which are not the program's
         self.wait_until(is_over, self.job.limits.start_s, most=_MOST_OF_A_START, step_s=GRAPH_STEP_S)
-        return condition()
 
     def _look(self) -> MachineState:
         waited_s, helpers_waited_s = machine.own_waiting()

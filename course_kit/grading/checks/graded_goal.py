@@ -274,7 +274,7 @@ class GradedGoal:
         complete: Callable[[list[ReceivedFeedback]], bool] = lambda _: True,
         # The part of the work that a message says is left. Then one has to be of the middle third, of the time or of
         # the work: on a busy machine a message comes late.
-        part_left: Callable[[Message], float] | None = None,
+        part_left: Callable[[Message], float] = lambda _: 0.5,  # whoever does not tell may be at the middle
     ) -> list[ReceivedFeedback]:
         """So many messages have come while it ran, not all at once."""
         heard = self.wait_for_last_feedback(lambda messages: len(messages) >= at_least and complete(messages))
@@ -283,8 +283,7 @@ class GradedGoal:
             raise Failed(Evidence(self.shown, expected, count), f"A client saw {count}.", "action.no_feedback")
         times = sorted(message.came_s for message in heard)  # one that got lost and was sent again is the latest
         began, over = self.began_at or times[0], self.over_at or times[-1]
-        left = part_left or (lambda _: 0.5)  # whoever does not tell may be at the middle
-        parts = [(message.came_s, left(message.feedback)) for message in heard if message.came_s <= over]
+        parts = [(message.came_s, part_left(message.feedback)) for message in heard if message.came_s <= over]
         if at_least > 1 and not is_spread(parts, began, over):
             sent_at = self._turn.steps[0][0]  # as the steps that are shown have it
             first, last = (f"{came_s - sent_at:.2f} s" for came_s in (times[0], times[-1]))

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import deque
 from contextlib import suppress
 from functools import partial
-from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
@@ -68,7 +67,7 @@ class BoundedInbox:
     def newer_than(self, count: int) -> list[Message]:
         """The messages after the first `count`, as far as they are kept."""
         forgotten = self.count - len(self.messages)
-        return list(islice(self.messages, max(count - forgotten, 0), None))
+        return list(self.messages)[max(count - forgotten, 0) :]
 
 
 class OfferedService:
@@ -126,9 +125,16 @@ class GraderNode:
         self._wait_set: rclpy_implementation.WaitSet | None = None
 
     def spin_once(self, timeout_s: float) -> None:
-        """Take in what has come, or wait for something at most `timeout_s` seconds."""
+        """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
         try:
-            self._receive(timeout_s)
+            ready = self._wait(timeout_s)
+            for take in self._quiet:
+                for _ in range(_AT_ONCE):
+                    if not take():
+                        break
+            for kind in ("subscription", "client", "service"):
+                for pointer in ready.get_ready_entities(kind):
+                    self._takers[pointer]()
         except (MemoryError, SystemError):  # the second, where an allocation in rclpy's own code has failed
             evidence = Evidence(got="messages too large for the grader's memory")
             why = "more data than the grader can hold in memory: messages that are too large, or too many of them"
@@ -178,8 +184,8 @@ class GraderNode:
     def publisher(self, interface: MessageType, topic: str) -> Publisher:
         """The publisher on a topic, with the default QoS profile of depth 10; made on first use and kept."""
         if topic not in self._publishers:
-            made = self.node.create_publisher(interface, topic, DEPTH, event_callbacks=NO_PUBLISHER_EVENTS)
-            self._publishers[topic] = made
+            events = NO_PUBLISHER_EVENTS
+            self._publishers[topic] = self.node.create_publisher(interface, topic, DEPTH, event_callbacks=events)
         return self._publishers[topic]
 
     def offer_service(self, name: str, interface: ServiceType, record: ExchangeLog) -> OfferedService:
@@ -224,17 +230,6 @@ class GraderNode:
     def _await(self, handle: Any, take: Callable[[], object]) -> None:
         self._takers[handle.pointer] = take
         self._wait_set = None
-
-    def _receive(self, timeout_s: float) -> None:
-        """Take in at most one message for each, after waiting at most `timeout_s` seconds for any."""
-        ready = self._wait(timeout_s)
-        for take in self._quiet:
-            for _ in range(_AT_ONCE):
-                if not take():
-                    break
-        for kind in ("subscription", "client", "service"):
-            for pointer in ready.get_ready_entities(kind):
-                self._takers[pointer]()
 
     def _wait(self, timeout_s: float) -> rclpy_implementation.WaitSet:
         if self._wait_set is None:
