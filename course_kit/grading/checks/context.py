@@ -108,7 +108,8 @@ class GradedProgram:
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
         process = self.status(fresh=True)
-        self._used = self.used_before.add_seconds(process.cpu_s, process.waited_s, process.hidden_s)
+        seconds = (process.cpu_s, process.waited_s, process.hidden_s)
+        self._used = ProcessorUse(*map(sum, zip(self.used_before, seconds, strict=True)))
         return self._used
 
     def _ask_status(self, what: str, **more: Any) -> ProcessStatus:

@@ -19,10 +19,6 @@ class ProcessorUse(NamedTuple):
     waited_s: float = 0.0  # in which the one that suffered most was ready to run and others had the processors
     hidden_s: float = 0.0  # of computing that nobody knows of, at most
 
-    def add_seconds(self, cpu_s: float, waited_s: float, hidden_s: float = 0.0) -> ProcessorUse:
-        """The same and more."""
-        return ProcessorUse(self.cpu_s + cpu_s, self.waited_s + waited_s, self.hidden_s + hidden_s)
-
 
 class MachineState(NamedTuple):
     """How things stand at one moment."""

@@ -18,9 +18,9 @@ from course_kit.grading.diagnosis import causes
 from course_kit.ros import parameters
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from rcl_interfaces.msg import Parameter, ParameterValue
+    from rcl_interfaces.msg import Parameter
 
     from course_kit.grading.checks.context import CheckContext
     from course_kit.ros.messages import Message
@@ -47,7 +47,13 @@ class RemoteParameters:
 
     def values(self, names: Iterable[str]) -> dict[str, Any]:
         """Their values, or None."""
-        return _read(self._ask_values(names))
+        wanted = list(names)
+
+        def ask() -> Steps[dict[str, Any]]:
+            found = yield from parameters.ask_values(wanted)
+            return {name: parameters.from_message(value) for name, value in zip(wanted, found, strict=True)}
+
+        return self._ask(ask(), f"get_parameters: {', '.join(wanted)}", "their values", minor=True)
 
     def set_values(self, values: Mapping[str, object]) -> SetParametersResult:
         """Set one parameter, or several at once: all or none, in this order."""
@@ -55,7 +61,7 @@ class RemoteParameters:
         several, expected = len(messages) > 1, "an answer: accepted, or refused and why"
         sent = f"set_parameters{'_atomically' * several}: {describe_value(values)}"
         steps = parameters.set_together(messages) if several else _set_one(messages)
-        return self._ask(steps, sent, expected, describe_result)
+        return self._ask(steps, sent, expected)
 
     def expect_served(self) -> Evidence:
         """The node, of a program that was just started, is up and answers when it is asked for its parameters."""
@@ -78,9 +84,7 @@ class RemoteParameters:
 
     def expect_names(self, names: Iterable[str]) -> Evidence:
         """It has parameters with these names."""
-        found = self._ask(
-            parameters.ask_names(), "list_parameters", "the names of all parameters", ", ".join, minor=True
-        )
+        found = self._ask(parameters.ask_names(), "list_parameters", "the names of all parameters", minor=True)
         evidence = Evidence(f"list_parameters of {self.node}", ", ".join(names), ", ".join(found) or "no parameters")
         if missing := [name for name in names if name not in found]:
             raise Failed(evidence, f"{self.node} has not declared {', '.join(missing)}.", "parameter.undeclared")
@@ -88,8 +92,7 @@ class RemoteParameters:
 
     def expect_types(self, values: Mapping[str, Any]) -> Evidence:
         """Its parameters have the types of these values."""
-        found = {name: parameters.type_of(value) for name, value in self._ask_values(values).items()}
-        wanted = {name: parameters.type_of(parameters.to_message(name, value).value) for name, value in values.items()}
+        found, wanted = _types_of(self.values(values)), _types_of(values)
         told, expected = (", ".join(f"{name}: {kind}" for name, kind in kinds.items()) for kinds in (found, wanted))
         evidence = Evidence(f"get_parameters of {self.node}", expected, told)
         if empty := [name for name, kind in found.items() if kind == parameters.NOT_SET]:
@@ -125,18 +128,7 @@ class RemoteParameters:
             return explain_other_nodes(self.node, nodes)
         return Failed(evidence, *why_empty(context, self.node)[::-1])
 
-    def _ask_values(self, names: Iterable[str]) -> dict[str, ParameterValue]:
-        wanted = list(names)
-
-        def ask() -> Steps[dict[str, ParameterValue]]:
-            return dict(zip(wanted, (yield from parameters.ask_values(wanted)), strict=True))
-
-        sent = f"get_parameters: {', '.join(wanted)}"
-        return self._ask(ask(), sent, "their values", lambda found: describe_value(_read(found)), minor=True)
-
-    def _ask(
-        self, steps: Steps[T], sent: str, expected: str, describe: Callable[[T], str], *, minor: bool = False
-    ) -> T:
+    def _ask(self, steps: Steps[T], sent: str, expected: str, *, minor: bool = False) -> T:
         context, evidence = self._context, Evidence(sent, expected)
         turn = context.record.add_sent(sent, minor=minor)
 
@@ -147,7 +139,7 @@ class RemoteParameters:
             return asked.response()
 
         found = parameters.run_steps(steps, answer)
-        turn.add_received(describe(found))
+        turn.add_received(describe_result(found) if isinstance(found, SetParametersResult) else describe_value(found))
         return found
 
 
@@ -155,8 +147,8 @@ def _set_one(messages: Sequence[Parameter]) -> Steps[SetParametersResult]:
     return next(iter((yield from parameters.set_each(messages))), SetParametersResult())
 
 
-def _read(values: Mapping[str, ParameterValue]) -> dict[str, Any]:
-    return {name: parameters.from_message(value) for name, value in values.items()}
+def _types_of(values: Mapping[str, Any]) -> dict[str, str]:
+    return {name: parameters.type_of(parameters.to_message(name, value).value) for name, value in values.items()}
 
 
 def describe_result(result: SetParametersResult) -> str:
