@@ -35,7 +35,7 @@ from course_kit.grading.checks.vocabulary import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.1"}, {"COURSE_KIT_TIME_SCALE": "1"}
+VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.09"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
