@@ -43,10 +43,7 @@ LARGEST_NOTEBOOK = 64 * _MB  # bytes of a notebook's file, most of them outputs
 _LARGEST = {PROGRAM: LARGEST, YAML: LARGEST, NOTEBOOK: LARGEST_NOTEBOOK, ARCHIVE: LARGEST_NOTEBOOK}
 _MOST_FILES = 1000  # in a folder with everything that lies below it
 # Rights belong to whoever grades: a file that was closed to them, perhaps by another submission, is nobody's zero.
-_OF_THE_MACHINE = (
-    *(errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO),
-    *(errno.EACCES, errno.EPERM, errno.ESTALE),
-)
+_OF_THE_MACHINE = {errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EIO, errno.EACCES, errno.EPERM, errno.ESTALE}
 # No folder but the kit's own and the standard library's is looked at for modules, whatever lies in them.
 _START = "import sys; sys.path.append(sys.argv.pop()); from course_kit.reader.process import main; main()"
 _GRACE_S = 15.0  # beyond its own deadline

@@ -14,7 +14,7 @@ from course_kit.classroom.exports.texts import csv_text, group_by_student
 from course_kit.classroom.records import outcome_of
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model.report import CheckReport, Report
+from course_kit.grading.model.report import FIELDS, CheckReport, Report
 from course_kit.grading.render.html import render_page
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 _BETWEEN_WORDS = re.compile(r"[\W_]+")
 _SHORTEST = 3  # letters of a part of a name to look for; shorter ones are ordinary words
-_FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
 
 
 def write_anonymous_pages(book: Gradebook, target: Path, chance: random.Random | None = None) -> Path:
@@ -56,7 +55,7 @@ def _report(record: GradeRecord, student: str, pseudonym: str) -> Report:
 
     report: Mapping[str, Any] = record.report
     checks = tuple(
-        CheckReport(**{name: replace_names(check[name]) if name in _FIELDS[5:] else check[name] for name in _FIELDS})
+        CheckReport(**{name: replace_names(check[name]) if name in FIELDS[5:] else check[name] for name in FIELDS})
         for check in report["checks"]
     )
     problem = replace_names(report["stderr"]) if record.status in ("unreadable", "error") else ""

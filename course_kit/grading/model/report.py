@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 FORMAT_VERSION = 1
 _DIGITS = 6
 # What the JSON has of each check, in this order.
-_OF_A_CHECK = (
-    *("id", "title", "status", "points", "max_points"),
-    *("sent", "expected", "got", "diagnosis", "message", "hint"),
-)
+FIELDS = ("id", "title", "status", "points", "max_points", "sent", "expected", "got", "diagnosis", "message", "hint")
 
 
 @dataclass(frozen=True)
@@ -122,7 +119,7 @@ class Report:
 
 
 def _check_mapping(check: CheckReport) -> Record:
-    values = {name: getattr(check, name) for name in _OF_A_CHECK}
+    values = {name: getattr(check, name) for name in FIELDS}
     return {name: round(value, _DIGITS) if isinstance(value, float) else value for name, value in values.items()}
 
 
