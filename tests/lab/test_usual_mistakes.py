@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 IMPORTS = """
 import asyncio
 import rclpy
-from course_kit import lab
+from course_kit import interfaces, lab
 from example_interfaces.action import Fibonacci
 from geometry_msgs.msg import Point, PoseStamped
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_srvs.srv import SetBool
@@ -168,9 +169,8 @@ def test_feedback_without_parentheses_is_named(kernel: Kernel) -> None:
     assert "a message of this action's Feedback, made with parentheses: Feedback()." in kernel.run(wait).stderr
     setting = execute.format("feedback.sequence = [0]")
     kernel.run(node("self.server = ActionServer(self, Fibonacci, 'f', self.execute)", setting))
-    assert (
-        "Fibonacci.Feedback is the type, not a message: make one with Fibonacci.Feedback()" in kernel.run(wait).stderr
-    )
+    said = kernel.run(wait).stderr
+    assert "Fibonacci.Feedback is the type, not a message: make one with Fibonacci.Feedback()" in said
     # And the type is as it was: the field is not lost to everybody.
     assert kernel.run("print(list(Fibonacci.Feedback(sequence=[1]).sequence))").stdout == "[1]\n"
 
@@ -210,13 +210,9 @@ def test_input_in_a_callback_is_refused_whether_a_cell_runs_or_not(kernel: Kerne
 
 def test_stop_is_one_line(kernel: Kernel) -> None:
     kernel.run("import time")
+    never = "async def answer(self, request, response):\n    await rclpy.task.Future()"
     for waiting in ("await asyncio.sleep(600)", "time.sleep(600)", "lab.call_blocking('/never', SetBool)"):
-        kernel.run(
-            node(
-                "self.create_service(SetBool, 'never', self.answer)",
-                "async def answer(self, request, response):\n    await rclpy.task.Future()",
-            )
-        )
+        kernel.run(node("self.create_service(SetBool, 'never', self.answer)", never))
         message = kernel.send(f"'first'\n(print('go', flush=True), {waiting})")
         kernel.finish(message, until="go")
         kernel.manager.interrupt_kernel()
@@ -301,14 +297,15 @@ RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value
         ("Point(1.0, 2.0)", 1, "A message takes its values by name: Point(x=..., y=..., z=...)."),
         ("SetBool.Request(True)", 1, "A message takes its values by name: SetBool.Request(data=...)."),
         ("Node('p').create_publisher(Point, 'p', 1).publish(1.0)", 1, "Make a message of it: Point(...)."),
+        ("Node('p').create_publisher('p', Point, 1)", 1, "TypeError: The type comes first, then the name"),
+        ("Node('p').create_service('s', SetBool, print)", 1, "AttributeError: The type comes first, then the name"),
+        ("Node('p').create_subscription(Point, 'p', print)", 1, "Write 10."),
+        ("import rospy", 1, "ROS 2 has rclpy"),
         ("lab.start(Qwxyz)", 1, "No cell that has run defines it."),
         ("del Node\nclass Learner(Node): pass", 2, "Write `from rclpy.node import Node`."),
     ],
 )
 def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, cell: str, line: int, said: str) -> None:
-    kernel.run(
-        "from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor\nfrom course_kit import interfaces"
-    )
     kernel.run("interfaces.define('of_mistakes/msg/Thing', 'int64 total')\nfrom of_mistakes.msg import Thing")
     shown = kernel.run(cell)
     assert said in shown.error
@@ -333,7 +330,6 @@ def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, t
 
 def test_who_publishes_nothing_because_its_callback_raises_is_said(kernel: Kernel) -> None:
     init = "self.out = self.create_publisher(Point, 'silent', 10)\nself.create_timer(0.05, self.tick)"
-    shown = kernel.run(
-        node(init, "def tick(self):\n    1 / 0") + "\nawait lab.next_messages('/silent', Point, timeout=1.0)"
-    )
+    raising = node(init, "def tick(self):\n    1 / 0")
+    shown = kernel.run(f"{raising}\nawait lab.next_messages('/silent', Point, timeout=1.0)")
     assert "learner publishes it, but its tick raised ZeroDivisionError: division by zero (In[" in shown.error

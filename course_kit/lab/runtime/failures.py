@@ -226,10 +226,10 @@ def explain_error(error: BaseException, locate: Locate) -> str:
     last = frames[-1][0]
     if isinstance(error, NameError) and error.name and last is own[-1][0]:
         text, advice = failure_text(error), _on_name(error, error.name, last)
-    elif last is own[-1][0] and (advice := advice_on(error)) and isinstance(error, TypeError):
+    elif last is own[-1][0] and (advice := advice_on(error)) and isinstance(error, (TypeError, ModuleNotFoundError)):
         text = failure_text(error)
     elif last is not own[-1][0] and _IN_ROS.match(str(last.f_globals.get("__name__", ""))):
-        refusal = _on_field(error, last)
+        refusal = _on_field(error, last) or _of_order(error_text(error))
         text = f"{type(error).__name__}: {refusal or error_text(error)}".rstrip()
         advice = "" if refusal else advice_on(error)
     else:
@@ -277,7 +277,8 @@ def _has_cell_with(name: str, failed: str) -> bool:
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
     """A sentence or two; empty where there is nothing to add."""
     text = error_text(error)
-    if known := of_newer_ros(error) or _of_set_callback(text) or _of_feedback(error) or _of_publish(text):
+    known = of_newer_ros(error) or _of_set_callback(text) or _of_feedback(error) or _of_publish(text)
+    if known := known or _of_ros_1(error, text):
         return known
     node = node if node is not None else node_in(error)
     if isinstance(error, TypeError) and (found := _ARGUMENTS.search(text)):
@@ -328,6 +329,23 @@ def _of_publish(text: str) -> str:
     """What to write where rclpy was given something else than a message to send."""
     found = _NO_MESSAGE.match(text)
     return f"Make a message of it: {found['type'].replace('_', '.')}(...)." if found else ""
+
+
+def _of_ros_1(error: BaseException, text: str) -> str:
+    """What to write where a learner follows ROS 1."""
+    if isinstance(error, ModuleNotFoundError) and error.name == "rospy":
+        return "rospy belongs to ROS 1. ROS 2 has rclpy: notebooks/coming_from_ros_1.md shows both side by side."
+    if "missing 1 required positional argument: 'qos_profile'" in text:
+        return "The last argument says how many messages may wait to be handled. Write 10."
+    return ""
+
+
+def _of_order(text: str) -> str:
+    """What to write where a name was given before its type, as in ROS 1."""
+    is_type_a_name = text.startswith("type object 'str' has no attribute '_TYPE_SUPPORT'")
+    if not is_type_a_name and not ("rclpy_resolve_name(): incompatible" in text and "<class '" in text):
+        return ""
+    return "The type comes first, then the name: (Float64, 'speed', ...), not ('speed', Float64, ...)."
 
 
 def node_in(error: BaseException) -> Any:
