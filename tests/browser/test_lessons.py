@@ -163,6 +163,9 @@ def test_the_sliders_of_lesson_three_set_what_the_plot_shows(lab: JupyterLab) ->
         "read-only: it keeps the value it got at the start"
     )
     photograph(lab, sliders, "lesson_three_refused")
+    narrow = "e => { e.style.width = '18rem'; return e.scrollWidth <= e.clientWidth }"
+    assert sliders.evaluate(narrow)
+    sliders.evaluate("e => { e.style.width = '' }")
 
     # A change made elsewhere moves the slider.
     lab.replace_cell_that_begins("%ros2 param set /oven", "%ros2 param set /oven target 35.0")
