@@ -165,7 +165,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = build_parser()
     arguments = sys.argv[1:] if arguments is None else arguments
     folders, words = _without_folders(arguments)
-    if words and words[0] not in (commands := parser.get_default("commands")) and not words[0].startswith("-"):
+    if not words:
+        parser.exit(2, parser.format_help())
+    if words[0] not in (commands := parser.get_default("commands")) and not words[0].startswith("-"):
         from course_kit.ros.names import did_you_mean
 
         meant = did_you_mean(words[0], commands)

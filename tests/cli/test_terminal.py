@@ -59,3 +59,6 @@ def test_a_mistyped_command_is_answered_with_the_one_it_is_like(capsys: pytest.C
     said = capsys.readouterr().err
     assert "there is no command 'grad'. Did you mean grade?" in said
     assert "hub-singleuser" not in said  # nor any list of all that there is
+    with pytest.raises(SystemExit, match="2"):
+        main.main([])
+    assert "show the exercises and your results" in capsys.readouterr().err
