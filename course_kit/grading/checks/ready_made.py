@@ -40,7 +40,6 @@ class CheckFields(TypedDict, total=False):
         proves: ids of the sentences of the exercise that it proves.
         after: ids of checks without which it makes no sense: it is skipped unless they passed.
         deadline_s: seconds for all its waiting together.
-        afresh: after it has failed the program is started again, for the state that may be left behind.
     """
 
     check_id: str
@@ -49,7 +48,6 @@ class CheckFields(TypedDict, total=False):
     proves: Sequence[str]
     after: Sequence[str]
     deadline_s: float
-    afresh: bool
 
 
 def check(**declared: Unpack[CheckFields]) -> Callable[[Callable[[GradedNode], object]], Check]:
@@ -91,8 +89,7 @@ def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFie
         try:
             seen = talk(GradedNode(context))
         except Failed:
-            if declared.get("afresh"):
-                context.spoil()
+            context.spoil()  # for the state that may be left behind
             raise
         if isinstance(seen, Evidence):
             return seen

@@ -164,7 +164,5 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
 
 
 def _make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
-    """A check after whose failure the program is started afresh: a goal may still run."""
-    declared.setdefault("deadline_s", _DEADLINE_S)
-    declared.setdefault("afresh", True)
-    return make_check(talk, **declared)
+    fields: CheckFields = {"deadline_s": _DEADLINE_S, **declared}
+    return make_check(talk, **fields)
