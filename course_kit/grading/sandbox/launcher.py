@@ -78,13 +78,13 @@ def load_interfaces(names: Iterable[str]) -> None:
             check_for_type_support(get_type(name))
 
 
-def serve(line: socket.socket) -> None:
-    """The process: obey until the other end closes."""
+def serve(line: socket.socket, interfaces: Iterable[str]) -> None:
+    """The process, into which these interfaces were loaded: obey until the other end closes."""
     os.setsid()  # as each worker, see there: what a sandbox takes to be made is not to wait for that of all others
     set_name("grade launcher")
     adopt_orphans()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    loaded: set[str] = set()
+    loaded = set(interfaces)
     while True:
         order, descriptors, _, _ = socket.recv_fds(line, _LARGEST_ORDER, _MOST_DESCRIPTORS)
         if order in (_END, b""):

@@ -69,7 +69,7 @@ def main() -> None:
     while channels:
         channel = channels.pop()
         starter, line = Launcher.pair()
-        _fork(partial(launcher.serve, line), *channels, channel, starter)
+        _fork(partial(launcher.serve, line, sys.argv[2:]), *channels, channel, starter)
         _fork(partial(_work, channel, starter, found, view), *channels, line)
         for end in (channel, starter, line):
             end.close()
