@@ -109,9 +109,12 @@ def cases(exercise: Corpus) -> list[Case]:
 
         solution = exercise.of_kind("solution")[0].text()
         full = worth(solution)
-        wrong = ((one.name, one.text(), worth(one.text())) for one in exercise.of_kind("broken"))
+        wrong = (
+            (one.name, one.texts()[one.path.name], worth(one.texts()[one.path.name]))
+            for one in exercise.of_kind("broken")
+        )
         in_part = next(((name, text, points) for name, text, points in wrong if _LITTLE * full < points < full))
-        starter = next(one.text() for one in exercise.of_kind("starter") if one.path.suffix == ".py")
+        starter = next(one.texts()[one.path.name] for one in exercise.of_kind("starter") if one.path.suffix == ".py")
         return [
             Case("the solution", (solution,), full),
             Case("the solution in two cells", _halves(solution), full),

@@ -80,7 +80,7 @@ def grade_wrong(worker: grading.Worker, tmp_path: Path) -> Callable[[str, str], 
 
     def run(exercise: str, code: str) -> grading.Report:
         wrong = next(one for one in corpus.load_corpus(exercise, ROOT).submissions if one.name == code)
-        (tmp_path / "answer.py").write_text(wrong.text())
+        (tmp_path / "answer.py").write_text(wrong.texts()[wrong.path.name])
         return grading.grade(exercise, tmp_path / "answer.py", worker=worker, seed=3)
 
     return run
