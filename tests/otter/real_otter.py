@@ -27,7 +27,7 @@ from course_kit.integrations import otter
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from course_kit.authoring.corpus import Corpus
+    from course_kit.authoring.corpus import Corpus, ProofSubmission
 
 ROOT = environment.checkout_folder() or Path()
 _SEED = 1
@@ -98,6 +98,10 @@ class Otter:
             raise SystemExit(f"otter {words[0]} has failed:\n{done.stdout}")
 
 
+def text_of(one: ProofSubmission) -> str:
+    return one.texts()[one.path.name]
+
+
 def cases(exercise: Corpus) -> list[Case]:
     """What is handed in for an exercise, with the points our grader gives."""
     with tempfile.TemporaryDirectory() as folder, grading.Worker() as worker:
@@ -107,14 +111,11 @@ def cases(exercise: Corpus) -> list[Case]:
             path.write_text(text, encoding="utf-8")
             return grading.grade(exercise.exercise.id, path, seed=_SEED, worker=worker).score
 
-        solution = exercise.of_kind("solution")[0].text()
+        solution = text_of(exercise.of_kind("solution")[0])
         full = worth(solution)
-        wrong = (
-            (one.name, one.texts()[one.path.name], worth(one.texts()[one.path.name]))
-            for one in exercise.of_kind("broken")
-        )
+        wrong = ((one.name, text_of(one), worth(text_of(one))) for one in exercise.of_kind("broken"))
         in_part = next(((name, text, points) for name, text, points in wrong if _LITTLE * full < points < full))
-        starter = next(one.texts()[one.path.name] for one in exercise.of_kind("starter") if one.path.suffix == ".py")
+        starter = next(text_of(one) for one in exercise.of_kind("starter") if one.path.suffix == ".py")
         return [
             Case("the solution", (solution,), full),
             Case("the solution in two cells", _halves(solution), full),
