@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
 
 DEADLINE_S = 45.0  # for all waiting of a conversation, its shrinking included
-_TALK_SHARE = 0.4  # of it, after which no further step is drawn: whoever is slow is asked less, and loses nothing by it
+_TALK_S = 30.0  # after which no further step is drawn: whoever is slow is asked less, and loses nothing by it
+_TALK_SHARE = 0.4  # the same of a long deadline
 _WALL, _WALL_AFTER_ALL = 0.8, 0.5  # as long as a rule has not been tried once, and from then on
 _SHRINK_S = 2.5  # for all tries on one failure, after the first
 _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselves
@@ -158,7 +159,7 @@ class Conversation:
             all_tried = number > len(rules_of(self.model))
             wall = _WALL_AFTER_ALL if all_tried else _WALL  # of the time after which the program would be ended
             on_the_wall = clock.wall_s() > wall * self.context.job.limits.wall_s
-            enough = all_tried and clock.has_passed(_TALK_SHARE * self.context.deadline_s)
+            enough = all_tried and clock.has_passed(max(_TALK_S, _TALK_SHARE * self.context.deadline_s))
             if on_the_wall or enough or self.context.time_is_up():
                 return
             if self._apart and done and done[-1].rule != step.rule:
