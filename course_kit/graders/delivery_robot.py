@@ -92,7 +92,7 @@ def battery_charges(node: GradedNode) -> None:
         if node.set({"low_fraction": low}, of="/battery").result.successful:
             robot.expect_state(node, f"low_fraction is {low}.", power_supply_health=health)
     inbox = node.inbox(STATE)
-    for turn in range(1, 4):  # a busy machine is now and then late
+    for turn in range(1, 7):  # a busy machine is now and then late
         node.send(DOCKED, data=True)
         robot.expect_state(node, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
         node.send(DISTANCE, data=690.0 + 0.01 * turn)
