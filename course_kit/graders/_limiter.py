@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # Of an end, as a share: rclpy's own text has the smallest number above 0 for a range that excludes 0, and who has the
 # end itself wrong loses no points here.
 _NEAR = 0.15
+_PLAIN = [0.4, 0.0, 0.0, 0.0, 0.0, 0.2]
 _UNIT = "m/s"
 BEYOND = 9.0  # m/s, above every valid limit
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
@@ -259,6 +260,8 @@ class LimiterSteps(Model):
         """A command brings exactly one right message on each topic."""
         if "limits" in self.lost:
             fields = [abs(fields[0]) % self.settings.max_velocity, *[0.0] * 5]
+        if self.settings.enabled and fields != _PLAIN and Reaction not in node.context.conversations:
+            self.drive(node, _PLAIN)  # first, so that who does not react to a special command loses only that
         node.context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         # Only what has come already: what comes later is one too many for the next command, or at the end.
         self.require_quiet(node, 0.0, enabled=self.settings.enabled)

@@ -275,7 +275,7 @@ class Conversation:
         if not fails_alone and self.context.job.mode != "attach" and self._find_failure([last]) is None:
             self._done[own.id] += 1
         else:
-            self._strikes[last.rule.name] = _STRIKES
+            self._strikes[last.rule.name] += 1  # what else is drawn for it may go right
             self._hindered[own.id] = lost.title
 
     def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:

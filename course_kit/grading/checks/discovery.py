@@ -172,7 +172,7 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
         return "Your program worked when it was first started. Started again, it did not offer all of this.", None
     if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]
-    return f"No node {ROLES[end.kind].verb} {end.name}, which {end.program} has to.", None
+    return f"No node {ROLES[end.kind].verb} {end.name}, which is a task of {end.program}.", None
 
 
 def list_nodes(names: Sequence[str]) -> str:
@@ -218,8 +218,9 @@ def _require_connection(context: CheckContext, end: WantedEndpoint) -> None:
     profiles = [other.qos_profile for other in node.ends(end.kind, end.name) if other.topic_type == end.type]
     reasons = [_explain_mismatch(profile, publishes=end.kind == "publisher") for profile in profiles]
     if profiles and all(reasons):
-        evidence = Evidence("", expected, f"{verb} {end.name} with another QoS")
-        message = "Your end and a default one do not connect."
+        given = f"{profiles[0].reliability.name.lower()}, {profiles[0].durability.name.lower()}"
+        evidence = Evidence("", expected, f"{verb} {end.name} with the QoS {given}")
+        message = f"Your end is {given}, the other one reliable, volatile: they do not connect."
         raise Failed(evidence, f"{message} The middleware says: {reasons[0]}", "topic.qos")
 
 
