@@ -60,7 +60,8 @@ def not_found(node: Node, wanted: WantedServer, waited: float, except_by: frozen
         return kind(f"{message}The nearest name on the graph is {near} [{', '.join(sorted(there[near]))}].")
     if there:
         return kind(f"{message}On the graph: {', '.join(sorted(there)[:5])}.")
-    return kind(f"{message}No {role.kind} at all is on the graph: has its server been started?")
+    common = " but those that every node has" if role == graph.SERVES else ""
+    return kind(f"{message}No {role.kind} is on the graph{common}: has its server been started?")
 
 
 class OtherTypeError(LabError):
