@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
-_NOTICE = re.compile("(<!-- notice -->).*?(<!-- end of notice -->)", re.DOTALL)
+_NOTICE, _END = "<!-- notice -->", "<!-- end of notice -->"
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown
 # As `Submission.describe_line` words it; a learner's program may say the like, and then marks a line too many.
@@ -79,7 +79,8 @@ def render_page(report: Report, student: str, program: Submission | None = None)
 def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
     """A page of `render_page` with a notice above the report, in the place of the one before."""
     notice = render_template(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
-    return _NOTICE.sub(lambda place: f"{place[1]}{notice}{place[2]}", page, count=1)
+    before, _, rest = page.partition(_NOTICE)
+    return f"{before}{_NOTICE}{notice}{_END}{rest.partition(_END)[2]}"
 
 
 def _values(report: Report, base: Path) -> dict[str, object]:
