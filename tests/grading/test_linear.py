@@ -22,7 +22,7 @@ from course_kit.grading.diagnosis import causes, tracebacks
 from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.submission import Submission
-from course_kit.reader import fingerprints, process
+from course_kit.reader import fingerprints, process, python
 from course_kit.text.sanitize import make_printable
 
 if TYPE_CHECKING:
@@ -166,7 +166,8 @@ MORE = (
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-def test_no_function_takes_the_square_of_a_texts_length(function: str) -> None:
+def test_no_function_takes_the_square_of_a_texts_length(function: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(python, "MEMORY_MB", 1 << 20)  # the process of the tests may be large already
     for unit in (*UNITS, *MORE):
         make = lambda n, unit=unit: unit * (n // len(unit))  # noqa: E731 - as those above
         assert not grows(FUNCTIONS[function], make), f"{function} on {make(60)!r}"
