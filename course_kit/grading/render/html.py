@@ -79,8 +79,8 @@ def render_page(report: Report, student: str, program: Submission | None = None)
 def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
     """A page of `render_page` with a notice above the report, in the place of the one before."""
     notice = render_template(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
-    before, _, rest = page.partition(_NOTICE)
-    return f"{before}{_NOTICE}{notice}{_END}{rest.partition(_END)[2]}"
+    before, mark, rest = page.partition(_NOTICE)
+    return f"{before}{mark}{notice}{_END}{rest.partition(_END)[2]}" if mark else page
 
 
 def _values(report: Report, base: Path) -> dict[str, object]:
