@@ -76,4 +76,5 @@ def _named(kinds: list[str], exercise: str = EXERCISE) -> list[Submission]:
 def _programs(exercise: str) -> dict[str, str]:
     found = load_corpus(exercise, ROOT)
     wrong = (*found.of_kind("broken"), *found.of_kind("slip"))
-    return {"right": found.of_kind("solution")[0].text(), **{one.name: one.text() for one in wrong}}
+    programs = {"right": found.of_kind("solution")[0], **{one.name: one for one in wrong}}
+    return {name: "".join(one.texts().values()) for name, one in programs.items()}  # each has one file
