@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).with_name("templates")
 # Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
-_NOTICE, _END = "<!-- notice -->", "<!-- end of notice -->"
+_NOTICE_BEGINS, _NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown
 # As `Submission.describe_line` words it; a learner's program may say the like, and then marks a line too many.
@@ -78,9 +78,12 @@ def render_page(report: Report, student: str, program: Submission | None = None)
 
 def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
     """A page of `render_page` with a notice above the report, in the place of the one before."""
+    before, begins, rest = page.partition(_NOTICE_BEGINS)
+    _, ends, after = rest.partition(_NOTICE_ENDS)
+    if not begins or not ends:  # not a page of ours any more
+        return page
     notice = render_template(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
-    before, mark, rest = page.partition(_NOTICE)
-    return f"{before}{mark}{notice}{_END}{rest.partition(_END)[2]}" if mark else page
+    return f"{before}{begins}{notice}{ends}{after}"
 
 
 def _values(report: Report, base: Path) -> dict[str, object]:
