@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # Of an end, as a share: rclpy's own text has the smallest number above 0 for a range that excludes 0, and who has the
 # end itself wrong loses no points here.
 _NEAR = 0.15
-_PLAIN = [0.4, 0.0, 0.0, 0.0, 0.0, 0.2]
+_PLAIN = [0.4, 0.0, 0.0, 0.0, 0.0, 0.2]  # the first command, below each limit
 _UNIT = "m/s"
 BEYOND = 9.0  # m/s, above every valid limit
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")

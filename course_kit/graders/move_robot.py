@@ -89,8 +89,7 @@ class RobotModel(Model):
         self.targets[-1] = place_inside(self.at, 0.3, angle)  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
-        feedback = [] if "progress" in self.lost else goal.wait_for_last_feedback(lambda _: True)
-        if found := _moves.find_jump(feedback):
+        if "progress" not in self.lost and (found := _moves.find_jump(goal.feedback)):
             evidence = Evidence(goal.shown, "progress from 0 to 1, if any", found)
             raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")

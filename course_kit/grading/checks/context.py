@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
 _STEP_S = 0.02  # how often a condition is looked at beside each message: looking costs computing, which others need
 GRAPH_STEP_S = 0.01  # the same for what a change of the graph makes true: rclpy has no event for that
-ANSWER_S = 5.0  # how long an answer is waited for, and after one that never came
-ANSWER_AGAIN_S = 2.0
+ANSWER_S, ANSWER_AGAIN_S = 5.0, 2.0  # how long an answer is waited for, and after one that never came
 _LOST_S = 2.0  # for an answer of a node that no executor runs any more; it may be on its way
 _WATCH_S = 0.05  # how often it is asked whether the submission lives, while an answer is waited for
 _MOST_OF_A_START = 0.92  # nothing is measured by how long a start takes: on a very busy machine, twelve times as long

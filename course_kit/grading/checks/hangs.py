@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 
 RESEND_AFTER_S = 1.0  # what has not been answered for so long is sent again
 _NUDGE_S = 1.0  # when nothing has come for so long, rclpy is given something to do, after which it logs what it caught
-_NUDGED_S = 0.1  # it need not answer that
-_GREET_S = 1.0
+_GREET_S, _NUDGED_S = 1.0, 0.1  # of a nudge no answer is needed
 _ASK_AGAIN_S = 0.5
 LOOK_S = 0.3  # how long a program is watched to tell whether it computes
 _IDLE_SHARE = 0.5  # below this share of one processor it is waiting, not computing

@@ -168,8 +168,7 @@ def service_answers(  # noqa: PLR0913 - what an author may say of it
         if at_a_time:
             answers = node.call_together(service, several, at_a_time=at_a_time, within_s=within_s)
         else:
-            patience_s = max(within_s, ANSWER_S)
-            answers = [node.call(service, fields, within_s=patience_s) for fields in several]
+            answers = [node.call(service, fields, within_s=max(within_s, ANSWER_S)) for fields in several]
         for answer, fields in zip(answers, wanted, strict=True):
             if not at_a_time:
                 answer.not_before(not_before_s)
