@@ -3,12 +3,14 @@ from __future__ import annotations
 import os
 import signal
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import psutil
 import pytest
 
-from course_kit import lab
+from course_kit import environment, lab
+from course_kit.lab.scripts import running as running_scripts
+from course_kit.process.child import Child
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
@@ -90,6 +92,22 @@ def test_an_error_in_a_thread_shows_as_a_short_traceback_without_colours(
     )
     assert shown.endswith("\nNameError: name 'x' is not defined\n0\n")  # 0 asks for none on each Python
     assert "\x1b" not in shown
+
+
+@pytest.mark.usefixtures("own_lab")
+def test_a_script_that_another_notebook_saves_meanwhile_runs_as_it_was(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved = environment.run_dir(environment.paths.CELL_PROGRAMS) / "twin.py"
+
+    def start_late(*arguments: Any, **options: Any) -> Child:
+        saved.write_text("print('theirs')")
+        return Child(*arguments, **options)
+
+    monkeypatch.setattr(running_scripts, "Child", start_late)
+    lab.script("twin", "print('mine', __name__, __file__.endswith('twin.py'))")
+    assert capfd.readouterr().out == "mine __main__ True\n"
+    assert saved.read_text() == "print('theirs')"
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Runs an unmodified ROS 2 program as a child of the kernel.
 
-`python -m course_kit.lab.scripts.child_main NAME PARENT_PID DESCRIPTOR FILE [arguments]`
+`python -m course_kit.lab.scripts.child_main NAME PARENT_PID DESCRIPTOR FILE [arguments]`, where
+COURSE_KIT_PROGRAM_TEXT is the descriptor of a file with the program's text, if FILE can have changed.
 
 The process ends when the kernel dies; what crosses between nodes is reported over a pipe, as JSON lines.
 """
@@ -10,6 +11,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import linecache
 import os
 import runpy
 import signal
@@ -17,6 +19,7 @@ import sys
 import threading
 import traceback
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.lab.recording.events import EventStream
@@ -153,7 +156,10 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts, reports: Repor
     sys.path[0] = os.getcwd()  # noqa: PTH109 - sys.path takes strings
     threading.excepthook = lambda failure: _report_thread(failure, path)
     try:
-        runpy.run_path(path, run_name="__main__")
+        if text := os.environ.pop("COURSE_KIT_PROGRAM_TEXT", ""):
+            _run_text(path, Path(f"/proc/self/fd/{text}").read_text(encoding="utf-8"))
+        else:
+            runpy.run_path(path, run_name="__main__")
     except SystemExit:
         raise
     except KeyboardInterrupt:
@@ -169,6 +175,14 @@ def run(path: str, arguments: list[str], interrupts: _Interrupts, reports: Repor
         sys.stderr.write(own_traceback(error, path) + (f"{newer}\n" if newer else ""))
         return 1
     return 0
+
+
+def _run_text(path: str, text: str) -> None:
+    """Run a program's text, as `runpy` runs its file."""
+    linecache.cache[path] = (len(text), None, text.splitlines(keepends=True), path)  # for tracebacks
+    sys.modules["__main__"] = main_module = ModuleType("__main__")
+    main_module.__file__ = path
+    exec(compile(text, path, "exec"), main_module.__dict__)  # noqa: S102 - that is what it is for
 
 
 def _report_thread(failure: threading.ExceptHookArgs, path: str) -> None:

@@ -20,6 +20,7 @@ from course_kit import environment
 from course_kit.lab.errors import ScriptError
 from course_kit.lab.recording.events import KINDS, Event
 from course_kit.process.child import Child, Ladder, LineReader
+from course_kit.process.libc import make_memory_file
 from course_kit.reader.text import as_utf8
 
 if TYPE_CHECKING:
@@ -141,21 +142,26 @@ class Scripts:
 
     def _start(self, name: str, source: str, arguments: tuple[str, ...], runner: str) -> Script:
         path = environment.run_dir(environment.paths.CELL_PROGRAMS) / f"{name}.py"
-        path.write_text(as_utf8(source), encoding="utf-8")
+        saved = as_utf8(source).encode()
+        path.write_bytes(saved)
         command = [sys.executable, "-m", runner, name, str(os.getpid()), str(self._reports_end)]
-        process = Child(
-            [*command, str(path), *arguments],
-            stdout=self._text_end,
-            stderr=self._text_end,
-            descriptors=(self._reports_end,),
-            environ=environment.child_environment(
-                RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
-                RCUTILS_COLORIZED_OUTPUT="0",
-                PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
-                COURSE_KIT_LAB_MARK=self._mark,
-                PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
-            ),
-        )
+        # Another notebook can save a program of the same name before this one is read.
+        with open(make_memory_file(name), "w+b", buffering=0) as text:  # noqa: PTH123 - a descriptor
+            text.write(saved)
+            process = Child(
+                [*command, str(path), *arguments],
+                stdout=self._text_end,
+                stderr=self._text_end,
+                descriptors=(self._reports_end, text.fileno()),
+                environ=environment.child_environment(
+                    RCUTILS_CONSOLE_OUTPUT_FORMAT=LOG_FORMAT,
+                    RCUTILS_COLORIZED_OUTPUT="0",
+                    PYTHON_COLORS="0",  # kernels set FORCE_COLOR, and Python 3.13 would colour what it complains of
+                    COURSE_KIT_LAB_MARK=self._mark,
+                    COURSE_KIT_PROGRAM_TEXT=str(text.fileno()) if runner == _RUNNER else None,
+                    PYTHONIOENCODING="utf-8",  # as it is read here, whatever the locale
+                ),
+            )
         script = Script(name, process)
         self._running[name] = script
         script.follower = threading.Thread(target=self._follow, args=(script,), name=f"ros-script-{name}", daemon=True)
