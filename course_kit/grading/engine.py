@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import secrets
 import time
 from contextlib import ExitStack
@@ -11,14 +12,14 @@ from typing import TYPE_CHECKING
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import bounds, catalogue, submission
+from course_kit.grading.model import catalogue, submission
 from course_kit.grading.model.exercise import Exercise, load_exercise
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.model.report import CheckReport, CheckResult, Report
 from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
-from course_kit.grading.workers.worker import Worker, side_by_side
+from course_kit.grading.workers.worker import WarmProcess, Worker, side_by_side
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +29,14 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Submission
 
 _NOT_STARTED = ("start.", "limit.")
+# How much is kept of what a submission sends and says: enough for a person to read, whatever comes.
+_TEXTS = ("sent", "expected", "got", "message")  # of a check's result
+_LONGEST = 3000  # bytes of each of them, as JSON
+_TOGETHER = 160_000  # bytes of those of all checks
+_MOST_STEPS, _LONGEST_STEP = 12, 400  # of an exchange
+_MOST_IN_GRAPH = 100  # nodes, and things that they do
+_PER_CHARACTER = 6  # bytes at most, as JSON
+_DOTS = "..."
 
 
 @dataclass(frozen=True)
@@ -103,7 +112,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
             "A node that is already running (--attach) is not isolated. Leave --require-isolation out, or grade a file."
         )
     name = f"the node on ROS domain {environment.apply_settings().domain_id}" if exec_command is None else exec_command
-    with Worker(whole_environment=exec_command is not None, own_graph=not attach) as used:
+    with Worker(WarmProcess(whole=exec_command is not None, own_graph=not attach)) as used:
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
         return _grade(exercise, job, name, (used,), require_isolation)
 
@@ -167,8 +176,8 @@ def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> Gra
 
 
 def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, part: str) -> Report:
-    checks = tuple(_check(exercise, result) for result in bounds.bound_results(outcome["results"]))
-    problem, broken = outcome["problem"], next((check for check in checks if check.status == "error"), None)
+    checks = tuple(_check(exercise, result) for result in bound_results(outcome["results"]))
+    problem, broken = cut_text(outcome["problem"]), next((check for check in checks if check.status == "error"), None)
     if problem or not checks:
         problem = f"The grading did not finish: {problem.rstrip('.') or 'no check was run'}."
     elif broken:
@@ -189,6 +198,31 @@ def _report(exercise: Exercise, shown: str, outcome: GradingOutcome, part: str) 
         stdout=outcome["stdout"],
         stderr=outcome["stderr"],
     )
+
+
+def cut_text(text: str, longest: int = _LONGEST) -> str:
+    """A text that takes at most so many bytes as JSON, and that UTF-8 can hold; of a longer one the beginning."""
+    whole = text[:longest].encode("utf-8", errors="replace").decode("utf-8")
+    if len(text) == len(whole) and _size(whole) <= longest:
+        return whole
+    room = longest - len(_DOTS)
+    return (whole[:room] if _size(whole[:room]) <= room else whole[: room // _PER_CHARACTER]) + _DOTS
+
+
+def _size(text: str) -> int:
+    return len(json.dumps(text, ensure_ascii=False).encode()) - 2
+
+
+def bound_results(found: Sequence[Record]) -> list[Record]:
+    """Results of checks as plain data, in which no text is too long, nor all of them together."""
+    longest = min(_LONGEST, _TOGETHER // (len(_TEXTS) * max(len(found), 1)))
+    bounded = []
+    for each in found:
+        texts = {name: cut_text(str(each[name]), longest) for name in _TEXTS}
+        steps = [{**step, "text": cut_text(str(step["text"]), _LONGEST_STEP)} for step in each["steps"][:_MOST_STEPS]]
+        graph = [part[:_MOST_IN_GRAPH] for part in each.get("graph") or ()] or None
+        bounded.append({**each, **texts, "steps": steps, "graph": graph})
+    return bounded
 
 
 def _check(exercise: Exercise, record: Record) -> CheckReport:

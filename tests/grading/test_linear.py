@@ -17,9 +17,9 @@ import pytest
 
 import course_kit
 from course_kit.graders import _limiter
+from course_kit.grading import engine
 from course_kit.grading.checks import evidence
 from course_kit.grading.diagnosis import causes, tracebacks
-from course_kit.grading.model import bounds
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.submission import Submission
 from course_kit.reader import fingerprints, process, python
@@ -147,7 +147,7 @@ FUNCTIONS: dict[str, Callable[[str], object]] = {
     ),
     "source line": lambda given: causes.source_line(Job("", "run", 1, Submission("a.py", "a.py", given)), 1),
     "printable": make_printable,
-    "cut": bounds.cut_text,
+    "cut": engine.cut_text,
     "step": evidence._cut,
     "class in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), CLASS),
     "variable in a program": lambda given: process.look_at("a.py", io.BytesIO(given.encode()), VARIABLE),

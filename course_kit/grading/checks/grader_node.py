@@ -6,6 +6,7 @@ these themselves, not rclpy's ActionClient: that one drops feedback which arrive
 
 from __future__ import annotations
 
+from array import array
 from collections import deque
 from contextlib import suppress
 from functools import partial
@@ -18,7 +19,6 @@ from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.grading.checks.evidence import GRADER, Evidence, ExchangeLog, Failed, in_one_line
-from course_kit.grading.model.bounds import bound_message
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
 from course_kit.ros.service import ServiceClient
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
     from course_kit.ros.messages import ActionType, Message, MessageType, ServiceType
 
+LONGEST_TEXT = 4096  # characters of a text in a message that are kept: a message of 8 MB would stand in every check
+MOST_ELEMENTS = 1000  # of a sequence in a message
 _KEPT = 1000  # messages of a topic; a program in a hurry sends more in a second
 _MOST_REQUESTS = 1000  # for a service of ours
 _AT_ONCE = 100  # of a topic that are taken in a row: such a program never stops
@@ -47,6 +49,20 @@ _MOST_CHANGES = 20  # of the status of one goal
 _ENTRIES, _IDENTIFIER, _STATUS_AT = 8, 16, 24  # bytes of a serialized status message: before, and in, an entry
 _FEEDBACK = QoSProfile(depth=1000)
 _STATUS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def bound_message(message: Any) -> Any:
+    """A message, or what a field holds, in which no text and no sequence is too long; it is changed, not copied."""
+    if isinstance(message, str):
+        return message[:LONGEST_TEXT]
+    if isinstance(message, (list, array)):
+        last = message[-MOST_ELEMENTS:] if len(message) > MOST_ELEMENTS else message
+        return list(map(bound_message, last)) if isinstance(last, list) else last
+    for name in getattr(message, "get_fields_and_field_types", dict)():
+        value = getattr(message, name)
+        if (bounded := bound_message(value)) is not value:
+            setattr(message, name, bounded)
+    return message
 
 
 class BoundedInbox:

@@ -88,30 +88,22 @@ class FileView:
         )
 
 
-def view_of_program() -> FileView:
-    """What a Python program needs on this machine."""
-    return _view()
-
-
-def view_of_command(words: Sequence[str], folder: str) -> FileView:
-    """What a command of the user's own needs: the same, its folder, what it names, and where it looks for programs."""
-    named = named_paths(words, folder)
-    places = [folder, *_entries(os.environ.get("PATH", "")), *map(os.path.dirname, named)]
-    return _view(places, (folder, *named))
+def find_view(command: Sequence[str] = (), folder: str = "") -> FileView:
+    """What a Python program needs on this machine; a user's own command also its folder, PATH, and what it names."""
+    named = named_paths(command, folder)
+    wanted = {folder, *named} if command else set()
+    places = [*_entries(os.environ.get("PATH", "")), *map(os.path.dirname, named)] if command else []
+    safe = {path for path in (*_interpreter(), *places) if _is_safe(path)} | wanted
+    is_shown = set(_checkout()) & set(map(os.path.realpath, safe))
+    masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
+    kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
+    return FileView().with_more(sorted({*_SYSTEM, *safe, *kit}), masked)
 
 
 def named_paths(words: Iterable[str], folder: str) -> list[str]:
     """The files and folders that the words of a command name, each as it is named and as it really is."""
     found = [os.path.join(folder, word) for word in words if os.sep in word]  # noqa: PTH118 - as text, like the others
     return [path for name in found if os.path.exists(name) for path in (name, os.path.realpath(name))]  # noqa: PTH110
-
-
-def _view(places: Iterable[str] = (), wanted: Iterable[str] = ()) -> FileView:
-    kit = [str(_PACKAGE / part) for part in _PARTS_OF_KIT]
-    safe = {path for path in (*_interpreter(), *places) if _is_safe(path)} | set(wanted)
-    is_shown = set(_checkout()) & set(map(os.path.realpath, safe))
-    masked = () if is_shown else (str(_PACKAGE), *_checkout(), os.path.expanduser("~"))  # noqa: PTH111
-    return FileView().with_more(sorted({*_SYSTEM, *safe, *kit}), masked)
 
 
 def _links(path: str) -> Iterator[str]:

@@ -106,17 +106,15 @@ class _Watch:
         for wish in wishes.splitlines():
             if wish[:1] in (STACKS, KILL):
                 number = runner.STACKS_SIGNAL if wish[:1] == STACKS else signal.SIGKILL
-                chosen = self._processes_running(wish[1:].decode()) if wish[1:] else [self._child]
+                chosen = [self._child]
+                if name := wish[1:].decode():
+                    chosen = [each for each in self._started_processes() if each != self._child and _runs(each, name)]
                 found += len(chosen)
                 for process_id in chosen:
                     with suppress(OSError):  # it has ended
                         os.kill(process_id, number)
         self._inside.tell(**self._usage(), found=found)
         return True
-
-    def _processes_running(self, name: str) -> list[int]:
-        """The processes that run a file: the one named so, see `runner`, or the Python that was started with it."""
-        return [process for process in self._started_processes() if process != self._child and _runs(process, name)]
 
     def _exceeded_limit(self) -> str:
         everything = self._started_processes()
@@ -130,15 +128,10 @@ class _Watch:
             return "time"
         if usage.tasks > self._limits.tasks:
             return "processes"
-        return "memory" if self._takes_too_much(everything, usage) else ""
-
-    def _takes_too_much(self, everything: list[int], usage: tree.Usage) -> bool:
-        """Whether pages, their tables, what was swapped out and sockets are too much: roughly first, then exactly."""
-        allowed = self._limits.memory_mb * _MB
-        sockets = machine.bytes_of_sockets() if self._own_network else 0
-        if usage.memory + usage.tables + sockets <= allowed:
-            return False
-        return machine.measure_memory(everything, _PATIENCE_S) + sockets > allowed
+        # Pages, their tables, what was swapped out and sockets: roughly first, then exactly.
+        room = self._limits.memory_mb * _MB - (machine.bytes_of_sockets() if self._own_network else 0)
+        too_much = usage.memory + usage.tables > room and machine.measure_memory(everything, _PATIENCE_S) > room
+        return "memory" if too_much else ""
 
     def _started_processes(self) -> list[int]:
         """All the program has started; process 1 of a PID namespace sees nothing else."""
@@ -159,6 +152,7 @@ class _Watch:
 
 
 def _runs(process_id: int, name: str) -> bool:
+    """Whether a process runs a file: it is named so, see `runner`, or is the Python that was started with it."""
     with suppress(OSError):
         called = Path(f"/proc/{process_id}/comm").read_text(errors="replace").rstrip("\n")
         words = Path(f"/proc/{process_id}/cmdline").read_text(errors="replace").split("\0")

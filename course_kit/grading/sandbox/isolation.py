@@ -77,7 +77,7 @@ def _try_each(writer: int, folder: str, user: int) -> None:
 
     def try_inside() -> None:
         if has_processes:
-            _works(writer, "files", lambda: file_view.lay_out(file_view.view_of_program(), folder, 1, user))
+            _works(writer, "files", lambda: file_view.lay_out(file_view.find_view(), folder, 1, user))
         if user:
             _works(writer, "user", lambda: _try_user(user))
         _works(writer, "syscalls", seccomp.install)

@@ -74,20 +74,14 @@ def measure_memory(process_ids: Sequence[int], patience_s: float) -> int:
     deadline = time.monotonic() + patience_s
     total = 0
     for process_id in random.sample(process_ids, len(process_ids)):  # no process is always last
-        total += _memory_of(process_id)
+        with suppress(OSError):  # one that hides the figures counts with all that is resident
+            folder = Path(f"/proc/{tree.speaking_task(process_id)}")
+            shared = _read_number(folder / "smaps_rollup", "\nPss:", unknown=-1)
+            total += shared * 1024 if shared >= 0 else tree.measure_usage([process_id]).memory
+            total += sum(_read_number(folder / "status", name) * 1024 for name in _BESIDE_PAGES)
         if time.monotonic() > deadline:
             break
     return total
-
-
-def _memory_of(process_id: int) -> int:
-    """Resident bytes, shared ones divided by their users, or all where it hides the figures; and those beside pages."""
-    with suppress(OSError):
-        folder = Path(f"/proc/{tree.speaking_task(process_id)}")
-        shared = _read_number(folder / "smaps_rollup", "\nPss:", unknown=-1)
-        resident = shared * 1024 if shared >= 0 else tree.measure_usage([process_id]).memory
-        return resident + sum(_read_number(folder / "status", name) * 1024 for name in _BESIDE_PAGES)
-    return 0
 
 
 def count_oom_kills() -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -70,7 +69,7 @@ class OutputCollector:
         self._limit = limit_kb * 1024
         self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
         self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
-        self._facts: Record = {}
+        self.known: Record = {}  # from the init process, and by which limit we have stopped it
         self._notes: Record = {}
         self._status = b""
         self._evidence = b""
@@ -97,12 +96,23 @@ class OutputCollector:
             setattr(self.streams, name, -1)
             if name == "status":
                 self.take_the_rest()  # its last words explain the end
-                if not _ENDS & set(self._facts):
-                    self._facts.setdefault("problem", _WATCHER_KILLED)
+                if not _ENDS & set(self.known):
+                    self.known.setdefault("problem", _WATCHER_KILLED)
         elif name == "status":
-            self._take_status(data)
+            *lines, self._status = (self._status + data).split(b"\n")
+            for line in lines:
+                with suppress(ValueError, TypeError):
+                    self.known.update(json.loads(line))
+                    self.samples += 1
+        elif name == "evidence":
+            self.evidence_bytes += len(data)
+            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
+            if self.evidence_bytes > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
+                os.close(descriptor)
+                self.streams.evidence = -1
         else:
-            self._keep(name, data)
+            self._output[name].add(data)
+            self._totals[name].add(data)
 
     def take_the_rest(self) -> None:
         """Read what is left when the program has ended."""
@@ -114,18 +124,6 @@ class OutputCollector:
     def too_much_output(self) -> bool:
         """Whether it has printed more than it may."""
         return sum(output.count for output in self._output.values()) > self._limit
-
-    def fault(self) -> str:
-        """What of the sandbox has failed by itself, for people; empty while all is well."""
-        return str(self._facts.get("problem", ""))
-
-    def was_killed(self) -> bool:
-        """Whether it ended by a signal that nothing accounts for: its own, or of a machine without memory."""
-        return self._facts.get("signal") == signal.SIGKILL and "limit" not in self._facts
-
-    def stopped_by_us(self, limit: str) -> None:
-        """Remember that a limit was hit."""
-        self._facts.setdefault("limit", limit)
 
     def forget_stacks(self) -> None:
         """Drop older dumps, keeping the program's notes."""
@@ -153,30 +151,12 @@ class OutputCollector:
         """All of it, as plain data."""
         self._read_notes()
         return {
-            **self._facts,
+            **self.known,
             "running": not self.over,
             "notes": self._notes,
             "stdout": self._output["stdout"].text(),
             "stderr": self._output["stderr"].text(),
         }
-
-    def _keep(self, name: str, data: bytes) -> None:
-        if name == "evidence":
-            self.evidence_bytes += len(data)
-            self._evidence = (self._evidence + data)[-_EVIDENCE_KEPT:]
-            if self.evidence_bytes > _EVIDENCE_TAKEN:  # written by the submission itself, to keep the grader busy
-                os.close(self.streams.evidence)
-                self.streams.evidence = -1
-        else:
-            self._output[name].add(data)
-            self._totals[name].add(data)
-
-    def _take_status(self, data: bytes) -> None:
-        *lines, self._status = (self._status + data).split(b"\n")
-        for line in lines:
-            with suppress(ValueError, TypeError):
-                self._facts.update(json.loads(line))
-                self.samples += 1
 
     def _read_notes(self) -> None:
         for line in self._evidence.split(b"\n"):

@@ -104,7 +104,7 @@ def make_start_order(
     program = convert_record({**vars(job), **words}, Program)  # of the job no more than that has fields for
     hidden = job.hidden
     if job.command:
-        view = file_view.view_of_command(job.command, job.folder)
+        view = file_view.find_view(job.command, job.folder)
         hidden = tuple(path for path in hidden if not Path(job.folder).is_relative_to(path))  # a user's own choice
     # Tasks that the kernel counts with the submission's: before Linux 5.14 all of the user's, and what may yet come.
     version = tuple(int(part) for part in os.uname().release.split(".")[:2])

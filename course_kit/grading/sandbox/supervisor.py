@@ -9,6 +9,7 @@ import mmap
 import os
 import select
 import shutil
+import signal
 import socket
 import tempfile
 import time
@@ -136,7 +137,7 @@ class Supervisor:
 
     def _look_after_everything(self) -> None:
         """End a submission whose time is up."""
-        if fault := self._collector.fault():
+        if fault := self._collector.known.get("problem"):  # of the sandbox itself
             raise _BrokenOffError(fault)
         if time.monotonic() > self._deadline and not self._collector.over:
             self._end_submission("time")
@@ -154,7 +155,7 @@ class Supervisor:
             running = not self._collector.over
             if running:
                 self._ask(init_process.KILL + message["program"].encode())
-            return {"killed": running and bool(self._collector.facts().get("found"))}
+            return {"killed": running and bool(self._collector.known.get("found"))}
         if what == "time is up":
             self._end_submission("time")
         elif what == "finish":
@@ -180,7 +181,10 @@ class Supervisor:
         order = make_start_order(job, message, variables, self._view, self._folder)
         if order.user:
             os.chown(self._folder, order.user, order.user)
-        streams, inside = _pipes()
+        pipes = [*(os.pipe() for _ in range(4)), os.pipe()[::-1]]  # the last one, for control, leads inside
+        streams, inside = (Streams(*ends) for ends in zip(*pipes, strict=True))
+        for descriptor in streams.descriptors():
+            os.set_blocking(descriptor, False)
         self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
         try:
             types = [] if job.interfaces else [end.type for end in job.endpoints]  # a program loads those of strangers
@@ -235,7 +239,7 @@ class Supervisor:
         return asked
 
     def _end_submission(self, limit: str) -> None:
-        self._collector.stopped_by_us(limit)
+        self._collector.known.setdefault("limit", limit)
         self._kill()
 
     def _kill(self) -> None:
@@ -252,7 +256,8 @@ class Supervisor:
         self._collector.streams.close()
 
     def _stop(self) -> None:
-        if self._collector.was_killed():
+        known = self._collector.known
+        if known.get("signal") == signal.SIGKILL and "limit" not in known:  # its own, or of a machine without memory
             self._again = True
             if machine.count_oom_kills() != self._killed_before:
                 self._fault = "the machine ran out of memory, and Linux killed a process to free some"
@@ -261,11 +266,3 @@ class Supervisor:
             words = " ".join(self._arguments)  # or a provoked error looks like one of the ordinary run
             self._totals[1].add(f"[Your program printed the lines above when it was started with: {words}]\n".encode())
         self._arguments = ()
-
-
-def _pipes() -> tuple[Streams, Streams]:
-    pipes = [*(os.pipe() for _ in range(4)), os.pipe()[::-1]]  # the last one, for control, leads inside
-    ours, inside = (Streams(*ends) for ends in zip(*pipes, strict=True))
-    for descriptor in ours.descriptors():
-        os.set_blocking(descriptor, False)
-    return ours, inside

@@ -18,7 +18,7 @@ from course_kit.process.channel import Channel, ChannelClosedError
 from course_kit.process.child import BOUND_AT_ONCE, QuietChild
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
 
     from course_kit.grading.model.exercise import Exercise
     from course_kit.grading.model.job import GradingOutcome, Job
@@ -48,7 +48,9 @@ _OTHER_GRAPHS = (
 class WarmProcess(QuietChild):
     """The process, seen from the trusted parent."""
 
-    def __init__(self, workers: int, variables: Mapping[str, str], interfaces: Iterable[str] = ()) -> None:
+    def __init__(
+        self, workers: int = 1, interfaces: Iterable[str] = (), *, whole: bool = False, own_graph: bool = True
+    ) -> None:
         """Start the process; it gets ready while the caller goes on, and loads these interfaces for all workers."""
         ours, theirs = zip(*(socket.socketpair() for _ in range(workers)), strict=True)
         self.channels = [Channel(end) for end in ours]
@@ -56,7 +58,7 @@ class WarmProcess(QuietChild):
         python, *call = environment.trusted_python("course_kit.grading.workers.worker_process", "main")
         try:
             command = [python, "-W", _FORKS_ARE_MEANT, *call, ",".join(map(str, descriptors)), *interfaces]
-            super().__init__(command, descriptors, variables)
+            super().__init__(command, descriptors, variables_of(whole=whole, own_graph=own_graph))
         finally:
             for end in theirs:
                 end.close()
@@ -103,18 +105,10 @@ def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
 class Worker(Closable):
     """A worker process. Start many ahead of time; each takes one job at a time, from one thread at a time."""
 
-    def __init__(
-        self,
-        *,
-        whole_environment: bool = False,
-        own_graph: bool = True,
-        at: tuple[WarmProcess, Channel] | None = None,
-    ) -> None:
-        """Start the process; it gets ready while the caller goes on."""
-        if at is None:
-            process = WarmProcess(1, variables_of(whole=whole_environment, own_graph=own_graph))
-            at = (process, process.channels[0])
-        self._process, self._channel = at
+    def __init__(self, process: WarmProcess | None = None, number: int = 0) -> None:
+        """Make it one of a warm process, else of a new one, which gets ready while the caller goes on."""
+        self._process = process or WarmProcess()
+        self._channel = self._process.channels[number]
         self._greeting: Record | None = None
 
     @property
@@ -170,5 +164,5 @@ def isolation_status() -> Isolation:
 def side_by_side(number: int, exercises: Iterable[Exercise] = ()) -> list[Worker]:
     """Start several workers that share the cost of getting warm, and of loading what these exercises need of ROS."""
     interfaces = {end.type for exercise in exercises if not exercise.interfaces for end in exercise.endpoints}
-    process = WarmProcess(number, variables_of(whole=False, own_graph=True), interfaces)
-    return [Worker(at=(process, channel)) for channel in process.channels]
+    process = WarmProcess(number, interfaces)
+    return [Worker(process, each) for each in range(number)]

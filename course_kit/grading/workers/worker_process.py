@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from course_kit.grading.checks.check import choose_part, run_all
 from course_kit.grading.checks.context import CheckContext
 from course_kit.grading.errors import GradingError
-from course_kit.grading.model import bounds, limits
+from course_kit.grading.model import limits
 from course_kit.grading.model.job import Job
 from course_kit.grading.model.plain_data import convert_record
 from course_kit.grading.sandbox import file_view, isolation, launcher, machine, namespaces, needs
@@ -64,7 +64,7 @@ def main() -> None:
         launcher.load_interfaces(sys.argv[2:])
     finally:
         found = wait_for_outcome()
-    view = file_view.view_of_program()
+    view = file_view.find_view()
     freeze_memory()
     while channels:
         channel = channels.pop()
@@ -156,7 +156,7 @@ def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
         problem = str(fault)
     except Exception as fault:  # noqa: BLE001 - a broken grader or installation; the report says so
         problem = f"{type(fault).__name__}: {fault}"
-    supervisor.send({"do": "done", "problem": bounds.cut_text(problem)})
+    supervisor.send({"do": "done", "problem": problem})
 
 
 def _run(supervisor: Channel, job: Job, lives: mmap) -> None:

@@ -114,9 +114,7 @@ def _grade_each(
             adopt_orphans()
             network = enter_own_network(user) if found.network else ()
             parent, _open = map(Channel, socket.socketpair())
-            outcome = Supervisor(job, handle, file_view.view_of_program(), network, parent).run(
-                worker_process.run_checks
-            )
+            outcome = Supervisor(job, handle, file_view.find_view(), network, parent).run(worker_process.run_checks)
             print(json.dumps({"name": program, **outcome}), flush=True)
             os._exit(0)
         os.wait()

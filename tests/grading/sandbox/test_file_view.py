@@ -106,7 +106,7 @@ def test_landlock_shows_nothing_masked_by_any_name(places: Path) -> None:
     assert all(names == ["lib/library.py", "lib64/library.py"] for names in read.values())
 
 
-_ASK = "from course_kit.grading.sandbox import file_view; print(*file_view.view_of_program().shown, sep='\\n')"
+_ASK = "from course_kit.grading.sandbox import file_view; print(*file_view.find_view().shown, sep='\\n')"
 
 
 @pytest.mark.parametrize("variable", ["PYTHONPATH", "AMENT_PREFIX_PATH"])
