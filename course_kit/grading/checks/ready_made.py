@@ -77,7 +77,9 @@ def check(**declared: Unpack[CheckFields]) -> Callable[[Callable[[GradedNode], o
     return declare
 
 
-def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
+def make_check(
+    talk: Callable[[GradedNode], object], usual_s: float = DEADLINE_S, /, **declared: Unpack[CheckFields]
+) -> Check:
     """A check of what a function does with a node; see `check`."""
     check_id, title, points = declared["check_id"], declared["title"], declared["points"]
     if not title:
@@ -96,7 +98,7 @@ def make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFie
         sent, got = context.record.last_exchange()
         return Evidence(sent, title, got)
 
-    after, deadline_s = tuple(declared.get("after", ())), declared.get("deadline_s", DEADLINE_S)
+    after, deadline_s = tuple(declared.get("after", ())), declared.get("deadline_s", usual_s)
     return Check(check_id, title, float(points), after, deadline_s, run, tuple(declared.get("proves", ())))
 
 
@@ -111,14 +113,14 @@ def endpoints_offered(*names: str, **declared: Unpack[CheckFields]) -> Check:
         >>> endpoints_offered(points=1.0, proves=["topics"], title="Both topics are there")
     """
 
-    def talk(node: GradedNode) -> Evidence:
+    @check(**declared)
+    def offered(node: GradedNode) -> Evidence:
+        """All of its endpoints are there, with their types."""
         node.prepare()
         ends = [end for end in node.endpoints if not names or end.name in names]
         return discovery.expect_endpoints(node.context, ends)
 
-    title = "All of its endpoints are there, with their types"
-    fields: CheckFields = {"check_id": "offered", "title": title, **declared}
-    return make_check(talk, **fields)
+    return offered
 
 
 def node_name(name: str, **declared: Unpack[CheckFields]) -> Check:

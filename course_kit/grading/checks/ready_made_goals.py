@@ -54,7 +54,7 @@ def goal_succeeds(
                 goal.accepted_by(diagnosis="action.rejects_all")
             goal.accepted_by().ends(within_s=within_s, not_before_s=not_before_s, **wanted)
 
-    return _make_check(talk, **declared)
+    return make_check(talk, _DEADLINE_S, **declared)
 
 
 def goal_feedback(
@@ -88,7 +88,7 @@ def goal_feedback(
             goal.ends()
             goal.expect_feedback(at_least, first=first(message), last=last(message))
 
-    return _make_check(talk, **declared)
+    return make_check(talk, _DEADLINE_S, **declared)
 
 
 def goal_refused(
@@ -123,7 +123,7 @@ def goal_refused(
         if running is not None:
             running.ends()
 
-    return _make_check(talk, **declared)
+    return make_check(talk, _DEADLINE_S, **declared)
 
 
 def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
@@ -160,9 +160,4 @@ def goal_cancelled(  # noqa: PLR0913 - what an author may say of it
         if then is not None:
             node.goal(action, then).accepted_by(expected="the goal after a cancelled one accepted").ends()
 
-    return _make_check(talk, **declared)
-
-
-def _make_check(talk: Callable[[GradedNode], object], **declared: Unpack[CheckFields]) -> Check:
-    fields: CheckFields = {"deadline_s": _DEADLINE_S, **declared}
-    return make_check(talk, **fields)
+    return make_check(talk, _DEADLINE_S, **declared)

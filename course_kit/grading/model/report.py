@@ -101,14 +101,9 @@ class Report:
         """The report as JSON has it: exactly these names."""
         return {
             "format_version": FORMAT_VERSION,
-            "exercise": self.exercise,
-            "submission": self.submission,
-            "status": self.status,
-            "score": round(self.score, _DIGITS),
-            "max_score": round(self.max_score, _DIGITS),
-            "passed": self.passed,
+            **_rounded(self, "exercise", "submission", "status", "score", "max_score", "passed"),
             "duration_s": round(self.duration_s, 3),
-            "checks": [_check_mapping(check) for check in self.checks],
+            "checks": [_rounded(check, *FIELDS) for check in self.checks],
             "stdout": self.stdout,
             "stderr": self.stderr or self.problem,
         }
@@ -118,8 +113,8 @@ class Report:
         return make_encodable(json.dumps(self.to_mapping(), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _check_mapping(check: CheckReport) -> Record:
-    values = {name: getattr(check, name) for name in FIELDS}
+def _rounded(whole: Report | CheckReport, *names: str) -> Record:
+    values = {name: getattr(whole, name) for name in names}
     return {name: round(value, _DIGITS) if isinstance(value, float) else value for name, value in values.items()}
 
 

@@ -149,7 +149,21 @@ def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
     limits.bound_reader(job.limits.wall_s)
     problem = ""
     try:
-        _run(supervisor, job, lives)
+        grader = exercise_job.load_grader(job)
+        context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", {}), lives)
+        checks = exercise_job.checks_of_grader(grader, job)
+        if job.only:
+            checks = choose_part(checks, job.only)
+        if not (job.text.problem or job.variable or job.files):
+            context.launch()
+        try:
+            for result in run_all(checks, context):
+                supervisor.send({"do": "result", "result": result})
+                if job.first_failure and result.status == "failed" and result.max_points:
+                    break
+        finally:
+            if not job.isolation.network:  # our own graph ends with us, at once; others wait for those who do not leave
+                context.close()
     except ChannelClosedError:
         return
     except GradingError as fault:
@@ -157,21 +171,3 @@ def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
     except Exception as fault:  # noqa: BLE001 - a broken grader or installation; the report says so
         problem = f"{type(fault).__name__}: {fault}"
     supervisor.send({"do": "done", "problem": problem})
-
-
-def _run(supervisor: Channel, job: Job, lives: mmap) -> None:
-    grader = exercise_job.load_grader(job)
-    context = CheckContext(supervisor, job, getattr(grader, "VARIABLES", {}), lives)
-    checks = exercise_job.checks_of_grader(grader, job)
-    if job.only:
-        checks = choose_part(checks, job.only)
-    if not (job.text.problem or job.variable or job.files):
-        context.launch()
-    try:
-        for result in run_all(checks, context):
-            supervisor.send({"do": "result", "result": result})
-            if job.first_failure and result.status == "failed" and result.max_points:
-                break
-    finally:
-        if not job.isolation.network:  # our own graph ends with us, at once; others wait for those who do not leave
-            context.close()
