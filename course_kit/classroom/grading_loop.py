@@ -11,10 +11,10 @@ from importlib import metadata
 from typing import IO, TYPE_CHECKING
 
 from course_kit import environment
+from course_kit.classroom.exports.report_page import render_page
 from course_kit.classroom.records import outcome_of
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.pool import grade_all
-from course_kit.grading.render.html import render_page
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -13,7 +13,6 @@ from course_kit import environment
 from course_kit.grading import CheckReport, Report, exit_code, render_html, render_text
 from course_kit.grading.checks.evidence import GRADER, NODE
 from course_kit.grading.model.catalogue import catalogue, complete_message
-from course_kit.grading.render.html import with_notice
 from course_kit.grading.sandbox.output_collector import BoundedOutput
 from course_kit.ros.sequence import Arrow
 from course_kit.text.sanitize import make_printable
@@ -276,8 +275,3 @@ def test_message_is_completed_with_why_and_where() -> None:
     assert catalogue()["service.no_return"].explanation in text
     assert "notebooks/01_services.ipynb#" in text
     assert complete_message("It happened.", None) == "It happened."
-
-
-@pytest.mark.parametrize("page", ["", "<p>mine</p>", "<!-- notice --><p>mine</p>"])
-def test_a_page_without_both_marks_of_a_notice_stays_as_it_is(page: str) -> None:
-    assert with_notice(page, "1 of 2", ["Late."]) == page

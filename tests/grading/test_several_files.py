@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit import grading
+from course_kit.classroom.exports.report_page import render_page
 from course_kit.grading.model.exercise import read_exercise
 from course_kit.grading.reading import Reader, copy_file
-from course_kit.grading.render.html import render_page
 from course_kit.grading.render.text import render_text
 from tests import several_files
 from tests.several_files import ID, PARTS

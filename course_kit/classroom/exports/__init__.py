@@ -15,11 +15,11 @@ from course_kit.classroom.exports import (
     tables,
 )
 from course_kit.classroom.exports.lookalikes import ProgramTexts
+from course_kit.classroom.exports.report_page import render_page, with_notice
 from course_kit.classroom.exports.texts import result_headline
 from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.environment import write_atomically
 from course_kit.grading import engine
-from course_kit.grading.render import html
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
@@ -57,7 +57,7 @@ def _write_notices(book: Gradebook, out: Path) -> None:
     for record in book.records:
         path = records.path(record.entry, ".html")
         before = _page(path, record, book)
-        after = html.with_notice(before, result_headline(record), record.remarks)
+        after = with_notice(before, result_headline(record), record.remarks)
         if after and (after != before or not path.exists()):
             write_atomically(path, after, durable=False)
 
@@ -71,7 +71,7 @@ def _page(path: Path, record: GradeRecord, book: Gradebook) -> str:
             return ""
     exercise = next(exercise for exercise in book.exercises if exercise.id == record.entry.exercise)
     report = engine.report_unreadable(exercise, "", str(record.report["stderr"]))
-    return html.render_page(report, record.entry.name or record.entry.student)
+    return render_page(report, record.entry.name or record.entry.student)
 
 
 def _write_comparisons(book: Gradebook, texts: ProgramTexts, alike: lookalikes.LookAlikes, out: Path) -> None:

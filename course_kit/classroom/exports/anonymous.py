@@ -10,12 +10,12 @@ import random
 import re
 from typing import TYPE_CHECKING, Any
 
+from course_kit.classroom.exports.report_page import render_page
 from course_kit.classroom.exports.texts import csv_text, group_by_student
 from course_kit.classroom.records import outcome_of
 from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import FIELDS, CheckReport, Report
-from course_kit.grading.render.html import render_page
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

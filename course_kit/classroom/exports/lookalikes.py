@@ -15,10 +15,10 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from course_kit.classroom.exports.report_page import LONGEST
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import FileSummary, Reader, copy_file, starter_identities
-from course_kit.grading.render.html import LONGEST
 from course_kit.process import Closable
 from course_kit.reader.fingerprints import token_shapes
 from course_kit.text.templates import render_template

@@ -313,7 +313,11 @@ class Conversation:
         costs = self._part_of(step.rule, failed.breaks)
         if costs != lost and costs.id in self._failed:
             return None
-        return self._show_all_steps(failed, steps), costs
+        record, several = self.context.record, len(steps) > 1
+        failed.steps = record.steps(replace(failed.evidence, sent="") if several else failed.evidence)
+        if several and (before := list(record.sent_texts())[:-1]):
+            failed.evidence = replace(failed.evidence, sent="; ".join([*before, failed.evidence.sent]))
+        return failed, costs
 
     def _find_failure(self, steps: Sequence[Step], *, to_the_end: bool = False) -> tuple[Failed, Step | None] | None:
         """How these steps fail on a fresh start, and at which; at none when the program does not come up."""
@@ -328,12 +332,3 @@ class Conversation:
         except Failed as failed:
             return failed, step
         return None
-
-    def _show_all_steps(self, failed: Failed, steps: Sequence[Step]) -> Failed:
-        """A failure with all that led to it as its evidence."""
-        record = self.context.record
-        failed.steps = record.steps(replace(failed.evidence, sent="") if len(steps) > 1 else failed.evidence)
-        before = list(record.sent_texts())[:-1] if len(steps) > 1 else []
-        if before:
-            failed.evidence = replace(failed.evidence, sent="; ".join([*before, failed.evidence.sent]))
-        return failed

@@ -15,12 +15,7 @@ from course_kit.grading.checks.answers import Answer, Change, describe_value, me
 from course_kit.grading.checks.discovery import WantedEndpoint
 from course_kit.grading.checks.evidence import Evidence, Exchange, Failed, charge_to, in_one_line
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.parameters import (
-    RemoteParameters,
-    describe_result,
-    parameter_file,
-    start_arguments,
-)
+from course_kit.grading.checks.parameters import RemoteParameters, describe_result, parameter_file, start_arguments
 from course_kit.grading.diagnosis import causes
 
 if TYPE_CHECKING:

@@ -1,10 +1,8 @@
-"""A report as HTML: as a card for a notebook, and as its own page. Nothing of either is fetched."""
+"""A report as HTML: a card for a notebook, or for a page. Nothing of it is fetched."""
 
 from __future__ import annotations
 
 import os
-import re
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,84 +19,25 @@ if TYPE_CHECKING:
 
     from course_kit.grading.model.catalogue import Diagnosis
     from course_kit.grading.model.report import Report
-    from course_kit.grading.model.submission import Submission
     from course_kit.ros.sequence import Arrow
 
-_TEMPLATES = Path(__file__).with_name("templates")
-# Between these a page may get a notice later on. Whatever a submission says is escaped, and cannot hold one of them.
-_NOTICE_BEGINS, _NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
-MOST_LINES = 1500
-LONGEST = 500  # characters of a line that are shown
-# As `Submission.describe_line` words it; a learner's program may say the like, and then marks a line too many.
-_PLACE = re.compile(r"(?:\b\w[\w.-]{0,99}\.py, )?\b(?:cell \d{1,6}, )?line \d{1,6}\b")
 
-
-@dataclass(frozen=True)
-class ProgramLine:
-    """One line of a program."""
-
-    number: int  # in the program, from 1
-    place: str  # what messages call it, `line 12` or `cell 3, line 2`
-    text: str  # the line, cut if it is very long
-    checks: tuple[str, ...] = ()  # titles of the failed checks that speak of it
-
-
-def mark_lines(report: Report, program: Submission) -> Sequence[ProgramLine]:
-    """The program's lines, up to `MOST_LINES`; those that a failed check names are marked with its title."""
-    said = [(check.title, check.told or check.message) for check in report.checks if check.status == "failed"]
-    named: dict[str, list[str]] = {}
-    for title, text in [*said, (report.title, report.problem)]:
-        for place in dict.fromkeys(_PLACE.findall(text)):
-            named.setdefault(place, []).append(title)
-    found = []
-    for name, file in program.files.items() or [("", program)]:
-        for number, text in enumerate(file.source.rstrip("\n").split("\n"), start=1):
-            place = f"{name}, {file.describe_line(number)}" if name else file.describe_line(number)
-            found.append(ProgramLine(number, place, text[:LONGEST], tuple(named.get(place, ()))))
-    return found[:MOST_LINES]
-
-
-def render_html(report: Report, base: Path | None = None) -> str:
-    """The report as HTML for a Jupyter output."""
-    return str(render_template(_TEMPLATES / "card.html", **_values(report, base or Path.cwd())))
-
-
-def render_page(report: Report, student: str, program: Submission | None = None) -> str:
-    """The report for one student as an HTML document, to be opened from a folder or sent by mail."""
-    values = {
-        **_values(report, Path()),
-        "link": lambda _: "",
-        "is_page": True,
-        "student": student,
-        "program": mark_lines(report, program) if program else [],
-        "most_lines": MOST_LINES,
-    }
-    return str(render_template(_TEMPLATES / "page.html", **values))
-
-
-def with_notice(page: str, score: str, sentences: Sequence[str]) -> str:
-    """A page of `render_page` with a notice above the report, in the place of the one before."""
-    before, begins, rest = page.partition(_NOTICE_BEGINS)
-    _, ends, after = rest.partition(_NOTICE_ENDS)
-    if not begins or not ends:  # not a page of ours any more
-        return page
-    notice = render_template(_TEMPLATES / "notice.html", score=score, sentences=sentences).strip() if sentences else ""
-    return f"{before}{begins}{notice}{ends}{after}"
-
-
-def _values(report: Report, base: Path) -> dict[str, object]:
-    return {
-        "report": report,
-        "in_points": in_points,
-        "most_points": max((check.max_points for check in report.checks), default=0.0),
-        "first_failed": next((check for check in report.run if check.status == "failed"), None),
-        "link": partial(_link, base=base),
-        "sequence_svg": sequence_svg,
-        "sequence_css": render_template(sequence.STYLE_SHEET),
-        "graph_css": render_template(graph_drawing.STYLE_SHEET),
-        "drawing": graph_drawing,
-        "is_page": False,
-    }
+def render_html(report: Report, base: Path | None = None, *, is_page: bool = False) -> str:
+    """The report as HTML for a Jupyter output in a folder; or for a page of its own, which has no links to lessons."""
+    card = render_template(
+        Path(__file__).with_name("templates") / "card.html",
+        report=report,
+        in_points=in_points,
+        most_points=max((check.max_points for check in report.checks), default=0.0),
+        first_failed=next((check for check in report.run if check.status == "failed"), None),
+        link=partial(_link, base=base or Path.cwd()),
+        sequence_svg=sequence_svg,
+        sequence_css=render_template(sequence.STYLE_SHEET),
+        graph_css=render_template(graph_drawing.STYLE_SHEET),
+        drawing=graph_drawing,
+        is_page=is_page,
+    )
+    return str(card)
 
 
 def _link(found: Diagnosis, base: Path) -> str:

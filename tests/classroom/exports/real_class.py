@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from course_kit.classroom import exports
+from course_kit.classroom.exports.report_page import render_page
 from course_kit.classroom.records import Entry, RecordFolder
 from course_kit.classroom.rules.adjustments import Adjustment
 from course_kit.grading.model.report import CheckReport, Report
 from course_kit.grading.reading import Reader, copy_file
-from course_kit.grading.render.html import render_page
 from tests.classroom.exports import books
 from tests.classroom.exports.books import ROBOT, SERVICE, check
 from tests.classroom.exports.programs import ORIGINAL, class_of, disguised

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from course_kit.classroom import exports
+from course_kit.classroom.exports.report_page import render_page
 from course_kit.classroom.records import GradeRecord, RecordFolder
 from course_kit.grading.model.report import Report
-from course_kit.grading.render.html import render_page
 from tests.classroom.exports.books import HOSTILE, ROBOT, SERVICE, bad, book, good, not_graded, unreadable
 
 if TYPE_CHECKING:

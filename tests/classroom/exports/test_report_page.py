@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import pytest
+
+from course_kit.classroom.exports.report_page import LONGEST, MOST_LINES, mark_lines, render_page, with_notice
 from course_kit.grading import CheckReport, Report
 from course_kit.grading.model.catalogue import catalogue
 from course_kit.grading.model.submission import Submission
-from course_kit.grading.render import html
-from course_kit.grading.render.html import render_html, render_page
+from course_kit.grading.render.html import render_html
 
 PROGRAM = Submission("answer.py", "answer.py", "import math\n\n\ndef f(x):\n    return 1 / x  # <here> & there\n")
 FAILED = CheckReport(
@@ -27,7 +29,7 @@ REPORT = Report("temperature_service", "A service", "answer.py", "graded", False
 
 
 def marked(report: Report, submission: Submission) -> dict[int, tuple[str, ...]]:
-    return {line.number: line.checks for line in html.mark_lines(report, submission) if line.checks}
+    return {line.number: line.checks for line in mark_lines(report, submission) if line.checks}
 
 
 def test_the_line_that_a_failed_check_speaks_of_is_marked_with_its_title() -> None:
@@ -44,8 +46,8 @@ def test_the_line_that_a_failed_check_speaks_of_is_marked_with_its_title() -> No
 
 def test_a_program_that_is_long_is_cut() -> None:
     endless = replace(PROGRAM, source="x" * 5000 + "\n" + "pass\n" * 5000)
-    found = html.mark_lines(REPORT, endless)
-    assert (len(found), len(found[0].text)) == (html.MOST_LINES, html.LONGEST)
+    found = mark_lines(REPORT, endless)
+    assert (len(found), len(found[0].text)) == (MOST_LINES, LONGEST)
     assert "and more, which are not shown" in render_page(REPORT, "Jane", endless)
 
 
@@ -59,3 +61,8 @@ def test_no_link_of_a_page_leads_out_of_it() -> None:
 def test_without_a_program_there_is_no_section_for_it_and_a_notebooks_card_never_has_one() -> None:
     assert "The program" not in render_page(REPORT, "Jane Doe")
     assert "The program" not in render_html(REPORT)
+
+
+@pytest.mark.parametrize("page", ["", "<p>mine</p>", "<!-- notice --><p>mine</p>"])
+def test_a_page_without_both_marks_of_a_notice_stays_as_it_is(page: str) -> None:
+    assert with_notice(page, "1 of 2", ["Late."]) == page
