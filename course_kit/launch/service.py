@@ -44,19 +44,20 @@ class LaunchedProcess:
         command: list[str] | None = None,
         environ: dict[str, str] | None = None,
         inherits: tuple[int, ...] | None = None,
-        process: Child | None = None,
+        run: Callable[[], object] | None = None,
     ) -> None:
         self.description, self.label = description, label
         self.command = shlex.join(description.command)
         self.ladder = Ladder(*PATIENCE_S)
         show_stdout, show_stderr = description.show
-        self.process = process or Child(
+        self.process = Child(
             command or description.command,
             environ=environ or description.environ,
             stdout=PIPE if inherits is None else None if show_stdout else NOWHERE,
             stderr=PIPE if inherits is None else None if show_stderr else NOWHERE,
             descriptors=inherits or (),
             dies_with_us=True,  # launch has one thread
+            run=run,
         )
         self.streams: dict[IO[bytes], tuple[LineReader, bool]] = {}
         pipes = ((self.process.stdout, show_stdout), (self.process.stderr, show_stderr))

@@ -46,7 +46,7 @@ class Ladder:
 
 
 class Child:
-    """A process in its own session, with nothing to read."""
+    """A process in its own session, with nothing to read: a command, or a fork that runs a function and ends."""
 
     def __init__(  # noqa: PLR0913 - a process is described by that much
         self,
@@ -58,6 +58,7 @@ class Child:
         stderr: int | IO[bytes] | None = None,
         descriptors: Sequence[int] = (),
         dies_with_us: bool = False,
+        run: Callable[[], object] | None = None,  # its first step is to close what it has inherited: we wait for that
     ) -> None:
         us = os.getpid()
         self._popen = subprocess.Popen(
@@ -69,7 +70,7 @@ class Child:
             stderr=stderr,
             pass_fds=descriptors,
             start_new_session=True,
-            preexec_fn=(lambda: die_with_parent(us)) if dies_with_us else None,  # noqa: PLW1509 - see above
+            preexec_fn=run or ((lambda: die_with_parent(us)) if dies_with_us else None),  # noqa: PLW1509 - see above
         )
         self.pid, self.stdout, self.stderr = self._popen.pid, self._popen.stdout, self._popen.stderr
 

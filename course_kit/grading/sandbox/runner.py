@@ -33,7 +33,6 @@ from course_kit.grading.sandbox.start_order import Program
 from course_kit.launch import actions, finder, modules  # noqa: F401 - loaded before the kit's own files disappear
 from course_kit.launch.errors import LaunchError
 from course_kit.launch.service import LaunchedProcess, LaunchService
-from course_kit.process.child import Child, fork_child
 from course_kit.process.libc import die_with_parent, set_name
 
 if TYPE_CHECKING:
@@ -213,36 +212,15 @@ class _Launch(LaunchService):
             return LaunchedProcess(description, label, inherits=())
         source = path.read_text(encoding="utf-8", errors="surrogatepass")
         program = Program(path.name, source, own_start=True, arguments=tuple(words[1:-1]))
-        made = LaunchedProcess(description, label, process=_Fork(program, description.environ, self._evidence))
-        made.command = f"python {path.name}"
-        return made
-
-
-class _Fork(Child):
-    """A program of a launch; it writes to the same streams as all others."""
-
-    def __init__(self, program: Program, environ: Mapping[str, str], evidence: int) -> None:
-        self.stdout = self.stderr = None
-        self._code: int | None = None
-        self.pid = fork_child(partial(_run_launched, program, environ, evidence))
-
-    def exit_code(self) -> int | None:
-        return self._reap(os.WNOHANG)
-
-    def wait(self, seconds: float | None = None) -> int | None:
-        del seconds  # it was killed, and needs none
-        return self._reap(0)
-
-    def _reap(self, flags: int) -> int | None:
-        if self._code is None and (ended := os.waitpid(self.pid, flags))[0]:
-            self._code = os.waitstatus_to_exitcode(ended[1])
-        return self._code
+        run = partial(_run_launched, program, description.environ, self._evidence)
+        return LaunchedProcess(description, label, inherits=(), run=run)
 
 
 def _run_launched(program: Program, environ: Mapping[str, str], evidence: int) -> None:
-    """Run a program in a fork of its launch."""
+    """Run a program in a fork of its launch, which waits until what the fork has inherited is closed."""
+    os.closerange(3, evidence)
+    gc.enable()
     set_name(program.name)
-    os.setsid()
     die_with_parent()
     signal.set_wakeup_fd(-1)
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGCHLD):
