@@ -19,7 +19,6 @@ order = 8
 points = 5.0
 pass_mark = 2.0
 files = ["gate.py", "guard.py", "pair.launch.py", "pair.yaml"]
-launch_file = "pair.launch.py"
 parts = ["gate", "guard", "pair"]
 notebook = "gate_and_guard.ipynb"
 grader = "checks.py"

@@ -21,6 +21,7 @@ from course_kit.environment import write_atomically
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model import exercise_folders
 from course_kit.grading.model.exercise import Exercise, Sentence, read_exercise
+from course_kit.grading.model.submission import LAUNCH_FILE
 from course_kit.text.console import in_points
 
 if TYPE_CHECKING:
@@ -186,7 +187,7 @@ def sentences_of(exercise: Exercise, file: str) -> Sequence[Sentence]:
     if not exercise.files:
         return exercise.sentences
     cells, own = group_by_cell(exercise.sentences), {name.partition(".")[0] for name in exercise.files}
-    if file != exercise.launch_file:
+    if not file.endswith(LAUNCH_FILE):
         return cells[file.partition(".")[0]]
     own.remove(file.partition(".")[0])
     return [sentence for cell, sentences in cells.items() if cell not in own for sentence in sentences]

@@ -12,14 +12,7 @@ from course_kit.graders import _delivery as robot
 from course_kit.graders._delivery import CALM_S, CLOSE, DELIVER, DISTANCE, DOCKED, OPEN, PATIENCE_S, SHOWN_S, STATE
 from course_kit.grading.checks.evidence import in_one_line
 from course_kit.grading.checks.ready_made import expect_rate
-from course_kit.grading.checks.vocabulary import (
-    Approximation,
-    Evidence,
-    GradedNode,
-    check,
-    offer_service,
-    withdraw_service,
-)
+from course_kit.grading.checks.vocabulary import Approximation, Evidence, GradedNode, check, offer_service
 
 SPEED = 4.5  # m/s, by the launch argument
 LAUNCH = ("delivery.launch.py", f"speed:={SPEED}")
@@ -210,7 +203,9 @@ def door_free(node: GradedNode) -> None:
 def carrier_up(node: GradedNode) -> None:
     """carrier.py alone: the node carrier, its action, its topics and its parameters."""
     robot.enter(node)
-    robot.require_graph(node, {"/carrier": {**robot.BUILDING, "door_timeout_s": PATIENCE_S}})
+    why = "The grader gave it the expected values at the start, with -p."
+    wanted = {"/carrier": {**robot.BUILDING, "door_timeout_s": PATIENCE_S}}
+    robot.require_graph(node, wanted, why, "parameter.override_ignored")
 
 
 @robot_check(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
@@ -233,7 +228,7 @@ def carrier_feedback(node: GradedNode) -> None:
     goal = robot.ask_for_delivery(node, "hall", robot.enter(node))
     node.wait(CALM_S)
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
-    robot.tell_battery(node, robot.GOOD, robot.LESS)
+    node.send(STATE, percentage=robot.LESS, power_supply_health=robot.GOOD)
     node.wait(CALM_S)
     robot.open_door(node)
     robot.deliver(node, "hall", goal=goal)
@@ -264,11 +259,12 @@ def carrier_rejects(node: GradedNode) -> None:
     robot.enter(node)
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
-    robot.tell_battery(node, robot.LOW)
-    robot.require_low(node, "attic")
+    node.send(STATE, percentage=robot.CHARGE, power_supply_health=robot.LOW)
+    node.wait(CALM_S)
+    robot.send_until(node, "attic", "rejected").rejected(what="a delivery, although the battery is low")
     robot.deliver(node, "dock")
-    robot.tell_battery(node, robot.GOOD)
-    robot.require_some_delivery(node, "hall", SHOWN_S)
+    node.send(STATE, percentage=robot.CHARGE, power_supply_health=robot.GOOD)
+    robot.send_until(node, "hall", "delivered").accepted_by().ends()
 
 
 @robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
@@ -344,7 +340,7 @@ def carrier_silent(node: GradedNode) -> None:
     ended = robot.finish(node, goal, "attic", PATIENCE_S)
     why = "This answer of the door belongs to the delivery before, which was given up. It is no answer to the new one."
     robot.require("too late" not in ended.result.message, Evidence(goal.shown, "SUCCEEDED", ended.result.message), why)
-    robot.require_some_delivery(node, "attic", PATIENCE_S)
+    robot.send_until(node, "attic", "delivered", PATIENCE_S).accepted_by().ends()
 
 
 # --- all together
@@ -354,7 +350,8 @@ def carrier_silent(node: GradedNode) -> None:
 def delivery_graph(node: GradedNode) -> Evidence:
     """delivery.launch.py: three nodes, all connections, the values of robot.yaml, and the speed."""
     robot.have_running(node, *LAUNCH)
-    robot.require_graph(node, LAUNCHED)
+    why = "Your robot.yaml or your launch file has a different value, or the value does not reach the node."
+    robot.require_graph(node, LAUNCHED, why, code=None)
     return Evidence(LAUNCH[0], "three nodes, connected", "three nodes, connected", node.context.see_graph())
 
 
@@ -369,7 +366,7 @@ def delivery_whole(node: GradedNode) -> None:
     node.context.wait_until(lambda: node.inbox(STATE).messages[-1].percentage > 1.0 - CLOSE, 8.0)  # at the dock
     robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
     for room in ("kitchen", "office"):
-        robot.require_some_delivery(node, room, PATIENCE_S)
+        robot.send_until(node, room, "delivered", PATIENCE_S).accepted_by().ends()
     why = "The office lies 0.8 m from the dock, and the kitchen on the way: more was not to be driven."
     robot.expect_soon(node, DISTANCE, why, data=Approximation(0.8, absolute=2.0 * robot.NEAR_M))
     why = "The battery has to fall by the 0.8 m that the carrier has driven, divided by capacity_m, which is 2.0."
@@ -387,7 +384,8 @@ def delivery_follows(node: GradedNode) -> None:
     node.set({"locked": False}, of="/door").accepted()
     node.set({"low_fraction": 1.0}, of="/battery").accepted()
     robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
-    robot.require_low(node, "lab")
+    node.wait(CALM_S)
+    robot.send_until(node, "lab", "rejected").rejected(what="a delivery, although the battery is low")
     node.set({"low_fraction": 0.2}, of="/battery").accepted()
 
 
@@ -398,7 +396,7 @@ def delivery_cancel(node: GradedNode) -> None:
     node.set({"door_timeout_s": 10.0}, of="/carrier").accepted()  # what is given up is not cancelled
     robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.set({"opening_s": 0.1}, of="/door").accepted()
-    robot.require_some_delivery(node, "lab", PATIENCE_S)
+    robot.send_until(node, "lab", "delivered", PATIENCE_S).accepted_by().ends()
 
 
 @robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
@@ -407,10 +405,11 @@ def delivery_killed(node: GradedNode) -> None:
     robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     goal = robot.deliver_at_door(node)
-    if not node.kill("door.py"):  # the door lives in a process with others: then ours dies
+    if not node.kill("door.py"):  # the door lives in a process with others: then the carrier has none from the start
         node.context.spoil()
-        goal = robot.ask_for_delivery(node, "attic", robot.enter(node, door_timeout_s=0.3))
-        withdraw_service(node, OPEN)
+        robot.have_running(node, "carrier.py", **robot.BUILDING, door_timeout_s=0.3)
+        node.send(STATE, percentage=robot.CHARGE, power_supply_health=robot.GOOD)
+        goal = robot.send_until(node, "attic").accepted_by()
     robot.require_aborted(node, goal, 0.3 + robot.GIVES_UP_S)
     node.get("door_timeout_s", of="/carrier")
 
@@ -420,8 +419,7 @@ def delivery_back(node: GradedNode) -> None:
     """All together: when the door is back, the next delivery works."""
     offer_service(node, OPEN, SetBool, success=True, message="open")
     alone = node.context.memory["runs"][0] == "carrier.py"  # where no door could be killed by itself
-    robot.require_some_delivery(node, "attic" if alone else "lab", 5.0)
-    node.context.spoil()
+    robot.send_until(node, "attic" if alone else "lab", "delivered", 5.0).accepted_by().ends()
 
 
 CHECKS = [

@@ -23,6 +23,7 @@ from course_kit.authoring.prove import mistakes, ros_mistakes
 from course_kit.authoring.prove.program import ParsedProgram, line_of
 from course_kit.authoring.rules import describe_report
 from course_kit.grading.errors import GradingError
+from course_kit.grading.model.submission import LAUNCH_FILE
 from course_kit.text.console import wrap_text
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def prove_grader(exercise: Exercise, *, quick: bool = False, seed: int = 1, work
     began = time.monotonic()
     texts = _read_solution(exercise)
     starts_itself = exercise.practice or not exercise.class_name
-    programs = [name for name in texts if name.endswith(".py") and name != exercise.launch_file]
+    programs = [name for name in texts if name.endswith(".py") and not name.endswith(LAUNCH_FILE)]
     made = [mutant for name in programs for mutant in make_mutants(texts[name], starts_itself=starts_itself, file=name)]
     entries = read_equivalents(file_of(exercise))
     declared = {mutant: entry for mutant in made for entry in entries if entry.covers(mutant)}

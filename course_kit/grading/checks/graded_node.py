@@ -404,12 +404,3 @@ def offer_service(node: GradedNode, name: str, interface: ServiceType, **answer:
     offered = node.context.grader_node.offer_service(name, interface, node.context.record)
     offered.answer = message_of(interface.Response, None, answer) if answer else None
     return offered
-
-
-def withdraw_service(node: GradedNode, name: str) -> None:
-    """Offer a service no more, as if its node had ended.
-
-    Example:
-        >>> withdraw_service(node, "/open")
-    """
-    node.context.grader_node.withdraw_service(name)

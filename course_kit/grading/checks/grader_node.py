@@ -205,16 +205,11 @@ class GraderNode:
         return self._publishers[topic]
 
     def offer_service(self, name: str, interface: ServiceType, record: ExchangeLog) -> OfferedService:
-        """Receive the requests for a service, until it is withdrawn."""
+        """Receive the requests for a service; made on first use and kept."""
         if name not in self._services:
             self._services[name] = offered = OfferedService(self.node, name, interface, record)
             self._await(offered.rclpy_service.handle, offered.take)
         return self._services[name]
-
-    def withdraw_service(self, name: str) -> None:
-        """Offer it no more."""
-        self._wait_set = None
-        self.node.destroy_service(self._services.pop(name).rclpy_service)
 
     def ends(self, kind: str, topic: str) -> list[TopicEndpointInfo]:
         """Who else is a "publisher" on a topic, or a "subscription" to it."""

@@ -76,11 +76,13 @@ class RemoteParameters:
                 raise hangs.explain_no_answer(context, evidence, clock.fair_s(), causes.explain_logged)
         return Evidence("", expected, expected)
 
-    def expect_declared(self, values: Mapping[str, Any]) -> Evidence:
-        """The node, which was just started, has parameters with these names, types and values."""
+    def expect_declared(
+        self, values: Mapping[str, Any], why: str = "", diagnosis: str | None = "parameter.default"
+    ) -> Evidence:
+        """The node, which was just started, has parameters with these names, types and values; why not, if not."""
         self.expect_names(values)
         self.expect_types(values)
-        return self.expect_values(values)
+        return self.expect_values(values, why, diagnosis)
 
     def expect_names(self, names: Iterable[str]) -> Evidence:
         """It has parameters with these names."""
@@ -104,14 +106,16 @@ class RemoteParameters:
             raise Failed(evidence, f"{why}.{' A double needs a decimal point.' if point else ''}", "parameter.type")
         return evidence
 
-    def expect_values(self, values: Mapping[str, Any]) -> Evidence:
+    def expect_values(
+        self, values: Mapping[str, Any], why: str = "", diagnosis: str | None = "parameter.default"
+    ) -> Evidence:
         """Its parameters have these values after the start."""
         found = self.values(values)
         evidence = Evidence(f"get_parameters of {self.node}", describe_value(values), describe_value(found))
         if others := {name: value for name, value in found.items() if value != values[name]}:
             wanted = describe_value({name: values[name] for name in others})
-            why = f"After its start, {self.node} has {describe_value(others)}, expected {wanted}."
-            raise Failed(evidence, why, "parameter.default")
+            text = f"After its start, {self.node} has {describe_value(others)}, expected {wanted}. {why}"
+            raise Failed(evidence, text.rstrip(), diagnosis)
         return evidence
 
     def _explain_absence(self, expected: str) -> Failed:

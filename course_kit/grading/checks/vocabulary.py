@@ -7,7 +7,7 @@ from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.conversation import CheckPart, Model, conversation
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import GradedGoal
-from course_kit.grading.checks.graded_node import GradedNode, offer_service, withdraw_service
+from course_kit.grading.checks.graded_node import GradedNode, offer_service
 from course_kit.grading.checks.grader_node import OfferedService
 from course_kit.grading.checks.ready_made import (
     check,

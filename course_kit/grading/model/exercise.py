@@ -69,7 +69,6 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     class_name: str = ""  # the Node class a submission defines
     variable: str = ""  # what a submission sets instead, in exercises without ROS
     files: tuple[_FileName, ...] = ()  # the names of all files of a submission, where it has several
-    launch_file: str = ""  # the one of them that starts the others together
     parts: tuple[_Identifier, ...] = ()  # what its checks' ids begin with, where each part is graded by itself
     seed: int | None = None  # what the checks draw from when nobody gives a seed; drawn itself when None
     limits: Limits = Limits()  # what a submission may use
@@ -191,10 +190,6 @@ def _require_sense(exercise: Exercise) -> None:
         ),
         (len(answers) != 1, "it needs either a 'class_name' or a 'variable', or 'files'"),
         (not (exercise.written_starter or exercise.files), "'starter' is missing"),
-        (
-            exercise.launch_file not in ("", *exercise.files),
-            f"the launch file {exercise.launch_file} is none of its files",
-        ),
         (len(set(names)) < len(names), f"two sentences have the id '{max(names, key=names.count, default='')}'"),
         (not (own or grader.startswith(_OF_THE_KIT)), f"the grader {grader} is no .py file in the exercise's folder"),
         (not (folder / own).exists(), f"the grader {own} is not there"),

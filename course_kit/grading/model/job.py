@@ -11,7 +11,7 @@ import msgspec
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
-from course_kit.grading.model.submission import Submission, SyntaxFault
+from course_kit.grading.model.submission import LAUNCH_FILE, Submission, SyntaxFault
 from course_kit.ros.names import from_root
 
 if TYPE_CHECKING:
@@ -109,7 +109,6 @@ class Job:
     only: str = ""  # the part whose checks are run, see `check.choose_part`; empty for all
     # what the exercise wants offered, published and subscribed to, as its exercise.toml has it
     endpoints: tuple[ExerciseEndpoint, ...] = ()
-    launch_file: str = ""  # the one of them that starts the others together
 
     def for_program(self, name: str) -> Job:
         """The same with another one of its files as the program; one that is missing is no Python."""
@@ -130,7 +129,7 @@ class Job:
     @property
     def launches(self) -> bool:
         """Whether several of its files run, started by the launch file."""
-        return bool(self.launch_file) and self.text.program == self.launch_file
+        return bool(self.files) and self.text.program.endswith(LAUNCH_FILE)
 
     @property
     def running_endpoints(self) -> list[ExerciseEndpoint]:

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from course_kit.grading.model.plain_data import Record  # noqa: TC001 - as above
 
+LAUNCH_FILE = ".launch.py"  # what the name of one ends in
+
 
 class UnreadableError(ValueError):
     """A submission that cannot be read; the text says why and what to do."""

@@ -51,7 +51,6 @@ def make_job_of_node(exercise: Exercise, seed: int, command: str | None = None) 
         interfaces=exercise.interfaces,
         points=exercise.points,
         endpoints=exercise.endpoints,
-        launch_file=exercise.launch_file,
     )
     if command is None:
         return job
