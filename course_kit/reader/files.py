@@ -10,7 +10,7 @@ from course_kit.reader import text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from typing import BinaryIO
 
     # Of one file: why it cannot be read, or its text and the cells it was joined from.
@@ -67,30 +67,25 @@ def _of_archive(name: str, file: BinaryIO, exercise: str, wanted: Sequence[str])
 
     try:
         archive = zipfile.ZipFile(file)
-        entries = {info.filename: info for info in archive.infolist() if not info.is_dir()}
-        folder = _folder_of(entries, wanted)
-        notebooks = [path for path in entries if text.kind_of_file(path) == text.NOTEBOOK and not _is_left_out(path)]
-        if folder is None and len(notebooks) == 1:
+        sizes = {info.filename: info.file_size for info in archive.infolist() if not info.is_dir()}
+        sizes = {path: size for path, size in sizes.items() if not _is_left_out(path)}
+        counts = Counter(dirname(path) for path in sizes if basename(path) in wanted)
+        notebooks = [path for path in sizes if text.kind_of_file(path) == text.NOTEBOOK]
+        if not counts and len(notebooks) == 1:
             return _of_notebook(notebooks[0], archive.read(notebooks[0]), exercise)
-        members = [path for path in entries if dirname(path) == folder and is_name(basename(path))]
-        members.sort(key=lambda path: (basename(path) not in wanted, path))
-        if sum(entries[path].file_size for path in members[:MOST_FILES]) > text.LARGEST:
+        folder = min(counts, key=lambda place: (-counts[place], place.count("/"), place), default=None)  # the topmost
+        members = [path for path in sizes if dirname(path) == folder and is_name(basename(path))]
+        members = sorted(members, key=lambda path: (basename(path) not in wanted, path))[:MOST_FILES]
+        if sum(sizes[path] for path in members) > text.LARGEST:
             raise text.UnreadableTextError(
                 f"{name} holds more than {text.LARGEST // 1024} kB of code. Hand in only your own files."
             )
-        return {basename(path): read_file(basename(path), archive.read(path)) for path in members[:MOST_FILES]}
+        return {basename(path): read_file(basename(path), archive.read(path)) for path in members}
     except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, OSError, EOFError) as problem:
         if isinstance(problem, text.UnreadableTextError):
             raise
-        raise text.UnreadableTextError(
-            f"{name} cannot be unpacked ({problem}). Pack it again as a plain zip."
-        ) from None
-
-
-def _folder_of(paths: Iterable[str], wanted: Sequence[str]) -> str | None:
-    """The folder with most of the wanted files, the topmost of several; None if no folder has any."""
-    counts = Counter(dirname(path) for path in paths if basename(path) in wanted and not _is_left_out(path))
-    return min(counts, key=lambda folder: (-counts[folder], folder.count("/"), folder), default=None)
+        why = f"{name} cannot be unpacked ({problem}). Pack it again as a plain zip."
+        raise text.UnreadableTextError(why) from None
 
 
 def _is_left_out(path: str) -> bool:

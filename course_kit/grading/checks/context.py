@@ -94,7 +94,7 @@ class GradedProgram:
     @property
     def asked_job(self) -> Job:
         """The job of the program that was asked last, of several that run."""
-        return self.job.for_program(self.asked) if self.asked in self.job.files else self.job
+        return self.job.for_program(self.asked) if self.asked in self.job.text.files else self.job
 
     def stacks(self) -> str:
         """What each of its threads is executing, by faulthandler; empty for other than Python source."""
@@ -102,7 +102,7 @@ class GradedProgram:
 
     def kill(self, program: str) -> bool:
         """Kill the process that runs one of its files; False when no process does."""
-        return bool(self._ask("kill", program=program)["killed"])
+        return bool(self._ask("kill", program=program).get("found"))
 
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
@@ -176,11 +176,11 @@ class CheckContext:
     def turn_to(self, program: str) -> None:
         """Talk with the node of this file from now on, of a submission of several."""
         self.program.asked = program if self.job.launches else ""
-        self.record.partner = program.removesuffix(".py") if self.job.files and program else NODE
+        self.record.partner = program.removesuffix(".py") if self.job.text.files and program else NODE
 
     def see_graph(self) -> Overview | None:
         """Who talks to whom at this moment; None for a submission of one program, or where none has been started."""
-        return self._grader_node.see_graph() if self.job.files and self._grader_node else None
+        return self._grader_node.see_graph() if self.job.text.files and self._grader_node else None
 
     def close(self) -> None:
         """Take the grader's node off the graph."""
@@ -191,7 +191,7 @@ class CheckContext:
     def begin(self, deadline_s: float) -> None:
         """Start the deadline of a check."""
         self.record.clear()
-        if not self.job.files:
+        if not self.job.text.files:
             self._require_python()
         self.deadline_s = deadline_s
         self._clock = self.clock()

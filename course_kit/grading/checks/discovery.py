@@ -168,7 +168,7 @@ def name_nearest(wanted: str, names: Sequence[str]) -> str:
 
 def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, str | None]:
     """Why an end is not there of a program that runs: in words, and its diagnosis."""
-    if not context.job.files:
+    if not context.job.text.files:
         return "Your program worked when it was first started. Started again, it did not offer all of this.", None
     if logged := causes.explain_logged(context.program.status(fresh=True).stderr, context.job):
         return logged[::-1]

@@ -57,11 +57,11 @@ Cause = tuple["str | None", str]
 def source_line(job: Job, place: int | Frame) -> str:
     """The learner's own line and where it stands, `line 12: return response`; notebooks: `cell 3, line 2: ...`."""
     line = place.line if isinstance(place, Frame) else place
-    if isinstance(place, Frame) and (name := PurePath(place.file).name) in job.files:
+    if isinstance(place, Frame) and (name := PurePath(place.file).name) in job.text.files:
         job = job.for_program(name)
     lines = job.text.source.split("\n")
     text = lines[line - 1].strip()[:_LONGEST_LINE] if 0 < line <= len(lines) else ""
-    found = f"{job.text.program}, {job.text.describe_line(line)}" if job.files else job.text.describe_line(line)
+    found = f"{job.text.program}, {job.text.describe_line(line)}" if job.text.files else job.text.describe_line(line)
     return f"{found}: {text}" if text else found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
+from typing import Annotated, Literal, TypedDict
 
 import msgspec
 
@@ -13,9 +13,6 @@ from course_kit.grading.model.limits import Limits
 from course_kit.grading.model.plain_data import Record  # noqa: TC001 - msgspec looks it up
 from course_kit.grading.model.submission import LAUNCH_FILE, Submission, SyntaxFault
 from course_kit.ros.names import from_root
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 @dataclass(frozen=True)
@@ -113,23 +110,18 @@ class Job:
     def for_program(self, name: str) -> Job:
         """The same with another one of its files as the program; one that is missing is no Python."""
         lacks = f"the file {name} is missing in what you have handed in"
-        text = self.files.get(name) or Submission(name, name, "", fault=SyntaxFault(0, "", lacks))
-        return replace(self, text=replace(text, files=self.files))
-
-    @property
-    def files(self) -> Mapping[str, Submission]:
-        """By name those of a submission of several files."""
-        return self.text.files
+        text = self.text.files.get(name) or Submission(name, name, "", fault=SyntaxFault(0, "", lacks))
+        return replace(self, text=replace(text, files=self.text.files))
 
     @property
     def programs(self) -> tuple[str, ...]:
         """The names of all files that may be in its tracebacks."""
-        return tuple(self.files) or (self.text.program,)
+        return tuple(self.text.files) or (self.text.program,)
 
     @property
     def launches(self) -> bool:
         """Whether several of its files run, started by the launch file."""
-        return bool(self.files) and self.text.program.endswith(LAUNCH_FILE)
+        return bool(self.text.files) and self.text.program.endswith(LAUNCH_FILE)
 
     @property
     def running_endpoints(self) -> list[ExerciseEndpoint]:

@@ -98,7 +98,7 @@ def make_start_order(
     """The order to start a job's program as a message of the grader process wants it, in an empty directory."""
     user = _user(job)
     text = job.text
-    beside = {name: file.source for name, file in job.files.items() if name != text.program}
+    beside = {name: file.source for name, file in job.text.files.items() if name != text.program}
     words = {"name": text.program, "source": text.source, "launches": job.launches}
     words |= {"arguments": message["arguments"], "files": beside | message["files"]}
     program = convert_record({**vars(job), **words}, Program)  # of the job no more than that has fields for

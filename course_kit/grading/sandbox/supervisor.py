@@ -151,11 +151,6 @@ class Supervisor:
             return self._launch(message)
         if what == "stacks":
             return {"stacks": self._stacks(message["program"].encode())}
-        if what == "kill":
-            running = not self._collector.over
-            if running:
-                self._ask(init_process.KILL + message["program"].encode())
-            return {"killed": running and bool(self._collector.known.get("found"))}
         if what == "time is up":
             self._end_submission("time")
         elif what == "finish":
@@ -163,6 +158,8 @@ class Supervisor:
             self._look_after_everything()
         elif what == "facts":
             self._ask(init_process.SAMPLE)
+        elif what == "kill":
+            self._ask(init_process.KILL + message["program"].encode())
         return self._collector.facts()
 
     def _launch(self, message: Record) -> Record:
@@ -175,7 +172,7 @@ class Supervisor:
         else:
             self._domains.close()
             domain = self._domains.enter_context(environment.exclusive_domain())
-        job = self._job.for_program(message["program"]) if self._job.files else self._job
+        job = self._job.for_program(message["program"]) if self._job.text.files else self._job
         variables = {_PROFILE: os.environ[_PROFILE], "ROS_DOMAIN_ID": str(domain)}
         self._folder = tempfile.mkdtemp(prefix="course-kit-", dir=job.scratch or None)
         order = make_start_order(job, message, variables, self._view, self._folder)

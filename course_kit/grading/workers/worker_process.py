@@ -154,7 +154,7 @@ def run_checks(supervisor: Channel, job: Job, lives: mmap) -> None:
         checks = exercise_job.checks_of_grader(grader, job)
         if job.only:
             checks = choose_part(checks, job.only)
-        if not (job.text.problem or job.variable or job.files):
+        if not (job.text.problem or job.variable or job.text.files):
             context.launch()
         try:
             for result in run_all(checks, context):
