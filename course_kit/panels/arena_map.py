@@ -28,9 +28,6 @@ class Place(NamedTuple):
     y: float
 
 
-_ENDED = "This map has ended. Run its cell again to use it."
-
-
 class _MapWidget(anywidget.AnyWidget):
     """The drawing. Python sends it `view`; it sends {"do": "go", "x", "y"} and {"do": "cancel"}."""
 
@@ -95,11 +92,7 @@ class RobotMap(GoalFollower):
         self.widget.view = {
             "track": [list(place) for place in list(self._track)],
             "target": [] if standing.asked is None else [standing.asked.target.x, standing.asked.target.y],
-            "line": _ENDED if self._ended else _line(self._action, standing),
-            "said": _describe_goal(standing),
-            "running": standing.is_running and not self._ended,
-            "tone": standing.tone,
-            "ended": self._ended,
+            **self._describe_goal(standing, _line(self._action, standing), _describe_goal(standing)),
         }
 
 

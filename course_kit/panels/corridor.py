@@ -24,8 +24,6 @@ _DOCK = "dock"
 _ASKED_NODES = frozenset({"/carrier", "/door"})
 _LEFT, _LENGTH = 1.2, 9.6  # of the corridor, in the picture's own units
 _TOUCHES = 0.005  # metres; as near as that, the robot is there
-_ENDED_STATUS = 4  # of action_msgs/msg/GoalStatus: this one, or a higher number, is an end
-_ENDED = "This picture has ended. Run its cell again to use it."
 
 
 class Journey:
@@ -83,7 +81,7 @@ class Journey:
 
     def take_status(self, message: Message) -> None:
         """All goals of the carrier stand like this."""
-        if all(goal.status >= _ENDED_STATUS for goal in message.status_list):
+        if all(goal.status >= goal.STATUS_SUCCEEDED for goal in message.status_list):
             self.target = ""
             self.door = "shut" if self.door == "asked" else self.door
 
@@ -122,7 +120,6 @@ class CorridorPicture(GoalFollower):
         from sensor_msgs.msg import BatteryState
         from std_msgs.msg import Bool, Float64
 
-        self._type = Deliver
         self._journey = Journey()
         self.widget = _CorridorWidget()
         self._asked: set[str] = set()
@@ -143,10 +140,6 @@ class CorridorPicture(GoalFollower):
         with self._lock:
             picture, words = self._draw(), self._journey.describe()
         return still(f"{self.describe()}\n{words}", picture, "corridor.css")
-
-    def go(self, room: str) -> None:
-        """Send the robot to a room; returns at once. What its button does."""
-        self.send_to_one(self._type.Goal(room=room))
 
     def _hear(self, topic: str, message_type: type[Message], take: Any) -> None:
         def keep(message: Message) -> None:
@@ -173,7 +166,7 @@ class CorridorPicture(GoalFollower):
             self._journey.parameters.update({parameter.name: from_message(parameter.value) for parameter in changed})
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
-        self.go(str(wish.get("room", "")))
+        self.send_to_one(self._action_type.Goal(room=str(wish.get("room", ""))))
 
     def _show(self, standing: GoalState) -> None:
         if not self._ended:
@@ -185,14 +178,7 @@ class CorridorPicture(GoalFollower):
             picture, words, target = self._draw(), self._journey.describe(), self._journey.target
             self.widget.rooms = list(self._journey.rooms)
         own = text if standing.is_running or not target else ""  # somebody else has sent it off since
-        self.widget.view = {
-            "picture": picture,
-            "line": _ENDED if self._ended else f"{own} {words}".strip(),
-            "said": text,
-            "running": standing.is_running and not self._ended,
-            "tone": standing.tone,
-            "ended": self._ended,
-        }
+        self.widget.view = {"picture": picture, **self._describe_goal(standing, f"{own} {words}".strip(), text)}
 
     def _draw(self) -> str:
         rooms = {room: metres for room, metres in self._journey.rooms.items() if room != _DOCK}

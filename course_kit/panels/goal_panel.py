@@ -179,6 +179,16 @@ class GoalFollower(Panel):
     def _show(self, standing: GoalState) -> None:
         """Have the page show how things stand."""
 
+    def _describe_goal(self, standing: GoalState, line: str, said: str) -> dict[str, Any]:
+        """What a page shows of the goal below a picture: always a line; when something has happened, that is said."""
+        return {
+            "line": _ENDED if self._ended else line,
+            "said": said,
+            "running": standing.is_running and not self._ended,
+            "tone": standing.tone,
+            "ended": self._ended,
+        }
+
     @abstractmethod
     def _take_wish(self, wish: dict[str, Any]) -> None:
         """The page wants something done, but no cancelling."""

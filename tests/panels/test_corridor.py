@@ -94,4 +94,4 @@ def test_a_button_sends_the_robot_off() -> None:
     panel.widget._handle_custom_msg({"do": "go", "room": "office"}, [])
     expect(panel, 'The delivery to "office" has succeeded (SUCCEEDED). Its message: here it is.')
     panels.arena()
-    assert panel.widget.view["line"] == "This picture has ended. Run its cell again to use it."
+    assert panel.widget.view["line"] == "This panel has ended. Run its cell again to use it."
