@@ -261,7 +261,10 @@ class Conversation:
                     lost = self._part_of(last.rule, self.model.history)
         if lost.id in self._failed:
             self._strikes[last.rule.name] += 1
-        self._failed.setdefault(lost.id, failed)
+        else:
+            self._failed[lost.id] = failed
+            # Else it may pass for a model that knows what is lost.
+            fails_alone = fails_alone and isinstance(failed, UnansweredError)
         if isinstance(failed, UnansweredError):
             self._strikes[last.rule.name] = _STRIKES
             self._silent.add(last.rule.name)
