@@ -259,23 +259,20 @@ class Conversation:
                 if self.model.history and needed > 1:
                     self._apart = True
                     lost = self._part_of(last.rule, self.model.history)
-        if lost.id in self._failed:
-            self._strikes[last.rule.name] += 1
-        else:
-            self._failed[lost.id] = failed
-            # Else it may pass for a model that knows what is lost.
-            fails_alone = fails_alone and isinstance(failed, UnansweredError)
-        if isinstance(failed, UnansweredError):
+        known = lost.id in self._failed
+        self._strikes[last.rule.name] += known
+        self._failed.setdefault(lost.id, failed)
+        if silent := isinstance(failed, UnansweredError):
             self._strikes[last.rule.name] = _STRIKES
             self._silent.add(last.rule.name)
-        self._credit(last, lost, fails_alone=fails_alone)
+        self._credit(last, lost, again=not (fails_alone and (known or silent)))
 
-    def _credit(self, last: Step, lost: CheckPart, *, fails_alone: bool) -> None:
-        """A rule that has failed for another check is right for its own where the step passes by itself."""
+    def _credit(self, last: Step, lost: CheckPart, *, again: bool) -> None:
+        """A rule that fails for another check is right for its own where the step passes, once that check is lost."""
         own = self._part_of(last.rule, "")
         if own == lost or self._done[own.id] or self.context.job.first_failure:
             return
-        if not fails_alone and self.context.job.mode != "attach" and self._find_failure([last]) is None:
+        if again and self.context.job.mode != "attach" and self._find_failure([last]) is None:
             self._done[own.id] += 1
         else:
             self._strikes[last.rule.name] += 1  # what else is drawn for it may go right
