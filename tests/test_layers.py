@@ -58,7 +58,7 @@ BUDGETS = {
     "benchmarks": 1200,
 }
 # Who is above its budget still, and what it has come down to: lower the number with each change, never raise it.
-STILL_ABOVE = {"course_kit/grading": 8764}  # with what the capstone needs of it
+STILL_ABOVE: dict[str, int] = {}
 # Beside the budgets the design grants 2,000 lines to the capstone, the lessons' steps and what came with them: files
 # that are theirs alone.
 GRANTED = (

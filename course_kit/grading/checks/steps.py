@@ -160,7 +160,9 @@ class Steps:
         """The next step after those done since the program's start; `apart`, all of a rule come one after the other."""
         kinds = [None, *(step.kind for step in done)]
         self._met.update(pairwise(kinds))
-        seen = self._seen.setdefault(_state_of(model), set())
+        values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
+        state = repr({name: value for name, value in values.items() if not callable(value)})
+        seen = self._seen.setdefault(state, set())
         self._drawn += 1
         by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
         untried = []
@@ -202,8 +204,3 @@ class Steps:
         if not hand:
             hand += self._rng.sample(range(len(draw.options)), len(draw.options))
         return hand.pop()
-
-
-def _state_of(model: Any) -> str:
-    values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
-    return repr({name: value for name, value in values.items() if not callable(value)})

@@ -85,7 +85,12 @@ class Activity:
 def read_activity(dump: str, programs: Collection[str]) -> Activity:
     """Interpret a dump of all threads by faulthandler."""
     spinning, callback, waits, anywhere = False, None, False, None
-    stacks = _stacks(dump)
+    stacks: list[list[Frame]] = []
+    for line in dump.splitlines():
+        if _THREAD.match(line):
+            stacks.append([])
+        elif stacks and (match := _FILE_LINE.match(line)):
+            stacks[-1].append(Frame(match["file"], int(match["line"]), match["function"]))
     for stack in stacks:
         own = [place for place, frame in enumerate(stack) if _is_own(frame, programs)]
         spinning = spinning or any(frame.file.endswith("rclpy/executors.py") for frame in stack)
@@ -98,13 +103,3 @@ def read_activity(dump: str, programs: Collection[str]) -> Activity:
             called = [frame for frame in stack[: own[0]] if "rclpy/" in frame.file]  # by the learner's line
             waits = bool(called) and not any(frame.function in _HANDING_OVER for frame in called)
     return Activity(bool(stacks), spinning, callback, waits, callback or anywhere)
-
-
-def _stacks(dump: str) -> list[list[Frame]]:
-    stacks: list[list[Frame]] = []
-    for line in dump.splitlines():
-        if _THREAD.match(line):
-            stacks.append([])
-        elif stacks and (match := _FILE_LINE.match(line)):
-            stacks[-1].append(Frame(match["file"], int(match["line"]), match["function"]))
-    return stacks

@@ -40,9 +40,8 @@ class Isolation:
         """Insist on all of it."""
         if not self.is_full:
             raise GradingError(
-                "Nothing was graded: --require-isolation asks for full isolation, and this machine "
-                "does not offer it. It "
-                f"offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
+                "Nothing was graded: --require-isolation asks for full isolation, and this machine does not offer it. "
+                f"It offers: {self.describe()}. Grade on another machine, or leave --require-isolation out and read "
                 "course_kit/grading/LIMITS.md."
             )
 

@@ -41,14 +41,9 @@ _ENDING_S = 30.0  # killing is quick, also of hundreds of processes
 class Launcher(Closable):
     """The process, seen from the supervisor of a grading. One submission at a time; OSError when it has gone."""
 
-    def __init__(self, line: socket.socket) -> None:
-        self._line = line
-
-    @classmethod
-    def pair(cls) -> tuple[Launcher, socket.socket]:
-        """A handle, and the end for the process itself."""
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        return cls(ours), theirs
+    def __init__(self) -> None:
+        """Make a line to it; the other end is for the process itself."""
+        self._line, self.other_end = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
     def start(self, order: StartOrder, inside: Streams, network: Sequence[int], interfaces: Sequence[str]) -> None:
         """Start a program, which then need not load these interfaces; returns when it has been handed over."""

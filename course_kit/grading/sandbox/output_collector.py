@@ -61,12 +61,11 @@ def _decode(data: bytes) -> str:
 class OutputCollector:
     """Collects what comes out of a sandbox. Only facts for the diagnosis: the inside can forge all of it."""
 
-    def __init__(self, streams: Streams, limit_kb: int, totals: tuple[BoundedOutput, BoundedOutput]) -> None:
+    def __init__(self, streams: Streams, totals: tuple[BoundedOutput, BoundedOutput]) -> None:
         self.over = streams.status < 0
         self.samples = 0
-        self.evidence_bytes = 0
+        self.printed_bytes = self.evidence_bytes = 0
         self.streams = streams
-        self._limit = limit_kb * 1024
         self._output = {"stdout": BoundedOutput(), "stderr": BoundedOutput()}
         self._totals = dict(zip(("stdout", "stderr"), totals, strict=True))
         self.known: Record = {}  # from the init process, and by which limit we have stopped it
@@ -111,6 +110,7 @@ class OutputCollector:
                 os.close(descriptor)
                 self.streams.evidence = -1
         else:
+            self.printed_bytes += len(data)
             self._output[name].add(data)
             self._totals[name].add(data)
 
@@ -120,10 +120,6 @@ class OutputCollector:
         for name in self.open_streams().values():
             self.take(name)
         self.over = True
-
-    def too_much_output(self) -> bool:
-        """Whether it has printed more than it may."""
-        return sum(output.count for output in self._output.values()) > self._limit
 
     def forget_stacks(self) -> None:
         """Drop older dumps, keeping the program's notes."""

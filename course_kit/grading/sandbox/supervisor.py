@@ -74,7 +74,7 @@ class Supervisor:
         self._deadline = time.monotonic() + job.limits.wall_s
         self._totals = (BoundedOutput(), BoundedOutput())
         self._folder = ""  # the scratch directory of what runs; empty while nothing does
-        self._collector = OutputCollector(Streams(*[-1] * 5), 0, self._totals)  # of what was started last
+        self._collector = OutputCollector(Streams(*[-1] * 5), self._totals)  # of what was started last
         self._lives = mmap.mmap(-1, 1)  # 1 while it does; shared with the grader: a question costs both
         self._domains = ExitStack()
         self._launches = 0
@@ -182,7 +182,7 @@ class Supervisor:
         streams, inside = (Streams(*ends) for ends in zip(*pipes, strict=True))
         for descriptor in streams.descriptors():
             os.set_blocking(descriptor, False)
-        self._collector = OutputCollector(streams, job.limits.output_kb, self._totals)
+        self._collector = OutputCollector(streams, self._totals)
         try:
             types = [] if job.interfaces else [end.type for end in job.endpoints]  # a program loads those of strangers
             self._launcher.start(order, inside, self._network, types)
@@ -231,7 +231,7 @@ class Supervisor:
                 self._lives[0] = not self._collector.over
             else:
                 asked = True
-        if self._collector.too_much_output() and not self._collector.over:
+        if self._collector.printed_bytes > self._job.limits.output_kb * 1024 and not self._collector.over:
             self._end_submission("output")
         return asked
 

@@ -63,16 +63,6 @@ class WarmProcess(QuietChild):
             for end in theirs:
                 end.close()
 
-    def end_unless_used(self) -> None:
-        """With the last worker the process ends, and everything it has started."""
-        if all(channel.is_closed() for channel in self.channels):
-            self.wait_or_kill(_STOP_S)  # the forks die with it
-
-    def last_words(self) -> str:
-        """What was printed last, for a worker that no longer answers."""
-        self.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
-        return self.last_line() or "It hung, or another program has ended it."
-
 
 def variables_of(*, whole: bool, own_graph: bool) -> dict[str, str]:
     """The environment of a worker."""
@@ -140,7 +130,9 @@ class Worker(Closable):
         try:
             yield
         except (ChannelClosedError, TimeoutError) as problem:
-            raise GradingError(f"The grader {what}. {self._process.last_words()}") from problem
+            self._process.wait(_DYING_S)  # when it was killed its forks end a little earlier than itself
+            why = self._process.last_line() or "It hung, or another program has ended it."
+            raise GradingError(f"The grader {what}. {why}") from problem
 
     def has_ended(self) -> bool:
         """Whether its process has gone, for one that is not at work."""
@@ -149,7 +141,8 @@ class Worker(Closable):
     def close(self) -> None:
         """End the process and everything it has started; one of several ends with the last of them at the latest."""
         self._channel.hang_up()  # it notices, ends what it has under way, and stops
-        self._process.end_unless_used()
+        if all(channel.is_closed() for channel in self._process.channels):
+            self._process.wait_or_kill(_STOP_S)  # the forks die with it
 
 
 def isolation_status() -> Isolation:

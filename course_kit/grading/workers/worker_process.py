@@ -68,10 +68,10 @@ def main() -> None:
     freeze_memory()
     while channels:
         channel = channels.pop()
-        starter, line = Launcher.pair()
-        _fork(partial(launcher.serve, line, sys.argv[2:]), *channels, channel, starter)
-        _fork(partial(_work, channel, starter, found, view), *channels, line)
-        for end in (channel, starter, line):
+        starter = Launcher()
+        _fork(partial(launcher.serve, starter.other_end, sys.argv[2:]), *channels, channel, starter)
+        _fork(partial(_work, channel, starter, found, view), *channels, starter.other_end)
+        for end in (channel, starter, starter.other_end):
             end.close()
     with suppress(ChildProcessError):
         while True:

@@ -25,7 +25,7 @@ def written() -> Iterator[tuple[OutputCollector, int]]:
     os.set_blocking(reader, False)
     idle = [os.open(os.devnull, os.O_RDONLY) for _ in range(4)]
     streams = Streams(idle[0], idle[1], idle[2], reader, idle[3])
-    yield OutputCollector(streams, 10, (BoundedOutput(), BoundedOutput())), writer
+    yield OutputCollector(streams, (BoundedOutput(), BoundedOutput())), writer
     os.close(writer)
     streams.close()
 

@@ -82,12 +82,12 @@ def main() -> None:
     namespaces.forbid_tracing()
     adopt_orphans()
     found = isolation.begin_trial()()
-    handle, end = launcher.Launcher.pair()
+    handle = launcher.Launcher()
     if os.fork() == 0:
         handle.close()
-        launcher.serve(end, ())
+        launcher.serve(handle.other_end, ())
         os._exit(0)
-    end.close()
+    handle.other_end.close()
     exercise = load_exercise(name)  # now: the process that starts submissions must not know it
     programs = json.load(sys.stdin)
     seed = programs.pop("seed")
