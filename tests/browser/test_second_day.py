@@ -26,9 +26,17 @@ HURRIES = """() => new Promise(tell => {
     const anywidget = AbortSignal.timeout(2000);
     AbortSignal.timeout(2100).addEventListener('abort', () => tell(anywidget.aborted));
 })"""
-# What a panel leaves behind that was looked for before JupyterLab had heard of it.
-NOT_FOUND = "Error displaying widget: model not found"
-FORGET = f"panel => {{ panel.closest('.jp-OutputArea-output').textContent = '{NOT_FOUND}'; }}"
+# A panel that JupyterLab has not got from a slow kernel.
+FORGET = """async panel => {
+    const shown = panel.closest('.jp-OutputArea-output');
+    const cells = window.jupyterapp.shell.currentWidget.content.widgets;
+    const { model, widgets } = cells.find(({ node }) => node.contains(panel)).outputArea;
+    const manager = await [...widgets[0].widgets].find(({ node }) => node === shown)._manager.promise;
+    const { model_id } = model.get(0).data['application/vnd.jupyter.widget-view+json'];
+    delete manager._models[model_id];
+    manager.kernel._comms.delete(model_id);
+    shown.textContent = 'Error displaying widget: model not found';
+}"""
 WAKE = "Run this cell to bring it to life"
 
 

@@ -111,8 +111,10 @@
   const ANYWIDGET_MS = 2000;
   const PATIENCE_MS = 120_000;
   const NOT_FOUND = 'Error displaying widget: model not found';
-  const TRIES = 40;
+  const LOADING = 'Loading widget...';
+  const LOOKS = 8; // before the kernel is asked whether it still has the panel
   const WAKE = 'Run this cell to bring it to life';
+  const pause = () => new Promise(done => setTimeout(done, KEEP_MS));
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
   // The cells that the kernel has run since it began.
@@ -134,8 +136,8 @@
   class Sleepers {
     constructor(app, panel) {
       // A panel of a notebook that has just been opened waits until it is known which panels its kernel has.
-      const [waiting, asleep, finding] = [new WeakSet(), new WeakSet(), new WeakSet()];
-      Object.assign(this, { app, panel, waiting, asleep, finding, kept: new WeakMap() });
+      const [waiting, asleep, finding, late] = [new WeakSet(), new WeakSet(), new WeakSet(), new WeakSet()];
+      Object.assign(this, { app, panel, waiting, asleep, finding, late, kept: new WeakMap() });
       for (const { model } of this.outputs()) this.waiting.add(model);
       const context = panel.sessionContext;
       context.statusChanged.connect((_, status) => /restarting|dead/.test(status) && this.allFallAsleep());
@@ -169,15 +171,24 @@
       return all.filter(({ content }) => content?._cell && content._notebook === this.panel);
     }
 
+    /** The widgets that the kernel knows. It is asked until it answers: it may be busy, or the connection slow. */
+    async knownWidgets() {
+      for (let kernel; !this.panel.isDisposed && (kernel = this.panel.sessionContext.session?.kernel); await pause()) {
+        const reply = await kernel.requestCommInfo({ target_name: 'jupyter.widget' }).catch(() => undefined);
+        if (reply?.content.status === 'ok') return reply.content.comms;
+      }
+      return {};
+    }
+
     /** Which widgets a kernel knows decides what is alive of an opened notebook; a new kernel knows none. */
     async askKernel() {
-      const waiting = [...this.outputs()].filter(({ model }) => this.waiting.has(model));
-      const kernel = this.panel.sessionContext.session?.kernel;
-      const reply = waiting.length ? await kernel?.requestCommInfo({ target_name: 'jupyter.widget' }) : undefined;
-      const known = reply?.content.comms ?? {};
-      for (const { model } of waiting) {
+      const still = [...this.outputs()].filter(({ model }) => this.waiting.has(model) || this.asleep.has(model));
+      const waiting = still.filter(({ model }) => this.waiting.has(model));
+      const known = still.length ? await this.knownWidgets() : {};
+      for (const { model } of still) {
         this.waiting.delete(model);
-        if (!(model.data[WIDGET].model_id in known)) this.asleep.add(model);
+        if (model.data[WIDGET].model_id in known) this.asleep.delete(model);
+        else this.asleep.add(model);
       }
       for (const { content } of waiting.length ? this.views() : []) {
         // JupyterLab has opened it again before there was a kernel, and would say "Loading widget" for ever.
@@ -246,33 +257,41 @@
           const output = area?.widgets[place];
           const shown = output?.node.querySelector('.jp-OutputArea-output');
           if (shown) void this.put(output.node, shown, model, cell);
-          if (shown?.textContent === NOT_FOUND) void this.findLater(output, shown, model);
+          if ([LOADING, NOT_FOUND].includes(shown?.textContent)) void this.findLater(output, shown, model);
         }
       }
     }
 
-    /** A panel is looked for once, which may be before JupyterLab has heard of it from the kernel. */
+    /** JupyterLab looks for a panel once, maybe before the kernel's answer: look until it is there, or known to be gone. */
     async findLater(output, shown, model) {
       if (this.finding.has(shown) || this.waiting.has(model) || this.asleep.has(model)) return;
       this.finding.add(shown);
       const renderer = [...output.widgets].find(({ node }) => node === shown);
-      for (let tries = 0; tries < TRIES && shown.isConnected && shown.textContent === NOT_FOUND; tries++) {
-        await new Promise(done => setTimeout(done, KEEP_MS));
-        await renderer.renderModel(model);
+      const isMissing = () => shown.isConnected && [LOADING, NOT_FOUND].includes(shown.textContent);
+      for (let looks = 1; isMissing() && !this.asleep.has(model); looks++) {
+        const isLate = looks % LOOKS === 0;
+        if (isLate || shown.textContent === NOT_FOUND) this.late.add(model);
+        this.drawSoon();
+        await pause();
+        if (shown.textContent === NOT_FOUND) await renderer.renderModel(model);
+        if (!isLate) continue;
+        if (!(model.data[WIDGET].model_id in (await this.knownWidgets()))) this.asleep.add(model);
+        else void (await renderer._manager?.promise)?.restoreWidgets(this.panel.context.model, { loadKernel: true });
       }
-      if (shown.textContent === NOT_FOUND) this.asleep.add(model);
+      this.late.delete(model);
       this.finding.delete(shown);
       this.drawSoon();
     }
 
     /** Show a panel's last picture in its place: as it stands on the page, or as it is kept in the notebook. */
     async put(node, shown, model, cell) {
-      const state = this.asleep.has(model) ? 'asleep' : this.waiting.has(model) ? 'waiting' : 'alive';
+      const state = this.asleep.has(model) ? 'asleep' : this.waiting.has(model) ? 'waiting' : this.late.has(model) ? 'late' : 'alive';
       let frame = node.querySelector('.ck-asleep');
       if (state === (frame?.dataset.state ?? 'alive')) return;
       if (state === 'alive') {
+        if (frame.contains(shown)) frame.before(shown);
         frame.remove();
-        shown.style.display = '';
+        Object.assign(shown, { inert: false }).style.display = '';
         return;
       }
       const isNew = !frame;
@@ -299,8 +318,9 @@
     barFor(state, cell) {
       const bar = document.createElement('div');
       bar.className = 'ck-asleep-bar';
-      if (state === 'waiting') {
-        bar.append('This is the last picture of a panel: the kernel is not there yet.');
+      if (state !== 'asleep') {
+        const missing = state === 'late' ? 'JupyterLab still waits for the panel' : 'the kernel has not answered yet';
+        bar.append(`This is the last picture of a panel: ${missing}.`);
         return bar;
       }
       const button = document.createElement('button');
@@ -311,7 +331,7 @@
         show(true, 'Running the cells above, then this one ...');
         void this.wake(cell).finally(() => show(false, WAKE));
       });
-      bar.append('This is the last picture of a panel: it is not running now.', button);
+      bar.append('This is the last picture of a panel: nothing updates it now.', button);
       return bar;
     }
 
