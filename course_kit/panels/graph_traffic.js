@@ -16,7 +16,7 @@ function shape(tag, attributes, ...children) {
 
 function traffic(picture) {
   const reduced = window.matchMedia("(prefers-reduced-motion: reduce)");
-  const recent = new Map(); // by arrow and direction: how many, and when, in the last second
+  const recent = new Map(); // by arrow and direction: how many, and when, in the last two seconds
   const ends = new Map(); // by channel: when the dots of each stage will have arrived
   const calming = new Map();
 
@@ -25,12 +25,15 @@ function traffic(picture) {
     return picture.querySelector(`.ck-use[data-of="${of}"][data-on="${on}"][data-verb="${what}"]`);
   }
 
+  // A page or a kernel that was busy shows many messages at once: only what comes in two seconds running is a rate.
   function ratePerSecond(key, count) {
     const now = performance.now();
-    const kept = (recent.get(key) ?? []).filter(([at]) => now - at < SECOND);
+    const kept = (recent.get(key) ?? []).filter(([at]) => now - at < 2 * SECOND);
     kept.push([now, count]);
     recent.set(key, kept);
-    return kept.reduce((sum, [, many]) => sum + many, 0);
+    const seconds = [0, 0];
+    for (const [at, many] of kept) seconds[Math.floor((now - at) / SECOND)] += many;
+    return Math.min(...seconds) > FOLLOWED ? Math.round((seconds[0] + seconds[1]) / 2) : 0;
   }
 
   // A response sets out when the request has arrived, though both may have crossed within a millisecond.
@@ -96,7 +99,7 @@ function traffic(picture) {
       if (!use) continue; // filtered away, or not discovered yet
       const key = `${hop.node} ${hop.verb} ${hop.channel} ${hop.leaves} ${hop.stage}`;
       const rate = ratePerSecond(key, hop.count);
-      if (rate > FOLLOWED) showRate(use, key, rate);
+      if (rate) showRate(use, key, rate);
       else if (reduced.matches) lightUp(use, key);
       else run(use, hop);
     }
