@@ -109,7 +109,7 @@ class GradeMagics(Magics):
 
     def _save(self, exercise: str, file: str) -> Path:
         """Put a file of a submission beside its others and the scripts, for `%ros_script` and `%ros_launch`."""
-        cells = enumerate((cell.source for cell in self._submissions.cells_of(exercise)), 1)
+        cells = [(str(cell), cell.source) for cell in self._submissions.cells_of(exercise)]
         path = environment.run_dir(environment.paths.CELL_PROGRAMS) / file
         with suppress(UnreadableTextError):  # %grade says what is wrong
             path.write_text(join_cells("This notebook", cells, exercise, file)[0], encoding="utf-8")
@@ -174,7 +174,10 @@ class GradeMagics(Magics):
         from course_kit.grading.model.exercise import load_exercise
 
         load_exercise(exercise)  # says which there are, where there is no such
-        cells = [nbformat.v4.new_code_cell(cell.source) for cell in self._submissions.cells_of(exercise)]
+        cells = [
+            nbformat.v4.new_code_cell(cell.source, execution_count=cell.number or None)
+            for cell in self._submissions.cells_of(exercise)
+        ]
         if not cells:
             return None
         with tempfile.TemporaryDirectory() as folder:

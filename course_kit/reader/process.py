@@ -127,7 +127,7 @@ def _answer_request(request: Mapping[str, Any], submission: int, answer: int) ->
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:
     """Whether a file holds what is asked for; why it cannot be read, or its program, and what that is compared by."""
     problem = source = compared = ""
-    places: list[tuple[int, int]] = []
+    places: list[tuple[str, int]] = []
     several: dict[str, files.Read] = {}
     try:
         if wish["files"]:
@@ -155,7 +155,7 @@ def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, obj
     return {**seen, "prints": sorted(fingerprints.take_fingerprints(source)), "program": program}
 
 
-def _describe_program(source: str, places: list[tuple[int, int]], variable: str = "") -> dict[str, object]:
+def _describe_program(source: str, places: list[tuple[str, int]], variable: str = "") -> dict[str, object]:
     fault, tree = python.parse_program(source)
     return {
         "source": source,

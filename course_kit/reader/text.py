@@ -6,6 +6,7 @@ import ast
 import codecs
 import json
 import re
+from collections import Counter
 
 from course_kit.reader import python
 
@@ -20,6 +21,7 @@ _ADDED = (".txt", ".json")  # to a name, by a browser, a mail program or an edit
 _AS_A_PROGRAM = re.compile(r"%%ros_script\b")  # may follow: the cell is also run in the notebook, as a program
 _MAGIC = re.compile(r"%%submission[^\S\n]+(?P<exercise>\S+)(?:[^\S\n]+(?P<file>\S+))?[^\S\n]*\Z")
 _NO_NOTEBOOK = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
+_EXECUTED = re.compile(rb"[0-9]{1,6}")
 _NUMBER = re.compile(r"# In\s*\[(\d{1,6})\]:")
 # The line that names a program's encoding (PEP 263) is one of its first two, above all statements.
 _CODING = re.compile(r"((?:[ \t\f]*(?:#[^\n]*)?\n)??[ \t\f]*#[^\n]*?coding[:=][ \t]*)([-\w.]+)")
@@ -39,10 +41,10 @@ class UnreadableTextError(ValueError):
     """There is no program in it; the text says why and what to do."""
 
 
-def read_program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[int, int]]]:
-    """The program, and of a notebook for each cell it was joined from the cell's number and how many lines it gave."""
+def read_program(name: str, file: BinaryIO, exercise: str) -> tuple[str, list[tuple[str, int]]]:
+    """The program, and of a notebook for each cell it was joined from what to call it and how many lines it gave."""
     text = decode_text(name, file.read())
-    places: list[tuple[int, int]] = []
+    places: list[tuple[str, int]] = []
     if kind_of_file(name) == NOTEBOOK:
         source, places = join_cells(name, code_cells(name, text), exercise)
     else:
@@ -89,13 +91,13 @@ def as_utf8(source: str) -> str:
 
 
 def join_cells(
-    name: str, cells: Iterable[tuple[int, str]], exercise: str, file: str = ""
-) -> tuple[str, list[tuple[int, int]]]:
+    name: str, cells: Iterable[tuple[str, str]], exercise: str, file: str = ""
+) -> tuple[str, list[tuple[str, int]]]:
     """The program of the cells for an exercise, or for one file of it."""
     parts: list[list[str]] = []
-    places: list[tuple[int, int]] = []
+    places: list[tuple[str, int]] = []
     others: set[str] = set()
-    for number, cell in cells:
+    for label, cell in cells:
         rest = _plain_lines(cell).split("\n")
         # The place of the first line that is neither blank nor a comment, else of the first line.
         first = next(
@@ -113,7 +115,7 @@ def join_cells(
         if first < len(rest) and _AS_A_PROGRAM.match(rest[first]):
             rest[first] = ""  # empty, so that the lines below keep their numbers
         parts.append(rest)
-        places.append((number, len(rest)))
+        places.append((label, len(rest)))
     lines = [line for part in _started_once(parts) for line in part]
     source = as_utf8("\n".join(lines) + "\n")
     if not source.strip():
@@ -148,19 +150,29 @@ def _started_once(parts: list[list[str]]) -> list[list[str]]:
     return [*parts, last]
 
 
-def code_cells(name: str, text: str) -> list[tuple[int, str]]:
-    """Number, from 1, and text of each code cell."""
+def code_cells(name: str, text: str) -> list[tuple[str, str]]:
+    """What to call each code cell, `In[17]` if only this one has that number, else `cell 3`; and its text."""
     try:
-        # Its numbers do not matter; `len` is the cheapest function of their digits, which may be a million.
-        cells = json.loads(text, parse_int=len, parse_float=len)["cells"]
-        sources = [(number, cell["source"]) for number, cell in enumerate(cells, 1) if cell["cell_type"] == "code"]
-        return [(number, source if isinstance(source, str) else "".join(source)) for number, source in sources]
+        # Bytes, because a number may have a million digits.
+        cells = json.loads(text, parse_int=str.encode, parse_float=str.encode)["cells"]
+        numbers = Counter(cell.get("execution_count") for cell in cells)
+        return [
+            (_name_cell(place, cell.get("execution_count"), numbers), "".join(cell["source"]))
+            for place, cell in enumerate(cells, 1)
+            if cell["cell_type"] == "code"
+        ]
     except _NO_NOTEBOOK:
         raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
 
 
-def _exported_cells(source: str) -> list[tuple[int, str]]:
-    """Number and text of each cell with a `%%submission` of a notebook that Jupyter has exported as a script."""
+def _name_cell(place: int, number: object, numbers: Counter[object]) -> str:
+    if isinstance(number, bytes) and _EXECUTED.fullmatch(number) and numbers[number] == 1:
+        return f"In[{number.decode()}]"
+    return f"cell {place}"
+
+
+def _exported_cells(source: str) -> list[tuple[str, str]]:
+    """`In[3]` and text of each cell with a `%%submission` of a notebook that Jupyter has exported as a script."""
     if "run_cell_magic" not in source:
         return []
     numbers = [1]  # by line, of the comment `# In[3]:` above it
@@ -177,7 +189,7 @@ def _exported_cells(source: str) -> list[tuple[int, str]]:
                     [ast.Constant("submission"), ast.Constant(str(line)), ast.Constant(str(cell))],
                 )
             ):
-                found.append((numbers[node.lineno], f"%%submission {line}\n{cell}"))
+                found.append((f"In[{numbers[node.lineno]}]", f"%%submission {line}\n{cell}"))
     return found
 
 

@@ -133,8 +133,10 @@ def test_nearest_import(problem: str, nearest: str) -> None:
 
 
 def test_source_line_in_a_notebook() -> None:
-    job = replace(JOB, text=Submission("answer.ipynb", "answer.py", "a = 1\nb = 2\n", places=((2, 1), (5, 1))))
-    assert causes.source_line(job, 2) == "cell 5, line 2: b = 2"
+    job = replace(
+        JOB, text=Submission("answer.ipynb", "answer.py", "a = 1\nb = 2\n", places=(("cell 2", 1), ("In[5]", 1)))
+    )
+    assert causes.source_line(job, 2) == "In[5], line 2: b = 2"
     assert causes.source_line(JOB, 99) == "line 99"
 
 

@@ -165,7 +165,7 @@ def test_a_notebook_that_was_exported_as_a_script_is_its_marked_cell(tmp_path: P
     path.write_text(EXPORTED)
     found = read(path, EXERCISE)
     assert found.source.split("\n")[:2] == ["x = 1", 'y = "\\n"']
-    assert found.describe_line(2) == "cell 7, line 3"
+    assert found.describe_line(2) == "In[7], line 3"
     with pytest.raises(UnreadableError, match=f"cells for: {EXERCISE}"):
         read(path, "move_robot")
     path.write_text("print('run_cell_magic')\n")

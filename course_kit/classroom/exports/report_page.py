@@ -22,7 +22,7 @@ _NOTICE_BEGINS, _NOTICE_ENDS = "<!-- notice -->", "<!-- end of notice -->"
 MOST_LINES = 1500
 LONGEST = 500  # characters of a line that are shown
 # As `Submission.describe_line` words it; a learner's program may say the like, and then marks a line too many.
-_PLACE = re.compile(r"(?:\b\w[\w.-]{0,99}\.py, )?\b(?:cell \d{1,6}, )?line \d{1,6}\b")
+_PLACE = re.compile(r"(?:\b\w[\w.-]{0,99}\.py, )?\b(?:(?:cell \d{1,6}|In\[\d{1,6}\]), )?line \d{1,6}\b")
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class Submission:
     program: str = ""  # the name it runs under, ends in .py
     source: str = ""
     # for each cell of a notebook its number, from 1, and how many lines it gave
-    places: tuple[tuple[int, int], ...] = ()
+    places: tuple[tuple[str, int], ...] = ()
     fault: SyntaxFault | None = None
     facts: Facts = Facts()
     literal: Record | None = None  # what it sets the exercise's variable to, where its text tells, see `reader.python`
@@ -75,11 +75,11 @@ class Submission:
         return f"several cells define {self.twice}: the last one counts" if self.twice else ""
 
     def describe_line(self, line: int) -> str:
-        """`line 12`, for notebooks `cell 3, line 2`."""
+        """`line 12`, for notebooks `In[17], line 2`, or `cell 3, line 2` of one that was not run."""
         before = 0
         for cell, lines in self.places:
             if before < line <= before + lines:
-                return f"cell {cell}, line {line - before + 1}"  # its first line, %%submission, is not in the program
+                return f"{cell}, line {line - before + 1}"  # its first line, %%submission, is not in the program
             before += lines
         return f"line {line}"
 
