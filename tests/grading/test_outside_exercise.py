@@ -45,6 +45,9 @@ def test_the_authors_hints_come_before_the_kits(tmp_path: Path) -> None:
     known = catalogue.catalogue()["service.blocks"]
     assert mine.hints_for("adds", known) == ("A sum has three parts here.", known.hint)
     assert own.hints_for("fifty_calls", known) == (known.hint, *own.ladder("fifty_calls"))
+    formula = own.hints_for("same_unit", catalogue.catalogue()["math.formula"])
+    assert "21.5 C" in formula[0]
+    assert not any("212 F" in hint for hint in formula)  # which is about the other checks
     undeclared, own = catalogue.catalogue()["parameter.undeclared"], load_exercise("robot_parameters")
     assert "allow_undeclared_parameters" in own.hints_for("undeclared", undeclared)[0]  # the check's own cause
     assert "declare_parameter" in own.hints_for("declared", undeclared)[0]
