@@ -126,7 +126,7 @@ def _add_exercise_verbs(verbs: argparse._SubParsersAction[argparse.ArgumentParse
     watch.add_argument("path", nargs="?", type=Path, help=f"your file; {_FOUND}")
     watch.set_defaults(run=_watch)
 
-    listing = verbs.add_parser("list", help="show the exercises and your results")
+    listing = verbs.add_parser("list", aliases=["progress"], help="show the exercises and your results")
     listing.add_argument("--format", choices=("text", "json"), default="text")
     listing.set_defaults(run=_list)
 

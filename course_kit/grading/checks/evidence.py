@@ -148,9 +148,12 @@ class ExchangeLog:
         found = [step for _, step in pairs]
         if not found:
             return ()
-        if (before := len(found) - _MOST) > 0:
+        if (before := len(found) - _MOST) > 0:  # what is shown begins with what was asked
+            sent = [step for step in found[:before] if step.sender == GRADER]
+            asked = sent[-1:] if found[before].sender != GRADER else []
+            before -= len(asked)
             note = f"({before} earlier step{'s' * (before > 1)} left out)"
-            found = [Arrow(GRADER, GRADER, "note", note), *found[before:]]
+            found = [*([Arrow(GRADER, GRADER, "note", note)] if before else []), *asked, *found[-_MOST:]]
         return (*found, *_end(found[-1], evidence))
 
 

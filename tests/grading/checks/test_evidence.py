@@ -41,6 +41,8 @@ def test_a_long_exchange_says_what_is_left_out() -> None:
     assert told[0] == "(12 earlier steps left out)"
     assert told[1:3] == ["grader -> your node: request 6", "your node -> grader: response 6"]
     assert len(told) == 9
+    record.add_sent("request 10")  # the response to 6 is not shown without its request
+    assert lines(record, Evidence())[:2] == told[:2]
 
 
 def test_what_is_followed_stands_where_it_happened_in_time() -> None:
