@@ -153,22 +153,17 @@ def _started_once(parts: list[list[str]]) -> list[list[str]]:
 def code_cells(name: str, text: str) -> list[tuple[str, str]]:
     """What to call each code cell, `In[17]` if only this one has that number, else `cell 3`; and its text."""
     try:
-        # Bytes, because a number may have a million digits.
+        # Numbers are bytes: they may have a million digits, and are no text of a cell.
         cells = json.loads(text, parse_int=str.encode, parse_float=str.encode)["cells"]
-        numbers = Counter(cell.get("execution_count") for cell in cells)
+        runs = Counter(cell.get("execution_count") for cell in cells)
+        once = {run: f"In[{run.decode()}]" for run in runs if runs[run] == 1 and _EXECUTED.fullmatch(run or b"")}
         return [
-            (_name_cell(place, cell.get("execution_count"), numbers), "".join(cell["source"]))
+            (once.get(cell.get("execution_count"), f"cell {place}"), "".join(cell["source"]))
             for place, cell in enumerate(cells, 1)
             if cell["cell_type"] == "code"
         ]
     except _NO_NOTEBOOK:
         raise UnreadableTextError(f"{name} is not a Jupyter notebook. Save it again in JupyterLab.") from None
-
-
-def _name_cell(place: int, number: object, numbers: Counter[object]) -> str:
-    if isinstance(number, bytes) and _EXECUTED.fullmatch(number) and numbers[number] == 1:
-        return f"In[{number.decode()}]"
-    return f"cell {place}"
 
 
 def _exported_cells(source: str) -> list[tuple[str, str]]:
