@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
     # Of one file: why it cannot be read, or its text and the cells it was joined from.
-    Read = str | tuple[str, list[tuple[int, int]]]
+    Read = str | tuple[str, list[tuple[str, int]]]
 
 ARCHIVE, YAML = ".zip", ".yaml"
 MOST_FILES = 40  # of a submission; more *.py and *.yaml beside those that the exercise names are its own modules
