@@ -218,7 +218,6 @@ def carrier_delivers(node: GradedNode) -> None:
         robot.expect_distance(node)
         evidence = Evidence(goal.shown, "the goal waits until the door has answered", "it has ended")
         robot.require(goal.over_at is None, evidence, "The carrier has to wait for the door's answer.")
-        robot.open_door(node)
         robot.deliver(node, room, goal=goal)
 
 
@@ -230,7 +229,6 @@ def carrier_feedback(node: GradedNode) -> None:
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
     node.send(STATE, percentage=robot.LESS, power_supply_health=robot.GOOD)
     node.wait(CALM_S)
-    robot.open_door(node)
     robot.deliver(node, "hall", goal=goal)
     messages = goal.wait_for_last_feedback(
         lambda many: any(seen.feedback.distance_remaining < robot.END_M for seen in many)
@@ -277,13 +275,13 @@ def carrier_one_goal(node: GradedNode) -> None:
     robot.open_door(node)
     node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
     last = robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
-    robot.deliver(node, "attic", goal=goal)
+    robot.finish(node, goal, "attic", PATIENCE_S)
+    goal.ends(delivered=True)
     if last is not goal:  # it came when the first was over
-        robot.deliver(node, "hall", goal=last)
+        robot.finish(node, last, "hall", PATIENCE_S)
     for room in ("cellar", "attic", "cellar", "attic"):  # which callback comes first is a matter of chance
         door.answer = None
         goal = robot.require_one(node, node.goal(DELIVER, room=room), node.goal(DELIVER, room=room))
-        robot.open_door(node)
         robot.deliver(node, room, goal=goal)
 
 
@@ -293,10 +291,8 @@ def carrier_refused(node: GradedNode) -> None:
     door, words = robot.enter(node), f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
     door.answer = SetBool.Response(success=False, message=words)
     robot.require_aborted(node, node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
-    robot.open_door(node)
     robot.deliver(node, "cellar")
     goal = robot.ask_for_delivery(node, "cellar", door)  # where it stands already
-    robot.open_door(node)
     robot.deliver(node, "cellar", goal=goal)
 
 
