@@ -88,7 +88,7 @@ def _pack_folder(folder: Path) -> Copy:
     """The programs, parameter files and notebooks below a folder, of which `reader.files` takes those it wants."""
     import zipfile
 
-    size, digest, packed = 0, hashlib.sha256(), io.BytesIO()
+    size, packed = 0, io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for path in _list_submission_files(folder):
             data = _read_bytes(path, LARGEST_NOTEBOOK + 1 - size)
@@ -99,8 +99,8 @@ def _pack_folder(folder: Path) -> Copy:
                 )
             name = path.relative_to(folder).as_posix().encode(errors="replace").decode()
             archive.writestr(zipfile.ZipInfo(name), data)
-            digest.update(f"{name}\0{len(data)}\0".encode() + data)
-    return Copy((folder.name or folder.absolute().name) + ARCHIVE, size, digest.hexdigest(), packed.getvalue())
+    digest = hashlib.sha256(packed.getvalue()).hexdigest()  # the same for the same files
+    return Copy((folder.name or folder.absolute().name) + ARCHIVE, size, digest, packed.getvalue())
 
 
 def _list_submission_files(folder: Path) -> list[Path]:
@@ -281,6 +281,6 @@ def _identity_of(path: Path, exercise_id: str, wanted: tuple[str, ...]) -> str:
     """That of a file of the course, read here: whoever kills the reader must not make a starter an answer."""
     with suppress(UnreadableError, GradingError), copy_file(path, several=bool(wanted)) as copy:
         wish = {"exercise": exercise_id, "files": wanted, "class_name": "", "variable": ""}
-        file = io.BytesIO(os.pread(copy.fileno(), copy.size, 0))
+        file = io.BytesIO(os.pread(copy.fileno(), os.fstat(copy.fileno()).st_size, 0))
         return str(process.look_at(copy.name, file, wish)["identity"])
     return ""

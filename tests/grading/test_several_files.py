@@ -9,7 +9,7 @@ import pytest
 from course_kit import grading
 from course_kit.classroom.exports.report_page import render_page
 from course_kit.grading.model.exercise import read_exercise
-from course_kit.grading.reading import Reader, copy_file
+from course_kit.grading.reading import Reader, copy_file, starter_identities
 from course_kit.grading.render.text import render_text
 from tests import several_files
 from tests.several_files import ID, PARTS
@@ -88,6 +88,7 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     assert folder == archive == cells
     assert sorted(folder) == ["gate.py", "pair.launch.py", "pair.yaml"]
     assert (one, none) == ({"gate.py": folder["gate.py"]}, {})
+    assert len(starter_identities(exercise)) == 1
     assert read[2].files["pair.yaml"].describe_line(2) == "cell 3, line 3"
 
 

@@ -189,31 +189,29 @@ def _run(program: Program, evidence: int) -> None:
 
 def _launch(program: Program, evidence: int) -> None:
     """Run a launch file until all that it has started has ended."""
+
+    class Launch(LaunchService):
+        """Starts the submission's programs as forks of this process, in which all is loaded; others as ever."""
+
+        def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
+            python, *words = *description.command, ""
+            path = Path.cwd() / words[0]
+            if python != sys.executable or path.suffix != ".py" or path.parent != Path.cwd() or not path.is_file():
+                return LaunchedProcess(description, label, inherits=())
+            source = path.read_text(encoding="utf-8", errors="surrogatepass")
+            started = Program(path.name, source, own_start=True, arguments=tuple(words[1:-1]))
+            run = partial(_run_launched, started, description.environ, evidence)
+            return LaunchedProcess(description, label, inherits=(), run=run)
+
     finder.install_finder()
     sys.meta_path.sort(key=lambda hook: not isinstance(hook, finder.LaunchFinder))  # the same launch on every machine
     pairs = [word.partition(":=") for word in program.arguments]
     try:
-        code = _Launch(evidence).run(Path.cwd() / program.name, {name: value for name, _, value in pairs})
+        with open(os.devnull, "w", encoding="utf-8") as log:  # noqa: PTH123 - a name of the kernel
+            code = Launch(log).run(Path.cwd() / program.name, {name: value for name, _, value in pairs})
     except LaunchError as problem:
         raise SystemExit(f"[ERROR] [launch]: {problem}") from None
     raise SystemExit(code)
-
-
-class _Launch(LaunchService):
-    def __init__(self, evidence: int) -> None:
-        super().__init__(open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115 - as long as this process
-        self._evidence = evidence
-
-    def make_child(self, description: ProcessDescription, label: str) -> LaunchedProcess:
-        """Start one of the submission's programs as a fork of this process, in which all is loaded; others as ever."""
-        python, *words = *description.command, ""
-        path = Path.cwd() / words[0]
-        if python != sys.executable or path.suffix != ".py" or path.parent != Path.cwd() or not path.is_file():
-            return LaunchedProcess(description, label, inherits=())
-        source = path.read_text(encoding="utf-8", errors="surrogatepass")
-        program = Program(path.name, source, own_start=True, arguments=tuple(words[1:-1]))
-        run = partial(_run_launched, program, description.environ, self._evidence)
-        return LaunchedProcess(description, label, inherits=(), run=run)
 
 
 def _run_launched(program: Program, environ: Mapping[str, str], evidence: int) -> None:
