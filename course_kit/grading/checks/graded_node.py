@@ -358,7 +358,9 @@ class GradedNode:
     @property
     def endpoints(self) -> list[WantedEndpoint]:
         """All that exercise.toml names, of the program that runs; where several run, of all of them."""
-        return [WantedEndpoint(*astuple(end)) for end in self.context.job.running_endpoints]
+        job = self.context.job
+        running = (end for end in job.endpoints if job.launches or end.program in ("", job.text.program))
+        return [WantedEndpoint(*astuple(end)) for end in running]
 
     # --- inside
 

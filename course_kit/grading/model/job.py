@@ -123,11 +123,6 @@ class Job:
         return bool(self.text.files) and self.text.program.endswith(LAUNCH_FILE)
 
     @property
-    def running_endpoints(self) -> list[ExerciseEndpoint]:
-        """Those of the program that runs; where several run, all."""
-        return [end for end in self.endpoints if self.launches or end.program in ("", self.text.program)]
-
-    @property
     def start_cpu_s(self) -> float:
         """Seconds of computing in which a node has to appear; a command has yet to load what a program finds loaded."""
         return self.limits.start_cpu_s if self.mode == "run" else math.inf
