@@ -405,7 +405,7 @@ def delivery_killed(node: GradedNode) -> None:
         node.context.spoil()
         robot.have_running(node, "carrier.py", **robot.BUILDING, door_timeout_s=0.3)
         node.send(STATE, percentage=robot.CHARGE, power_supply_health=robot.GOOD)
-        goal = robot.send_until(node, "attic").accepted_by()
+        goal = robot.send_until(node, "lab").accepted_by()
     robot.require_aborted(node, goal, 0.3 + robot.GIVES_UP_S)
     node.get("door_timeout_s", of="/carrier")
 
@@ -414,8 +414,7 @@ def delivery_killed(node: GradedNode) -> None:
 def delivery_back(node: GradedNode) -> None:
     """All together: when the door is back, the next delivery works."""
     offer_service(node, OPEN, SetBool, success=True, message="open")
-    alone = node.context.memory["runs"][0] == "carrier.py"  # where no door could be killed by itself
-    robot.send_until(node, "attic" if alone else "lab", "delivered", 5.0).accepted_by().ends()
+    robot.send_until(node, "lab", "delivered", 5.0).accepted_by().ends()
 
 
 CHECKS = [
