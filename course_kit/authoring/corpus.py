@@ -84,9 +84,10 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
     own = root / "exercises" / exercise_id
     exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
     notebook, folder = exercise.folder / exercise.notebook, exercise.folder
-    starter = folder if exercise.files else folder / exercise.starter
+    own = tuple(folder / name for name in exercise.files)
+    starter = folder if own else folder / exercise.starter
     found = [
-        ProofSubmission(exercise.id, "starter", starter.name, starter, files=_files(exercise, folder)),
+        ProofSubmission(exercise.id, "starter", starter.name, starter, files=own),
         ProofSubmission(exercise.id, "starter", notebook.name, notebook),
     ]
     correct, broken, table = folders_of(exercise, root)
@@ -106,11 +107,9 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
 
 
 def _files(exercise: Exercise, folder: Path) -> tuple[Path, ...]:
-    """All files of a folder of the exercise, or of a right program, where a submission has several."""
+    """All files of a right program, where a submission has several."""
     if not exercise.files:
         return ()
-    if folder == exercise.folder:
-        return tuple(folder / name for name in exercise.files)
     found = {path.name: path for place in (exercise.solution, folder) for path in sorted(place.iterdir())}
     return tuple(path for name, path in found.items() if name.endswith((".py", ".yaml")))
 

@@ -139,11 +139,8 @@ class Chooser:
                     self.left.append((loose[name].path, "an earlier upload"))
                     found.remove(loose[name])
                 loose[name] = file
-        for loose in places.values():
-            wanted = [file for name, file in loose.items() if name in self._named]
-            if not wanted:
-                continue
-            lead = max(wanted, key=lambda one: one.attempt)
+        for loose in [each for each in places.values() if not self._named.isdisjoint(each)]:
+            lead = max((loose[name] for name in loose if name in self._named), key=lambda one: one.attempt)
             folder = f"{lead.path}{archive.CONTENTS}"
             (self._root / folder).mkdir(exist_ok=True)
             for name, file in loose.items():
