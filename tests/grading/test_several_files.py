@@ -92,6 +92,14 @@ def test_a_notebook_and_a_zip_hold_the_same_files(tmp_path: Path) -> None:
     assert read[2].files["pair.yaml"].describe_line(2) == "cell 3, line 3"
 
 
+def test_a_program_of_a_launch_file_begins_with_the_signals_of_python(
+    tmp_path: Path, grade: Callable[..., grading.Report]
+) -> None:
+    ignored = "int(open('/proc/self/status').read().split('SigIgn:')[1].split()[0], 16)"
+    looks = f"assert {ignored} & 0x1001000 == 0x1001000  # SIGPIPE, SIGXFSZ\n{several_files.FILES['guard.py']}"
+    assert grade(several_files.write_files(tmp_path / "mine", guard_py=looks)).score == 5
+
+
 def test_the_programs_of_a_launch_file_share_the_memory_that_one_may_have(
     tmp_path: Path, grade: Callable[..., grading.Report]
 ) -> None:
