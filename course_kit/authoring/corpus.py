@@ -84,10 +84,10 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
     own = root / "exercises" / exercise_id
     exercise = read_exercise(own) if own.is_dir() else load_exercise(exercise_id)
     notebook, folder = exercise.folder / exercise.notebook, exercise.folder
-    own = tuple(folder / name for name in exercise.files)
-    starter = folder if own else folder / exercise.starter
+    begun = tuple(folder / name for name in exercise.files)
+    starter = folder if begun else folder / exercise.starter
     found = [
-        ProofSubmission(exercise.id, "starter", starter.name, starter, files=own),
+        ProofSubmission(exercise.id, "starter", starter.name, starter, files=begun),
         ProofSubmission(exercise.id, "starter", notebook.name, notebook),
     ]
     correct, broken, table = folders_of(exercise, root)
