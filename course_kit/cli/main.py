@@ -89,7 +89,7 @@ def _with_commands(parser: argparse.ArgumentParser) -> Iterator[argparse.Argumen
     yield parser
     for action in parser._actions:  # noqa: SLF001 - argparse has no other way to its commands
         if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
-            for command in action.choices.values():
+            for command in dict.fromkeys(action.choices.values()):  # one may have two names
                 yield from _with_commands(command)
 
 

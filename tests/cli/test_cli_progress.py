@@ -52,6 +52,7 @@ def test_before_the_first_try_the_course_is_listed_in_its_order(course: Course) 
     assert f"0 of {len(names)} passed" in done.stdout
     assert f"Next: {names[0]}" in done.stdout
     assert not course.progress.exists()
+    assert course.run("progress").stdout == done.stdout
 
 
 def test_a_try_a_hint_and_another_try_are_remembered(course: Course) -> None:
