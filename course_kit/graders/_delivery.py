@@ -136,6 +136,13 @@ def open_door(node: GradedNode) -> FairClock:
     return clock
 
 
+def wait_until_driving(node: GradedNode, goal: GradedGoal, messages: int = 1) -> None:
+    """Wait until so many messages of feedback say that the robot drives."""
+    node.context.wait_until(
+        lambda: [seen.feedback.phase for seen in goal.feedback].count(DRIVING) >= messages, PATIENCE_S
+    )
+
+
 def deliver(node: GradedNode, room: str, speed_mps: float = ALONE_MPS, goal: GradedGoal | None = None) -> None:
     """The door opens, and a goal, or this one, ends SUCCEEDED, after as long as the way takes."""
     memory, opened = node.context.memory, open_door(node)

@@ -273,7 +273,7 @@ def carrier_one_goal(node: GradedNode) -> None:
     node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
     robot.open_door(node)
-    node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
+    robot.wait_until_driving(node, goal)
     last = robot.require_one(node, goal, node.goal(DELIVER, room="hall"))
     robot.finish(node, goal, "attic", PATIENCE_S)
     goal.ends(delivered=True)
@@ -304,14 +304,14 @@ def carrier_cancel(node: GradedNode) -> None:
     node.wait(CALM_S)
     robot.require_stop(node, goal, 0.0)
     robot.open_door(node)
-    goal, far = node.goal(DELIVER, room="tower").accepted_by(), robot.ROOMS["tower"] - memory["at"] - 0.5
-    node.context.wait_until(lambda: any(seen.feedback.distance_remaining < far for seen in goal.feedback), PATIENCE_S)
+    goal = node.goal(DELIVER, room="tower").accepted_by()
+    robot.wait_until_driving(node, goal, messages=5)
     node.set({"speed_mps": robot.FAST_MPS}, of="/carrier").accepted()
     node.wait(CALM_S)
     memory["at"] += robot.require_stop(node, goal, robot.ALONE_MPS)
     node.set({"speed_mps": robot.CREEP_MPS}, of="/carrier").accepted()
     goal = node.goal(DELIVER, room="gate").accepted_by()
-    node.context.wait_until(lambda: any(seen.feedback.phase == robot.DRIVING for seen in goal.feedback), PATIENCE_S)
+    robot.wait_until_driving(node, goal)
     memory["at"] -= robot.require_stop(node, goal, robot.CREEP_MPS)
     robot.expect_distance(node)
     why = "The robot stands where it was stopped, on the way to the gate, which is where the dock is."
