@@ -3,7 +3,7 @@
 const ZOOM_STEP = 1.25;
 const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
-const READABLE = 0.75; // below this its smallest text is under 9 pixels
+const READABLE = 0.64; // below this its smallest text is under 8 pixels; a wider picture is cut off
 
 function render({ model, el }) {
   const picture = make("div", { class: "ck-picture", tabindex: "0", role: "group", "aria-label": "The picture" });

@@ -18,7 +18,7 @@ from std_msgs.msg import Bool, Float64
 from course_kit import lab, panels
 from course_kit.lab.runtime.neighbours import OtherNotebook
 from course_kit.panels.base import RATE
-from course_kit.panels.graph_view import GraphView, in_lines, news, notebooks_by_node
+from course_kit.panels.graph_view import GraphView, GraphWidget, in_lines, news, notebooks_by_node
 from course_kit.ros import graph as overview
 from course_kit.ros.graph_drawing import boxes_of, graph_svg
 from tests.waiting import wait_until
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from course_kit.ros.graph import Overview
 
 pytestmark = pytest.mark.usefixtures("live_lab")
-READABLE, DOCKED = 0.75, 542  # the least zoom of graph_view.js, and pixels beside a notebook in a window of 1366
+LEAST_ZOOM = float(re.findall(r"READABLE = ([\d.]+)", GraphWidget._esm)[0])
+DOCKED = 542  # pixels beside a notebook in a window of 1366
 
 
 class Busy(Node):
@@ -200,12 +201,23 @@ def test_parts_that_nothing_or_the_notebook_joins_have_room_in_a_docked_panel(ow
     uses += [("lab", *use) for use in own]
     nodes = tuple(dict.fromkeys(node for node, _, _ in uses))
     drawn = graph_svg(overview.Overview(nodes, tuple(overview.ChannelUse(*use, (types[use[1]],)) for use in uses)))
-    width = int(re.findall(r'viewBox="-4 -4 (\d+)', drawn)[0])
-    assert width * READABLE <= DOCKED
+    assert width_of(drawn) * LEAST_ZOOM <= DOCKED
     assert {line for line in re.findall(r">([^<]*)</text>", drawn) if line.endswith("/")} == {
         "course_interfaces/",
         "geometry_msgs/msg/",
     }
+
+
+def width_of(drawn: str) -> int:
+    return int(re.findall(r'viewBox="-4 -4 (\d+)', drawn)[0])
+
+
+def test_a_service_that_asks_another_one_is_not_cut_off_in_a_docked_panel() -> None:
+    nodes, types = ("/doubler", "/minimal_service"), ("example_interfaces/srv/AddTwoInts",)
+    roles = [(overview.SERVES, "/double"), (overview.CALLS, "/add_two_ints"), (overview.SERVES, "/add_two_ints")]
+    uses = (overview.ChannelUse(nodes[number // 2], *role, types) for number, role in enumerate(roles))
+    drawn = graph_svg(overview.Overview(nodes, tuple(uses)), {node: ["01_services.ipynb"] for node in nodes})
+    assert width_of(drawn) * LEAST_ZOOM <= DOCKED
 
 
 def crossed(view: GraphView) -> list[tuple[object, ...]]:
