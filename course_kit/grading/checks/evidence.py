@@ -190,7 +190,7 @@ def _value(value: object, digits: int) -> str:
         return repr(value) if value.is_integer() else f"{value:.{digits}g}"
     if isinstance(value, str):
         return repr(value if len(value) <= _LONGEST_TEXT else f"{value[:_LONGEST_TEXT]}...")
-    return repr(value)
+    return repr(value.tolist() if hasattr(value, "tolist") else value)  # an array as it is written in programs
 
 
 def _cut(text: str) -> str:

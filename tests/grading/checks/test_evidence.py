@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from course_interfaces.srv import ConvertTemperature
+from example_interfaces.action import Fibonacci
 from geometry_msgs.msg import Twist
 
 from course_kit import grading
@@ -69,6 +70,7 @@ def test_messages_are_told_with_their_fields() -> None:
     twist.linear.x = 1.23456
     assert in_one_line(twist) == "linear.x=1.235, the rest 0"
     request = ConvertTemperature.Request(value=98.6, from_unit="x" * 100)
+    assert in_one_line(Fibonacci.Result(sequence=[0, 1])) == "sequence=[0, 1]"
     assert in_one_line(request) == f"value=98.6, from_unit='{'x' * 40}...', to_unit=''"
 
 
