@@ -111,7 +111,8 @@ def _require_only_one(context: CheckContext, end: WantedEndpoint) -> None:
         uses = [use for live in lab.nodes() for use in graph.uses_of(node, live.name) if use.role.offers]
         own = [short_name(use.node) for use in uses if use.channel == end.name]
         way = f'Yours are {", ".join(own)}: lab.stop("{own[0]}") stops one.' if own[1:] else _OF_OTHERS
-        why = f"{count(end.name)} nodes have the {end.kind} {end.name}, and the check asks one. {way}"
+        does = "publish" if end.kind == "publisher" else f"have the {end.kind}"
+        why = f"{count(end.name)} nodes {does} {end.name}, and the check asks one. {way}"
         raise Failed(Evidence(), why)
 
 

@@ -174,6 +174,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     lab.picture("second_day")
     graph.get_by_role("button", name=WAKE).click()
     expect(page.get_by_text("The ROS graph", exact=True)).to_have_count(2)
+    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
     expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
     wake_below(lab, docked)
     require_two_columns(lab)

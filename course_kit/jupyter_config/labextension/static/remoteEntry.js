@@ -113,6 +113,7 @@
   const NOT_FOUND = 'Error displaying widget: model not found';
   const LOADING = 'Loading widget...';
   const LOOKS = 8; // before the kernel is asked whether it still has the panel
+  const JUDGES = /^%(check|grade|hint)\b/; // no panel needs it, and its answer would replace the one that is there
   const WAKE = 'Run this cell to bring it to life';
   const pause = () => new Promise(done => setTimeout(done, KEEP_MS));
   // What the kernel's panels look like now; see Panel in panels/base.py.
@@ -343,7 +344,8 @@
       const ran = new Set(asked?.content.user_expressions?.ran?.data?.['application/json']);
       const sourceOf = ({ model }) => model.sharedModel.getSource().replace(/\n+$/, ''); // as IPython keeps it
       const above = content.widgets.slice(0, content.widgets.indexOf(cell));
-      const missing = above.filter(one => one.model.type === 'code' && sourceOf(one).trim() && !ran.has(sourceOf(one)));
+      const isNeeded = code => code.trim() && !ran.has(code) && !JUDGES.test(code);
+      const missing = above.filter(one => one.model.type === 'code' && isNeeded(sourceOf(one)));
       for (const cells of [missing, [cell]]) {
         content.deselectAll();
         content.activeCellIndex = content.widgets.indexOf(cells[0] ?? cell);
