@@ -101,6 +101,8 @@ def drive_and_guess(lab: JupyterLab) -> None:
 
 def wake_below(lab: JupyterLab, docked: Locator) -> None:
     """Wake a second panel: the cells between the two run first, and the button says so."""
+    graph = lab.cell_that_begins(GRAPH)
+    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
     below = lab.scroll_to(lab.cell_that_begins('panels.guess("00_welcome/misspelt_stop")'))
     below.get_by_role("button", name=WAKE).click()
     expect(below.get_by_role("button", name="Running the cells above")).to_be_disabled()
@@ -174,7 +176,6 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     lab.picture("second_day")
     graph.get_by_role("button", name=WAKE).click()
     expect(page.get_by_text("The ROS graph", exact=True)).to_have_count(2)
-    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
     expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
     wake_below(lab, docked)
     require_two_columns(lab)
