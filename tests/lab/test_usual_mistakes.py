@@ -330,6 +330,7 @@ def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, t
 
 def test_who_publishes_nothing_because_its_callback_raises_is_said(kernel: Kernel) -> None:
     init = "self.out = self.create_publisher(Point, 'silent', 10)\nself.create_timer(0.05, self.tick)"
-    raising = node(init, "def tick(self):\n    1 / 0")
+    raising = node(init, "def tick(self):\n    Point(x=1)")
     shown = kernel.run(f"{raising}\nawait lab.next_messages('/silent', Point, timeout=1.0)")
-    assert "learner publishes it, but its tick raised ZeroDivisionError: division by zero (In[" in shown.error
+    assert "learner publishes it, but its tick raised AssertionError: The 'x' field must be of type" in shown.error
+    assert "takes a float: write 1.0; it was given 1, an int." in shown.stderr

@@ -113,7 +113,7 @@ def is_own(filename: str) -> bool:
 
 def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate) -> Crash:
     """Find out about an error while its traceback is there."""
-    frames = traceback.walk_tb(error.__traceback__)
+    frames = list(traceback.walk_tb(error.__traceback__))
     own = [(frame, number) for frame, number in frames if is_own(frame.f_code.co_filename)]
     callback = getattr(entity, "callback", None)
     function = getattr(callback, "__name__", "") or (own[0][0].f_code.co_name if own else "")
@@ -128,7 +128,8 @@ def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate
         return Crash(name, function, error.what, place, source)
     if isinstance(error, (DeadlockError, InputError)):
         return Crash(name, function, f"was stopped: {error}", place, source)
-    return Crash(name, function, f"raised {failure_text(error)}", place, source, advice_on(error, owner, entity))
+    advice = advice_on(error, owner, entity) or (_on_field(error, frames[-1][0]) if frames else "")
+    return Crash(name, function, f"raised {failure_text(error)}", place, source, advice)
 
 
 def where_is(frame: FrameType | None, locate: Locate) -> tuple[str, str] | None:
