@@ -139,7 +139,7 @@ class GradeMagics(Magics):
             print(f"Graded: {'; '.join(map(str, self._submissions.cells_of(exercise)))}.")
             for warning in self._submissions.warnings(exercise):
                 print_complaint(warning)
-        following = next_step(exercise) if report.passed and not report.part else ""
+        following = next_step(exercise, in_notebook=True) if report.passed and not report.part else ""
         # Whoever tries a drill for the first time looks for the fault before anybody names it.
         if report.practice and not report.passed and exercise not in progress.read_progress()[0]:
             print(_EXPLORE)

@@ -156,7 +156,7 @@ def _lines(row: Row, width: int) -> list[str]:
     return lines
 
 
-def next_step(passed: str, root: Path | None = None) -> str:
+def next_step(passed: str, root: Path | None = None, *, in_notebook: bool = False) -> str:
     """What to do after an exercise was passed: lessons and the next exercise; after a drill the next drill."""
     exercise, command = load_exercise(passed), environment.course_command()
     rows, _ = list_rows(practice=exercise.practice)
@@ -174,6 +174,8 @@ def next_step(passed: str, root: Path | None = None) -> str:
         way = "That was the last exercise."
     if not exercise.solution.exists():  # a student edition has none
         return way
+    if in_notebook:
+        return f"{way} Compare yours with ours: %solution {exercise.id}"
     where = f" --exercises {shlex.quote(str(exercise.folder))}" if exercise_folders.is_added(exercise.folder) else ""
     return f"{way} Compare yours with ours: {command} solution {exercise.id}{where}"
 

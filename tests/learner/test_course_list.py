@@ -33,6 +33,7 @@ def test_the_next_lesson_and_exercise_are_named(passed: str, sentence: str) -> N
     said = course_list.next_step(passed, REPOSITORY)
     assert said.startswith(f"{sentence} Compare yours with ours: ")
     assert said.endswith(f"solution {passed}")
+    assert course_list.next_step(passed, REPOSITORY, in_notebook=True).endswith(f"ours: %solution {passed}")
 
 
 def test_after_a_drill_comes_the_next_one_that_is_not_solved() -> None:
