@@ -268,7 +268,7 @@ class LimiterSteps(Model):
         self.sent_at = time.monotonic()
         node.send(COMMAND, twist_of(fields))
         heard = Reaction in node.context.conversations  # in this grading, whatever the start
-        silent = ("one_each" if heard else "within_3_s") if self.settings.enabled else "one_each_disabled"
+        silent = "one_each_disabled" if not self.settings.enabled else "one_each" if heard else "within_3_s"
         try:
             twist, wheel = node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent)
         except Failed as silence:
@@ -276,6 +276,10 @@ class LimiterSteps(Model):
                 silence.diagnosis = None
             if "reacts" in self.lost:
                 raise
+            if not self.settings.enabled and node.context.job.mode != "attach":
+                on = [done if isinstance(done, list) else {**done, "enabled": True} for done, _ in self.past]
+                if not self._goes_right(node, lambda model: model.drive(node, fields), on):
+                    silence.breaks = "one_each"  # who loses a command when enabled, too, does not lose it by that
             raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
         got = Reaction(_fields_of(twist), wheel.data)

@@ -153,10 +153,11 @@ class Conversation:
         node, model, done = self._begin()
         clock = self.context.clock()
         for number in range(max(self.steps, steps.round)):
-            step = steps.draw_step(model, done, apart=self._apart)
+            first = self._rules_to_judge() if self._failed else ()
+            step = steps.draw_step(model, done, apart=self._apart, first=first)
             if self._part_of(step.rule, "").id in self.lost_checks or self._strikes[step.rule.name] >= _STRIKES:
                 continue
-            all_tried = number > len(rules_of(self.model))
+            all_tried = number > len(rules_of(self.model)) and not first
             wall = _WALL_AFTER_ALL if all_tried else _WALL  # of the time after which the program would be ended
             on_the_wall = clock.wall_s() > wall * self.context.job.limits.wall_s
             enough = all_tried and clock.has_passed(max(_TALK_S, _TALK_SHARE * self.context.deadline_s))
@@ -197,6 +198,12 @@ class Conversation:
         title = self._part_of(step.rule, failed.breaks).title
         self._hindered = {part.id: title for part in self.parts} | self._hindered
         return True
+
+    def _rules_to_judge(self) -> list[Rule]:
+        """The rules whose check has neither failed nor had a right step."""
+        judged = {*self.lost_checks, *self._done}
+        open_rules = [rule for rule in rules_of(self.model) if self._part_of(rule, "").id not in judged]
+        return [rule for rule in open_rules if self._strikes[rule.name] < _STRIKES]
 
     @property
     def lost_checks(self) -> frozenset[str]:

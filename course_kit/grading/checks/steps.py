@@ -156,30 +156,39 @@ class Steps:
         self._seen: dict[str, set[_Option]] = {}  # by the model's state: which options have been tried in it
         self._met: set[tuple[object, object]] = set()  # kinds of steps, one after the other
 
-    def draw_step(self, model: Any, done: Sequence[Step], *, apart: bool) -> Step:
-        """The next step after those done since the program's start; `apart`, all of a rule come one after the other."""
+    def draw_step(self, model: Any, done: Sequence[Step], *, apart: bool, first: Sequence[Rule] = ()) -> Step:
+        """The next step after those done since the program's start, of one of the rules that have to come `first`.
+
+        `apart`, all of a rule come one after the other.
+        """
         kinds = [None, *(step.kind for step in done)]
         self._met.update(pairwise(kinds))
         values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
         state = repr({name: value for name, value in values.items() if not callable(value)})
         seen = self._seen.setdefault(state, set())
         self._drawn += 1
-        by_state = self._drawn > self.round and not apart and self._rng.random() < _BY_STATE
+        by_state = self._drawn > self.round and not (apart or first) and self._rng.random() < _BY_STATE
         untried = []
         if by_state and seen and len(self._seen) <= _FEW_STATES:
             allowed = [rule for rule in self._rules if rule.when(model)]
             untried = [(rule, option) for rule in allowed for option in rule.options() if option not in seen]
-        step = self._draw(model, *self._rng.choice(untried)) if untried else self._take(model, kinds[-1], apart=apart)
+        if untried:
+            step = self._draw(model, *self._rng.choice(untried))
+        else:
+            step = self._take(model, kinds[-1], apart=apart, first=first)
         seen |= step.options
         return step
 
-    def _take(self, model: Any, last: object, *, apart: bool) -> Step:
+    def _take(self, model: Any, last: object, *, apart: bool, first: Sequence[Rule]) -> Step:
         """From the hand of a round: a step whose kind has not come after the last one's yet, if there is one."""
         if not self._waiting:
             rules = [rule for rule in self._rules for _ in range(rule.often - 1)]
             self._rng.shuffle(rules)
             rules += self._rng.sample(self._rules, len(self._rules))  # taken first: who is slow shows all once
             self._waiting = [self._draw(model, rule) for rule in rules]
+        if first:
+            places = [place for place, step in enumerate(self._waiting) if step.rule in first]
+            return self._waiting.pop(places[-1]) if places else self._draw(model, self._rng.choice(first))
         if apart:
             self._waiting.sort(key=lambda step: step.rule.name)
         elif self._drawn > len(self._rules):
