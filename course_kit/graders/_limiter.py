@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from geometry_msgs.msg import Twist, Vector3
 
 from course_kit.grading.checks.answers import are_same, describe_value
+from course_kit.grading.checks.graded_node import MESSAGE_S
 from course_kit.grading.checks.vocabulary import Evidence, Failed, GradedNode, Model
 
 if TYPE_CHECKING:
@@ -180,6 +181,7 @@ class LimiterSteps(Model):
         self.past: list[tuple[Done, bool]] = []  # what was done, and whether it was refused
         self.heard_at: list[float] = []  # when lines of /status have come, for the end
         self.quiet_until = self.sent_at = self.answered_at = 0.0  # seconds of time.monotonic()
+        self.is_control = False  # whether it only tells what goes right without something
         self.lines: int | None = None  # of /status when a later one was to tell the settings; None if one has since
 
     def begin(self, node: GradedNode) -> None:
@@ -270,17 +272,13 @@ class LimiterSteps(Model):
         heard = Reaction in node.context.conversations  # in this grading, whatever the start
         silent = "one_each_disabled" if not self.settings.enabled else "one_each" if heard else "within_3_s"
         try:
-            twist, wheel = node.expect(LIMITED, breaks=silent), node.expect(WHEEL, breaks=silent)
+            twist = node.expect(LIMITED, breaks=silent, within_s=1.0 if "one_each" in self.lost else MESSAGE_S)
+            wheel = node.expect(WHEEL, breaks=silent)
         except Failed as silence:
             if heard and silence.diagnosis == "topic.silent":  # which is about names
                 silence.diagnosis = None
-            if "reacts" in self.lost:
-                raise
-            if not self.settings.enabled and node.context.job.mode != "attach":
-                on = [done if isinstance(done, list) else {**done, "enabled": True} for done, _ in self.past]
-                if not self._goes_right(node, lambda model: model.drive(node, fields), on):
-                    silence.breaks = "one_each"  # who loses a command when enabled, too, does not lose it by that
-            raise self.blame(node, silence, lambda model: model.drive(node, fields)) from None
+            self.blame_silence(node, silence, fields)
+            return
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
         got = Reaction(_fields_of(twist), wheel.data)
         right = right_reaction(self.settings, fields)
@@ -294,6 +292,17 @@ class LimiterSteps(Model):
         evidence = Evidence(text, str(right), str(got))
         failed = self.explain_reaction(node, evidence, fields, got)
         raise self.blame(node, failed, lambda model: model.drive(node, fields))
+
+    def blame_silence(self, node: GradedNode, silence: Failed, fields: list[float]) -> None:
+        """Say whose fault it is that a command brought nothing, unless it is that of a check that is lost."""
+        if "reacts" in self.lost:
+            raise silence
+        if not self.settings.enabled and node.context.job.mode != "attach":
+            on = [done if isinstance(done, list) else {**done, "enabled": True} for done, _ in self.past]
+            if not self._goes_right(node, lambda model: model.drive(node, fields), on):
+                silence.breaks = "one_each"  # who loses a command when enabled, too, does not lose it by that
+        if self.is_control or silence.breaks not in self.lost:
+            raise self.blame(node, silence, lambda model: model.drive(node, fields))
 
     def explain_reaction(self, node: GradedNode, evidence: Evidence, fields: list[float], got: Reaction) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
@@ -333,7 +342,7 @@ class LimiterSteps(Model):
             node.context.spoil()
             node.ensure_running()
             model, status = type(self)(), node.inbox(STATUS)
-            model.lost, named = self.lost, [done for done in past if "robot_name" in done]
+            model.is_control, model.lost, named = True, self.lost, [done for done in past if "robot_name" in done]
             try:
                 model.begin(node)
                 for done in past:

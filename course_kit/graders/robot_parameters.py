@@ -65,7 +65,8 @@ _WITH_NAMES = (
     {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
-_COMMANDS = ([0.0] * 6, [0.05, *[0.0] * 5], [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
+_SMALL = [0.004, *[0.0] * 5]  # no dead zone
+_COMMANDS = ([0.0] * 6, _SMALL, [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
 _ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.NAMES[1:])])
 
 
@@ -77,12 +78,14 @@ class Limiter(LimiterSteps):
         if not self.lost & set(CHANGES.values()):
             self.set_several(node, {**_LONG, "wheel_diameter": 0.3, "enabled": True})
             self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
-            self.drive(node, [0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+            self.drive(node, _SMALL)
             self.refuse_each(node)
             self.lines = node.inbox(STATUS).count
             self.accept(node, {"robot_name": "the name alone"}, "change_status")
             self.lines = node.inbox(STATUS).count
         self.require_quiet(node, self.sent_at + _limiter.LATE_S - time.monotonic(), enabled=True)
+        if "reacts" not in self.lost:
+            self.drive(node, _SMALL)  # after a while without commands
         self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
         if node.context.job.mode == "attach":
@@ -97,7 +100,10 @@ class Limiter(LimiterSteps):
     @step_rule("change_velocity", values=draw_one_of((5.0, 0.01), (0.001, 1.0), (1.23456789, 0.35)))
     def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
         """Both numbers, one after the other, act."""
-        self.set_numbers(node, *values)
+        if not self.settings.enabled and "change_enabled" not in self.lost:
+            self.accept(node, {"enabled": True}, "change_enabled")
+        for _ in range(2):  # the value that it has already is valid, too
+            self.set_numbers(node, *values)
         self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled")
@@ -107,6 +113,7 @@ class Limiter(LimiterSteps):
         self.refuse_each(node)
         for fields in ([0.5 * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0], [0.0] * 5 + [0.5], [0.0] * 6):
             self.drive(node, fields)
+        self.require_status(node)
 
     @step_rule("change_enabled", velocity=draw_between(1.1, 4.0), diameter=draw_between(0.02, 0.9))
     def switch_on(self, node: GradedNode, velocity: float, diameter: float) -> None:
@@ -279,19 +286,20 @@ def start_file(node: GradedNode) -> Evidence:
 @check(points=1.0, after=["start_arguments", "defaults"], deadline_s=25.0, proves=["start_invalid"])
 def start_invalid(node: GradedNode) -> Evidence:
     """An invalid value given at the start is not used, and the node says so."""
-    _require_not_used(node, {"max_velocity": 0.0})  # which a range lets through
+    _require_not_used(node, {"max_velocity": 0.0}, wheel_diameter=0.5)  # which a range lets through
+    _require_not_used(node, {"max_velocity": 7.5})
     _require_not_used(node, {"robot_name": ""})
-    return _require_not_used(node, {"wheel_diameter": math.nan})
+    return _require_not_used(node, {"wheel_diameter": math.nan}, max_velocity=2.5)
 
 
-def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
+def _require_not_used(node: GradedNode, values: dict[str, Any], **valid: Any) -> Evidence:
     """An invalid value stops the node with an error, or is replaced by the default with a warning."""
     context, (name,) = node.context, values
-    sent = " ".join(start_arguments(values))
+    sent = " ".join(start_arguments({**values, **valid}))
     evidence = Evidence(sent, f"an error that names {name} and the end of the program, or a warning and the default")
     try:
         try:
-            node.start(parameters=values)
+            node.start(parameters={**values, **valid})
             node.ensure_running()
         except Failed as failed:
             if context.program.status(fresh=True).running:
@@ -299,7 +307,7 @@ def _require_not_used(node: GradedNode, values: dict[str, Any]) -> Evidence:
                 raise
             return _require_words(node, (name,), replace(evidence, got="the program ended"))
         try:
-            model = Limiter()
+            model = Limiter(LimiterSettings(**valid))
             model.lost = frozenset({"one_each"} if name == "wheel_diameter" else {"one_each", "wheel_speed"})
             model.drive(node, [BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
             model.require_values(node, sent)
