@@ -39,10 +39,11 @@ VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.09"}, {"COURSE_KIT_TIME_SCAL
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
-LENGTHS = ((1.0, 1.3), (1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9), (5.5, 6.5))
+LENGTHS = ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
+CORNER = ArenaPoint(ARENA, ARENA)
 STOPS = _moves.draw_way(draw_between(1.7, 2.1))
 CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
 SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
@@ -71,6 +72,11 @@ class RobotModel(Model):
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
 
+    @step_rule("succeeds", way=_moves.draw_way(draw_between(3.0, 3.5)))
+    def move_on(self, node: GradedNode, way: Way) -> None:
+        """So is one farther away, where what is short in a metre adds up."""
+        self.move_rightly(node, self.target_of(way))
+
     @step_rule("any_z", way=MOVES)
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
@@ -96,10 +102,11 @@ class RobotModel(Model):
 
     @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))
     def reach_edges(self, node: GradedNode, at: float) -> None:
-        """The edges belong to the arena."""
-        for target in [ArenaPoint(*place) for edge in (0.0, ARENA) for place in ((at, edge), (edge, at))]:
+        """The edges belong to the arena, and its corners: the last way is the longest there is."""
+        for target in (ArenaPoint(ARENA, at), ArenaPoint(at, 0.0), ORIGIN, CORNER):
             self.make_plain_move(node, "outside")
-            far = math.dist(self.at, target) > (FAR_M if _moves.speed_of(node.context).own else 2 * FAR_M)
+            own = _moves.speed_of(node.context).own
+            far = math.dist(self.at, target) > (FAR_M if own else 2 * FAR_M) and (own or target != CORNER)
             if far and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
@@ -166,6 +173,7 @@ class RobotModel(Model):
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
         for _ in range(2):  # what is seen is a matter of milliseconds
+            self.make_plain_move(node, "second_goal")
             begin, target = self.at, self.target_of(way)
             first = self.set_off(node, target, 0.1)
             self.special, other = "second_goal", place_inside(begin, 0.7, angle)
