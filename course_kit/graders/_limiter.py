@@ -315,6 +315,10 @@ class LimiterSteps(Model):
                 why = "Your node accepted the change, but the output is the same as before."
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
                 return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
+        changes = [done for done, _ in self.past if isinstance(done, dict)]
+        if now.enabled and got == Reaction((0.0,) * len(NAMES), 0.0) and any("enabled" in done for done in changes):
+            why = "enabled is True, but the robot stands still, as with enabled=False."
+            return Failed(evidence, why, breaks=CHANGES["enabled"])
         breaks, diagnosis, why = cause_of(now, fields, got, floors=node.context.job.text.facts.floor_divides)
         return Failed(evidence, why, diagnosis, breaks=breaks)
 

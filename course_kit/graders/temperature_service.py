@@ -54,7 +54,19 @@ _ANY = (_USUAL, _USUAL, draw_between(-1.0, 1.0), draw_by(lambda rng: 10 ** rng.u
 _COLDER = (0.0, 1.0, 1e5, draw_between(10.0, 1e4))
 _LARGE = (1e9, 12345678.9, 1e7 + 0.3, 3.7e12, 1e200)
 _KNOWN = (0.0, 32.0, 100.0, 212.0, -40.0, 37.0, 98.6, 0.1, 1e-3, 1e-7, -1e-9, -17.78, *_LARGE)
-_DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777, 32.0 + 3e-10)
+_DIGITS = (
+    1e-3,
+    -272.123456789,
+    1234567.891,
+    1e9,
+    1e7 + 0.3,
+    12345678.9,
+    31.999999,
+    0.1 + 0.2,
+    -17.7777,
+    32.0 + 3e-10,
+    0.3 + 1e-8,
+)  # fmt: skip - the last two: so near to zero, and to another one
 _ODD = ("kelvin", "rankine", "fahrenheit0", "", "\u00b0C", "\u00b0celsius", "celsius\u00b0", "\u83ef\u6c0f", "furlong")
 _NEAR = ("Celsius", "CELSIUS", "c", "C", " celsius", "celsius ", "celsius\n", "\u00b0fahrenheit",
          "Fahrenheit", "FAHRENHEIT", "f", "F", " fahrenheit", "fahrenheit ", "fahrenheit\n")  # fmt: skip
@@ -134,8 +146,7 @@ class Temperatures(Model):
     @step_rule("precision", case=draw_one_of(*product((*_DIGITS, *_ANY), (UNITS, UNITS[::-1]))))
     def convert_every_digit(self, node: GradedNode, case: tuple[float, tuple[str, str]]) -> None:
         """No digit is lost."""
-        for value in (case[0], case[0] + 1e-8):  # a neighbour has a result of its own
-            self.expect_conversion(node, Sample(value, *case[1]), right=has_every_digit)
+        self.expect_conversion(node, Sample(case[0], *case[1]), right=has_every_digit)
 
     @step_rule(
         "same_unit",

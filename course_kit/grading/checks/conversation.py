@@ -306,8 +306,8 @@ class Conversation:
         if not shrinks and len(done) > 1:  # by itself the last step is right
             shortest.message = f"{shortest.message} This failed after {len(done) - 1} other steps."
         if self.model.history and len(best) > 1:
-            if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):
-                shortest.diagnosis = None
+            if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):  # whose reason is that of another fault
+                shortest.message, shortest.diagnosis = "By itself, the same request is answered rightly.", None
             shortest.message = f"{shortest.message} It takes what was sent before to bring this about."
         return (*found, len(best))
 
