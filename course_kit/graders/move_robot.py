@@ -35,7 +35,7 @@ from course_kit.grading.checks.vocabulary import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.09"}, {"COURSE_KIT_TIME_SCALE": "1"}
+VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.08"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
@@ -72,10 +72,15 @@ class RobotModel(Model):
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
 
-    @step_rule("succeeds", way=_moves.draw_way(draw_between(3.0, 3.5)))
-    def move_on(self, node: GradedNode, way: Way) -> None:
-        """So is one farther away, where what is short in a metre adds up."""
-        self.move_rightly(node, self.target_of(way))
+    @step_rule("succeeds", length=draw_between(3.0, 3.5))
+    def move_along_walls(self, node: GradedNode, length: float) -> None:
+        """So is one with the same x, far enough that what is short in a metre adds up, and one with the same y."""
+        self.make_plain_move(node)
+        if not (0.0 < self.at.x < ARENA and 0.0 < self.at.y < ARENA):  # the edges are another check's
+            self.move_rightly(node, place_inside(self.at, _moves.LONG_M, 0.5))
+        x, y = self.at
+        self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
+        self.move_rightly(node, ArenaPoint(x + 1.2 if x < CENTRE.x else x - 1.2, self.at.y))
 
     @step_rule("any_z", way=MOVES)
     def ignore_z(self, node: GradedNode, way: Way) -> None:
@@ -100,14 +105,14 @@ class RobotModel(Model):
             raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
-    @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))
-    def reach_edges(self, node: GradedNode, at: float) -> None:
-        """The edges belong to the arena, and its corners: the last way is the longest there is."""
-        for target in (ArenaPoint(ARENA, at), ArenaPoint(at, 0.0), ORIGIN, CORNER):
+    @step_rule("outside")
+    def reach_corners(self, node: GradedNode) -> None:
+        """The edges belong to the arena: each of them ends in one of two corners, and the farther one is far away."""
+        near, far = sorted((ORIGIN, CORNER), key=lambda corner: math.dist(corner, self.at))
+        for target in (near, far):
             self.make_plain_move(node, "outside")
-            own = _moves.speed_of(node.context).own
-            far = math.dist(self.at, target) > (FAR_M if own else 2 * FAR_M) and (own or target != CORNER)
-            if far and "cancel" not in self.lost and node.context.job.mode != "attach":
+            driven = target == far and not _moves.speed_of(node.context).own
+            if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
             self.special = "outside"
@@ -172,7 +177,7 @@ class RobotModel(Model):
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
-        for _ in range(2):  # what is seen is a matter of milliseconds
+        for _ in range(1 if _moves.speed_of(node.context).own else 2):  # of the fast one that is a matter of chance
             self.make_plain_move(node, "second_goal")
             begin, target = self.at, self.target_of(way)
             first = self.set_off(node, target, 0.1)
