@@ -77,7 +77,7 @@ class RobotModel(Model):
         """So is one with the same x, far enough that what is short in a metre adds up, and one with the same y."""
         self.make_plain_move(node)
         if not (0.0 < self.at.x < ARENA and 0.0 < self.at.y < ARENA):  # the edges are another check's
-            self.move_rightly(node, place_inside(self.at, _moves.LONG_M, 0.5))
+            self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))
         x, y = self.at
         self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
         self.move_rightly(node, ArenaPoint(x + 1.2 if x < CENTRE.x else x - 1.2, self.at.y))
