@@ -80,7 +80,7 @@ class RobotModel(Model):
             self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))
         x, y = self.at
         self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
-        self.move_rightly(node, ArenaPoint(x + 1.2 if x < CENTRE.x else x - 1.2, self.at.y))
+        self.move_rightly(node, ArenaPoint(x + 1.23 if x < CENTRE.x else x - 1.23, self.at.y))
 
     @step_rule("any_z", way=MOVES)
     def ignore_z(self, node: GradedNode, way: Way) -> None:
