@@ -11,7 +11,7 @@ from course_interfaces.action import MoveRobot
 
 from course_kit.grading.checks.evidence import UnseenError
 from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED, describe_end
-from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_by
+from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_between, draw_by, draw_one_of
 
 if TYPE_CHECKING:
     import random
@@ -99,6 +99,18 @@ def draw_way(*lengths: Any) -> Any:
         return Way(rng.choice(lengths).make(rng), turns * _QUARTER)
 
     return draw_by(make)
+
+
+# --- what is drawn
+
+CORNER = ArenaPoint(ARENA, ARENA)
+OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
+NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
+LENGTHS = ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))
+MOVES = draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
+STOPS = draw_way(draw_between(1.7, 2.1))
+CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
+SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
 
 
 def allowed_s(length: float) -> float:

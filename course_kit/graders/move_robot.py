@@ -38,15 +38,7 @@ if TYPE_CHECKING:
 VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.08"}, {"COURSE_KIT_TIME_SCALE": "1"}
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
-MOVES = _moves.draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
-LENGTHS = ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
-BESIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
-NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
-CORNER = ArenaPoint(ARENA, ARENA)
-STOPS = _moves.draw_way(draw_between(1.7, 2.1))
-CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
-SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
 
 
 class RobotModel(Model):
@@ -67,7 +59,7 @@ class RobotModel(Model):
         elif _moves.speed_of(node.context).own:
             self.start_afresh(node)
 
-    @step_rule("succeeds", way=draw_one_of(*[_moves.draw_way(draw_between(*ends)) for ends in LENGTHS]))
+    @step_rule("succeeds", way=draw_one_of(*[_moves.draw_way(draw_between(*ends)) for ends in _moves.LENGTHS]))
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
@@ -82,7 +74,7 @@ class RobotModel(Model):
         self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
         self.move_rightly(node, ArenaPoint(x + 1.23 if x < CENTRE.x else x - 1.23, self.at.y))
 
-    @step_rule("any_z", way=MOVES)
+    @step_rule("any_z", way=_moves.MOVES)
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
         self.make_plain_move(node)
@@ -108,7 +100,7 @@ class RobotModel(Model):
     @step_rule("outside")
     def reach_corners(self, node: GradedNode) -> None:
         """The edges belong to the arena: each of them ends in one of two corners, and the farther one is far away."""
-        near, far = sorted((ORIGIN, CORNER), key=lambda corner: math.dist(corner, self.at))
+        near, far = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
         for target in (near, far):
             self.make_plain_move(node, "outside")
             driven = target == far and not _moves.speed_of(node.context).own
@@ -118,12 +110,14 @@ class RobotModel(Model):
             self.special = "outside"
             self.drive(node, target, breaks="outside")
 
-    @step_rule("outside", targets=draw_by(lambda rng: rng.sample(BESIDE, len(BESIDE))), z=Z, often=3)
+    @step_rule("outside", targets=draw_by(lambda rng: rng.sample(_moves.OUTSIDE, len(_moves.OUTSIDE))), z=Z, often=3)
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
         self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
-    @step_rule("not_a_number", targets=draw_by(lambda rng: rng.sample(NO_PLACES, len(NO_PLACES))), z=Z, often=3)
+    @step_rule(
+        "not_a_number", targets=draw_by(lambda rng: rng.sample(_moves.NO_PLACES, len(_moves.NO_PLACES))), z=Z, often=3
+    )
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
         self.reject_each(node, targets, z, "this goal, which is not a place")
@@ -131,7 +125,7 @@ class RobotModel(Model):
     @step_rule(
         "second_goal",
         way=_moves.draw_way(draw_between(1.1, 1.4)),
-        moment=draw_one_of(*zip(SHARES, KINDS, strict=True)),
+        moment=draw_one_of(*zip(_moves.SHARES, _moves.KINDS, strict=True)),
         angle=ANGLE,
     )
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
@@ -201,7 +195,13 @@ class RobotModel(Model):
                     why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
                     raise Failed(evidence, why, breaks="second_goal")
 
-    @step_rule("cancel", way=STOPS, share=CUTS, disturbed=draw_one_of(False, True), then=draw_one_of(None, MOVES))
+    @step_rule(
+        "cancel",
+        way=_moves.STOPS,
+        share=_moves.CUTS,
+        disturbed=draw_one_of(False, True),
+        then=draw_one_of(None, _moves.MOVES),
+    )
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.make_plain_move(node)
