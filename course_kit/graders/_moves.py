@@ -104,13 +104,17 @@ def draw_way(*lengths: Any) -> Any:
 # --- what is drawn
 
 CORNER = ArenaPoint(ARENA, ARENA)
-OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
-NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
-LENGTHS = ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))
+_OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
+_NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
+OUTSIDE = draw_by(lambda rng: rng.sample(_OUTSIDE, len(_OUTSIDE)))
+NO_PLACES = draw_by(lambda rng: rng.sample(_NO_PLACES, len(_NO_PLACES)))
+LENGTHS = draw_one_of(*[draw_way(draw_between(*ends)) for ends in ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))])
 MOVES = draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
+THEN = draw_one_of(None, MOVES)
 STOPS = draw_way(draw_between(1.7, 2.1))
 CUTS = draw_one_of(0.0, 0.02, 0.1, 0.35, 0.5, 1.0)  # shares; 1.0: almost too late
-SHARES, KINDS = (0.0, 0.1, 0.5, 0.5, 0.7, 0.7), ("second", "outside", "same", "nowhere", "second", "outside")
+_KINDS = ("second", "outside", "same", "nowhere", "second", "outside")
+MOMENTS = draw_one_of(*zip((0.0, 0.1, 0.5, 0.5, 0.7, 0.7), _KINDS, strict=True))  # shares of the way, and what comes
 
 
 def allowed_s(length: float) -> float:

@@ -25,7 +25,6 @@ from course_kit.grading.checks.vocabulary import (
     Model,
     conversation,
     draw_between,
-    draw_by,
     draw_one_of,
     endpoints_offered,
     node_name,
@@ -59,7 +58,7 @@ class RobotModel(Model):
         elif _moves.speed_of(node.context).own:
             self.start_afresh(node)
 
-    @step_rule("succeeds", way=draw_one_of(*[_moves.draw_way(draw_between(*ends)) for ends in _moves.LENGTHS]))
+    @step_rule("succeeds", way=_moves.LENGTHS)
     def move(self, node: GradedNode, way: Way) -> None:
         """A goal in the arena is reached, with feedback on the way."""
         self.move_rightly(node, self.target_of(way))
@@ -110,24 +109,17 @@ class RobotModel(Model):
             self.special = "outside"
             self.drive(node, target, breaks="outside")
 
-    @step_rule("outside", targets=draw_by(lambda rng: rng.sample(_moves.OUTSIDE, len(_moves.OUTSIDE))), z=Z, often=3)
+    @step_rule("outside", targets=_moves.OUTSIDE, z=Z, often=3)
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
         self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
-    @step_rule(
-        "not_a_number", targets=draw_by(lambda rng: rng.sample(_moves.NO_PLACES, len(_moves.NO_PLACES))), z=Z, often=3
-    )
+    @step_rule("not_a_number", targets=_moves.NO_PLACES, z=Z, often=3)
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
         self.reject_each(node, targets, z, "this goal, which is not a place")
 
-    @step_rule(
-        "second_goal",
-        way=_moves.draw_way(draw_between(1.1, 1.4)),
-        moment=draw_one_of(*zip(_moves.SHARES, _moves.KINDS, strict=True)),
-        angle=ANGLE,
-    )
+    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.1, 1.4)), moment=_moves.MOMENTS, angle=ANGLE)
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
         """A goal that comes while another one runs is rejected, and changes nothing."""
         share, kind = moment
@@ -195,13 +187,7 @@ class RobotModel(Model):
                     why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
                     raise Failed(evidence, why, breaks="second_goal")
 
-    @step_rule(
-        "cancel",
-        way=_moves.STOPS,
-        share=_moves.CUTS,
-        disturbed=draw_one_of(False, True),
-        then=draw_one_of(None, _moves.MOVES),
-    )
+    @step_rule("cancel", way=_moves.STOPS, share=_moves.CUTS, disturbed=draw_one_of(False, True), then=_moves.THEN)
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.make_plain_move(node)
