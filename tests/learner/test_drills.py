@@ -115,4 +115,4 @@ def test_a_cell_that_also_runs_as_a_program_keeps_its_line_numbers() -> None:
 
     source, places = reader.read_program("n.ipynb", io.BytesIO(json.dumps(notebook).encode()), DRILL)
     assert source.split("\n")[:2] == ["", "import rclpy"]
-    assert places[0][0] == 1
+    assert places[0][0] == "cell 1"

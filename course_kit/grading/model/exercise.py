@@ -121,10 +121,10 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     def hints_for(self, check: str, found: Diagnosis | None) -> tuple[str, ...]:
         """The hints for a failed check: those for it and its cause, those for the cause, else the kit's, its ladder."""
         of_cause, of_check = self.ladder(found.code) if found else (), self.ladder(check)
+        of_kit = (found.hint,) if found and not of_cause else ()
         if of_both := tuple(hint for hint in of_cause if hint in of_check):  # those of other checks are not about this
             of_others = {hint.text for hint in self.hints if any("." not in topic for topic in hint.topics)}
             of_cause = tuple(hint for hint in of_cause if hint not in of_others)
-        of_kit = (found.hint,) if found and not of_cause else ()
         early = () if exercise_folders.is_added(self.folder) else of_kit
         return tuple(dict.fromkeys((*of_both, *of_cause, *early, *of_check, *of_kit)))
 
