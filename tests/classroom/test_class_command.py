@@ -6,21 +6,14 @@ import json
 import os
 import shutil
 import signal
-import subprocess
-import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-from course_kit import environment
 from course_kit.cli.main import main
-from tests.background import IN_BACKGROUND
+from tests.background import IN_BACKGROUND, started
 from tests.waiting import wait_until
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "pattern_choice"  # which is graded fastest
@@ -44,24 +37,6 @@ def slow_down(handed_in: Path) -> None:
     """Have each program begin late, so that a class is not over before somebody interrupts it."""
     for path in handed_in.glob("*/*.py"):
         path.write_text(f"import time\n\ntime.sleep(1.5)\n{path.read_text()}")
-
-
-@contextmanager
-def started(*command: object, by: Sequence[str] = (), **variables: str) -> Iterator[subprocess.Popen[str]]:
-    process = subprocess.Popen(
-        [*by, sys.executable, *map(str, command)],
-        env=environment.child_environment(PYTHONUNBUFFERED="1", **variables),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
 
 
 def class_run(handed_in: Path, *more: object) -> tuple[object, ...]:

@@ -5,21 +5,22 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
 import sys
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import psutil
 import pytest
 
-from course_kit import environment, grading
+from course_kit import grading
+from tests.background import started
 from tests.grading.conftest import EXERCISE
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    import subprocess
+    from collections.abc import Callable
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
 MB = 1 << 20
@@ -159,23 +160,9 @@ def test_a_file_that_is_hard_to_read_gets_its_report(
     assert all(len(line) < 2000 for line in grading.render_text(report).splitlines())
 
 
-@contextmanager
-def class_run(folder: Path) -> Iterator[subprocess.Popen[str]]:
-    command = ["class", folder, "--exercise", EXERCISE, "--out", folder.parent / "out", "--layout", "folders"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "course_kit", *map(str, command)],
-        env=environment.child_environment(PYTHONUNBUFFERED="1"),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
+def class_run(folder: Path) -> AbstractContextManager[subprocess.Popen[str]]:
+    out = folder.parent / "out"
+    return started("-m", "course_kit", "class", folder, "--exercise", EXERCISE, "--out", out, "--layout", "folders")
 
 
 def hand_in(folder: Path, student: str, name: str, data: bytes) -> None:

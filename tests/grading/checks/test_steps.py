@@ -64,6 +64,12 @@ def test_in_a_round_each_option_comes_once() -> None:
         assert sorted(step.arguments.get("amount", 0) for step in first) == [0, 0, 1, 2, 3], seed
 
 
+def test_what_has_to_come_first_comes_first_in_each_round() -> None:
+    steps, first = Steps(rules_of(Counter), random.Random(1)), rules_of(Counter)[:1]  # noqa: S311
+    drawn = [steps.draw_step(Counter(), [], apart=False, first=first) for _ in range(9)]
+    assert {step.rule.name for step in drawn} == {"add"}
+
+
 class Forgetful(Model):
     """A model of three kinds of steps, of which two are one rule's."""
 
