@@ -33,6 +33,8 @@ _FITS = 0.05  # how well progress fits distance_remaining
 _ROUNDING = 1e-6
 _QUARTER = math.pi / 2.0
 _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
+A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
+FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
@@ -104,6 +106,7 @@ def draw_way(*lengths: Any) -> Any:
 # --- what is drawn
 
 CORNER = ArenaPoint(ARENA, ARENA)
+ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 _OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 _NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 OUTSIDE = draw_by(lambda rng: rng.sample(_OUTSIDE, len(_OUTSIDE)))

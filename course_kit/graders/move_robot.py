@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from course_kit.graders import _moves
-from course_kit.graders._moves import ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, Way, place_inside
+from course_kit.graders._moves import A_SECOND, ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, Way, place_inside
 from course_kit.grading.checks.evidence import UnseenError, charge_to
 from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, PROMPT_S, SUCCEEDED
 from course_kit.grading.checks.vocabulary import (
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 VARIABLES, OWN_SPEED = {"COURSE_KIT_TIME_SCALE": "0.08"}, {"COURSE_KIT_TIME_SCALE": "1"}
-A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
-FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
-ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 
 
 class RobotModel(Model):
@@ -66,9 +63,7 @@ class RobotModel(Model):
     @step_rule("succeeds", length=draw_between(3.0, 3.5))
     def move_along_walls(self, node: GradedNode, length: float) -> None:
         """So is one with the same x, far enough that what is short in a metre adds up, and one with the same y."""
-        self.make_plain_move(node)
-        if not (0.0 < self.at.x < ARENA and 0.0 < self.at.y < ARENA):  # the edges are another check's
-            self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))
+        self.move_rightly(node, place_inside(self.at, 1.02 * _moves.LONG_M, 0.5))  # away from the edges
         x, y = self.at
         self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
         self.move_rightly(node, ArenaPoint(x + 1.23 if x < CENTRE.x else x - 1.23, self.at.y))
@@ -81,7 +76,7 @@ class RobotModel(Model):
             self.special = "any_z"
             self.drive(node, self.target_of(way), z, "any_z")
 
-    @step_rule("already_there", angle=ANGLE, often=2)
+    @step_rule("already_there", angle=_moves.ANGLE, often=2)
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
         self.make_plain_move(node)
@@ -109,17 +104,17 @@ class RobotModel(Model):
             self.special = "outside"
             self.drive(node, target, breaks="outside")
 
-    @step_rule("outside", targets=_moves.OUTSIDE, z=Z, often=3)
+    @step_rule("outside", targets=_moves.OUTSIDE, z=_moves.Z, often=3)
     def send_outside(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target outside the arena is rejected, on each of its sides."""
         self.reject_each(node, targets, z, f"this goal, which lies outside the arena (0 to {ARENA:g} m)")
 
-    @step_rule("not_a_number", targets=_moves.NO_PLACES, z=Z, often=3)
+    @step_rule("not_a_number", targets=_moves.NO_PLACES, z=_moves.Z, often=3)
     def send_nowhere(self, node: GradedNode, targets: list[tuple[float, float]], z: float) -> None:
         """A target that is no place is rejected, whatever is wrong with it."""
         self.reject_each(node, targets, z, "this goal, which is not a place")
 
-    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.1, 1.4)), moment=_moves.MOMENTS, angle=ANGLE)
+    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.1, 1.4)), moment=_moves.MOMENTS, angle=_moves.ANGLE)
     def disturb(self, node: GradedNode, way: Way, moment: tuple[float, str], angle: float) -> None:
         """A goal that comes while another one runs is rejected, and changes nothing."""
         share, kind = moment
@@ -137,7 +132,7 @@ class RobotModel(Model):
             node.context.wait_until(lambda: first.over_at is not None, 0.2)
         self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair_s(), 1.0)))
 
-    @step_rule("second_goal", angles=[ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
+    @step_rule("second_goal", angles=[_moves.ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
         expected = "one of the two goals accepted, the other rejected"
@@ -159,7 +154,7 @@ class RobotModel(Model):
             self.targets.append(target)
             self.judge(self.finish(begin, target, accepted[0]), "arrives")
 
-    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.0, 1.4)), angle=ANGLE)
+    @step_rule("second_goal", way=_moves.draw_way(draw_between(1.0, 1.4)), angle=_moves.ANGLE)
     def send_while_it_stops(self, node: GradedNode, way: Way, angle: float) -> None:
         """A cancelled goal runs until it has ended, and until then no other is accepted."""
         expected = "the second goal rejected until the first, which is being cancelled, has ended"
@@ -191,7 +186,7 @@ class RobotModel(Model):
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.make_plain_move(node)
-        target = self.target_of(Way(FAR_M, way.angle) if _moves.speed_of(node.context).own else way)
+        target = self.target_of(Way(_moves.FAR_M, way.angle) if _moves.speed_of(node.context).own else way)
         self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
         target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:
@@ -317,6 +312,8 @@ class RobotModel(Model):
             explained = _moves.explain_refusal(failed, goal, target, waited_s, slow=slow)
             if isinstance(explained, UnseenError):
                 self.start_afresh(node)
+            elif self.cancelled and node.context.job.mode != "attach" and self.refuses_first_cancel(node, share):
+                explained.breaks = "cancel"
             raise explained from None
         self.special, clock = "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
@@ -332,6 +329,16 @@ class RobotModel(Model):
         self.special = ""  # what it says on the way it says wrongly, whatever the end
         self.judge(move, "progress")
         self.special, self.cancelled = "after_cancel", True
+
+    def refuses_first_cancel(self, node: GradedNode, share: float) -> bool:
+        """Whether cancelling after this share of the way goes wrong on a fresh start, too."""
+        with node.context.record.looking_away():
+            self.start_afresh(node)
+            goal = self.set_off(node, place_inside(self.at, 2.0, 0.5), min(share, 0.8))
+            with suppress(Failed):
+                goal.cancelled()
+                return False
+        return True
 
     # --- at which speed, and whose fault
 

@@ -8,12 +8,16 @@ import shutil
 import signal
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from course_kit.cli.main import main
 from tests.background import IN_BACKGROUND, started
 from tests.waiting import wait_until
+
+if TYPE_CHECKING:
+    import subprocess
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 EXERCISE = "pattern_choice"  # which is graded fastest
