@@ -3,7 +3,8 @@
 const ZOOM_STEP = 1.25;
 const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
-const READABLE = 0.64; // below this its smallest text is under 8 pixels; a wider picture is cut off
+const READABLE = 0.75; // below this its smallest text is under 9 pixels; a wider picture is cut off
+const READABLE_DOCKED = 0.64; // beside a notebook there is less room: 8 pixels
 
 function render({ model, el }) {
   const picture = make("div", { class: "ck-picture", tabindex: "0", role: "group", "aria-label": "The picture" });
@@ -75,7 +76,8 @@ function render({ model, el }) {
   function fitting(whole) {
     const { width, height } = drawing.viewBox.baseVal;
     const wide = (picture.clientWidth - 2) / width;
-    return whole ? Math.min(1, wide, frameHeight() / height) : Math.max(READABLE, Math.min(1, wide));
+    const least = picture.closest(".jp-LinkedOutputView") ? READABLE_DOCKED : READABLE;
+    return whole ? Math.min(1, wide, frameHeight() / height) : Math.max(least, Math.min(1, wide));
   }
 
   const frameHeight = () => parseFloat(getComputedStyle(picture).maxHeight) || picture.clientHeight;

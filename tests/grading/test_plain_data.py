@@ -22,7 +22,9 @@ def through_json(thing: object) -> dict[str, object]:
 def test_a_job_arrives_with_all_its_parts() -> None:
     facts, files = Facts(awaits=True, functions=((1, 3, True),)), {"b.py": Submission("b.py", "b.py", "")}
     fault, literal = SyntaxFault(1, "x", "no"), {"entries": [["a", "b"]]}
-    text = Submission("answer.ipynb", "answer.py", "x", ((1, 4), (3, 2)), fault, facts, literal, "A", files)
+    text = Submission(
+        "answer.ipynb", "answer.py", "x", (("In[1]", 4), ("cell 3", 2)), fault, facts, literal, "A", files
+    )
     isolation, limits = Isolation(network=True, reason="none"), Limits(memory_mb=99)
     job = Job("a.grader", "run", 7, text, command=("ros2",), limits=limits, isolation=isolation, hidden=("/a", "/b"))
     assert convert_record(through_json(job), Job) == job

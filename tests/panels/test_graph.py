@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from course_kit.ros.graph import Overview
 
 pytestmark = pytest.mark.usefixtures("live_lab")
-LEAST_ZOOM = float(re.findall(r"READABLE = ([\d.]+)", GraphWidget._esm)[0])
+LEAST_ZOOM = float(re.findall(r"READABLE_DOCKED = ([\d.]+)", GraphWidget._esm)[0])
 DOCKED = 542  # pixels beside a notebook in a window of 1366
 
 

@@ -1,4 +1,4 @@
-"""The report of one submission as a page of its own, for its student. Nothing of it is fetched."""
+"""The report of one submission as a page for its student. Nothing of it is fetched."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def render_html(report: Report, base: Path | None = None, *, is_page: bool = False) -> str:
-    """The report as HTML for a Jupyter output in a folder; or for a page of its own, which has no links to lessons."""
+    """The report as HTML for a Jupyter output in a folder; or for a page by itself, without links to lessons."""
     card = render_template(
         Path(__file__).with_name("templates") / "card.html",
         report=report,
