@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 SAMPLE = b"m"
 STACKS, KILL = b"s", b"k"  # behind them may stand the name of the file that the process runs
+_DYING_S = 2.0
 _PERIOD_S = 0.05
 _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are not counted
 _STARTED_AT_ONCE, _STARTED_PER_S = 512, 200  # processes and threads: who starts more makes everybody wait
@@ -113,6 +114,8 @@ class _Watch:
                 for process_id in chosen:
                     with suppress(OSError):  # it has ended
                         os.kill(process_id, number)
+                        if number == signal.SIGKILL:  # who asks again is answered that it is gone
+                            _wait_for_end(process_id)
         self._inside.tell(**self._usage(), found=found)
         return True
 
@@ -149,6 +152,12 @@ class _Watch:
         own = os.times()  # what watching costs is the submission's: it decides how often there is something to see
         cpu_s = usage.cpu_s + own.user + own.system - self._computed_before
         return {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
+
+
+def _wait_for_end(process_id: int) -> None:
+    """Wait until a process that was killed has ended, which on a busy machine takes a moment."""
+    with suppress(AttributeError), open(os.pidfd_open(process_id), "rb", buffering=0) as end:  # noqa: PTH123 - a descriptor
+        select.select([end], [], [], _DYING_S)
 
 
 def _runs(process_id: int, name: str) -> bool:
