@@ -125,7 +125,7 @@ class Temperatures(Model):
     def end(self, node: GradedNode) -> None:
         """Whoever has not been asked for a while answers as quickly."""
         if "answers" not in self.lost:
-            node.context.wait_until(lambda: False, 1.2)
+            node.context.wait_until(lambda: False, 1.05)
             self.to_fahrenheit(node, 20.0, UNITS)
 
     def kind_of(self, rule: str, /, **arguments: Any) -> object:
