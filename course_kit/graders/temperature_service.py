@@ -54,19 +54,9 @@ _ANY = (_USUAL, _USUAL, draw_between(-1.0, 1.0), draw_by(lambda rng: 10 ** rng.u
 _COLDER = (0.0, 1.0, 1e5, draw_between(10.0, 1e4))
 _LARGE = (1e9, 12345678.9, 1e7 + 0.3, 3.7e12, 1e200)
 _KNOWN = (0.0, 32.0, 100.0, 212.0, -40.0, 37.0, 98.6, 0.1, 1e-3, 1e-7, -1e-9, -17.78, *_LARGE)
-_DIGITS = (
-    1e-3,
-    -272.123456789,
-    1234567.891,
-    1e9,
-    1e7 + 0.3,
-    12345678.9,
-    31.999999,
-    0.1 + 0.2,
-    -17.7777,
-    32.0 + 3e-10,
-    0.3 + 1e-8,
-)  # fmt: skip - the last two: so near to zero, and to another one
+# The last two: so near to zero, and to another one, that a text with six digits does not show it.
+_DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777,
+           32.0 + 3e-10, 0.3 + 1e-8)  # fmt: skip
 _ODD = ("kelvin", "rankine", "fahrenheit0", "", "\u00b0C", "\u00b0celsius", "celsius\u00b0", "\u83ef\u6c0f", "furlong")
 _NEAR = ("Celsius", "CELSIUS", "c", "C", " celsius", "celsius ", "celsius\n", "\u00b0fahrenheit",
          "Fahrenheit", "FAHRENHEIT", "f", "F", " fahrenheit", "fahrenheit ", "fahrenheit\n")  # fmt: skip
@@ -236,10 +226,8 @@ class Temperatures(Model):
     ) -> None:
         """The answer to a valid request comes in time and is `right`; refusing it breaks the sentence `refused`."""
         converts = sample.from_unit != sample.to_unit
-        if converts and "precision" in self.lost and abs(sample.value) > _ORDINARY:
-            sample = replace(
-                sample, value=math.fmod(sample.value, _ORDINARY)
-            )  # who loses digits may refuse what is hot
+        if converts and "precision" in self.lost:  # who has lost that may refuse what is hot
+            sample = replace(sample, value=math.fmod(sample.value, _ORDINARY))
         answer = node.call(SERVICE, vars(sample), breaks="answers")
         self.require_in_time(answer)
         response, wanted = answer.response, f"success=True, value={right_value(sample)!r}"
