@@ -91,16 +91,16 @@ class RobotModel(Model):
             raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
-    @step_rule("outside")
-    def reach_corners(self, node: GradedNode) -> None:
-        """The edges belong to the arena: each of them ends in one of two corners, and the farther one is far away."""
+    @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))
+    def reach_edges(self, node: GradedNode, at: float) -> None:
+        """The edges belong to the arena, and so do its corners, of which the farther one is far away."""
         near, far = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
-        for target in (near, far):
-            self.make_plain_move(node, "outside")
+        for target in map(ArenaPoint._make, ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), near, far)):
             driven = target == far and not _moves.speed_of(node.context).own
             if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
+            self.make_plain_move(node, "outside")
             self.special = "outside"
             self.drive(node, target, breaks="outside")
 
