@@ -95,7 +95,7 @@ class RobotModel(Model):
     def reach_edges(self, node: GradedNode, at: float) -> None:
         """The edges belong to the arena, and so do its corners, of which the farther one is far away."""
         near, far = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
-        for target in map(ArenaPoint._make, ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), near, far)):
+        for target in (ArenaPoint(*place) for place in ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), near, far)):
             driven = target == far and not _moves.speed_of(node.context).own
             if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
