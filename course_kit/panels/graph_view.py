@@ -10,6 +10,7 @@ import anywidget
 import traitlets
 
 from course_kit import lab
+from course_kit.lab.clients import HIDDEN_NAME
 from course_kit.panels.base import RATE, LatestValue, Panel, of_files, still
 from course_kit.ros import graph
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, ChannelUse, Overview, Role
@@ -50,6 +51,7 @@ _HOPS = {
 }
 
 
+_COMMAND = "_ros2cli_"  # how the names of its nodes begin
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _EMPTY = "No node is on the ROS graph."
@@ -93,7 +95,7 @@ class GraphView(Panel):
 
     def describe(self) -> str:
         """The graph's nodes in lines; without the notebook, whose part in it depends on the moment one looks."""
-        return in_lines(graph.read_graph(self._node))
+        return in_lines(self._with_hidden(graph.read_graph(self._node)))
 
     def still(self) -> str:
         """The drawing of this moment."""
@@ -121,12 +123,26 @@ class GraphView(Panel):
 
     def _with_lab(self, seen: Overview) -> Overview:
         """The graph with the notebook itself, as far as it takes part; without, it is as hidden as ROS hides it."""
+        seen = self._with_hidden(seen)
         channels = seen.channels()
         own = [(role, channel) for role, channel in list(self._of_lab) if (role.kind, channel) in channels]
         if not own:
             return seen
         uses = (ChannelUse(LAB, role, channel, channels[role.kind, channel][0].types) for role, channel in own)
         return Overview((*seen.nodes, LAB), (*seen.uses, *sorted(uses, key=lambda use: (use.channel, use.role.verb))))
+
+    def _with_hidden(self, seen: Overview) -> Overview:
+        """The graph with the notebooks and commands that are a topic's only other side: ROS hides them, too."""
+        looking = self._node
+        whose = {f"{HIDDEN_NAME}{other.key.rpartition('/p')[2]}": f"lab of {other.title}" for other in lab.others()}
+        sides = {PUBLISHES: looking.get_publishers_info_by_topic, LISTENS: looking.get_subscriptions_info_by_topic}
+        found: set[ChannelUse] = set()
+        for (kind, topic), uses in seen.channels().items():
+            for role in sides.keys() - {use.role for use in uses} if kind == PUBLISHES.kind else ():
+                names = {end.node_name for end in sides[role](topic)} - {looking.get_name()}
+                hidden = [whose.get(end, "ros2 command") for end in names if end in whose or end.startswith(_COMMAND)]
+                found |= {ChannelUse(who, role, topic, uses[0].types) for who in hidden}
+        return Overview((*seen.nodes, *sorted({use.node for use in found})), (*seen.uses, *sorted(found)))
 
     def _observe(self, event: Event) -> None:
         if hop := _HOPS.get(event.kind):

@@ -82,16 +82,13 @@ def test_a_renamed_notebook_has_its_new_name_for_the_others(two: tuple[Kernel, K
     wait_until(lambda: others(second) == [], lambda: others(second))
 
 
-def test_nodes_of_another_notebook_are_listed_apart(two: tuple[Kernel, Kernel]) -> None:
+def test_what_another_notebook_publishes_itself_is_drawn(two: tuple[Kernel, Kernel]) -> None:
     first, second = two
     start(first, "Robot", "robot")
-    wait_until(lambda: others(second) == [f"{FIRST}: robot"], lambda: others(second))
-    assert second.run("lab.nodes()").result["text/plain"] == (
-        f"No node is running in the lab.\nIn other notebooks (lab.stop_others() stops them):\n    {FIRST}: robot"
-    )
-    assert FIRST not in first.run("lab.nodes()").result["text/plain"]
-    first.run("lab.stop()")
-    wait_until(lambda: others(second) == [], lambda: others(second))
+    assert first.run("started.create_subscription(String, 'told', print, 1)\nlab.publish('/told', String, data='')").ok
+    look, drawn = "from course_kit import panels\nprint(panels.graph())", f"lab of {FIRST}\n    publishes /told ["
+    wait_until(lambda: drawn in second.run(look).stdout, lambda: second.run(look).stdout)
+    assert "No node" not in second.run(look).stdout
 
 
 def test_a_notebook_that_is_opened_lists_the_nodes_of_others_in_its_first_cell(
@@ -100,7 +97,7 @@ def test_a_notebook_that_is_opened_lists_the_nodes_of_others_in_its_first_cell(
     start(two[0], "Robot", "robot")
     with Kernel(cwd=tmp_path) as opened:
         shown = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.nodes()").result["text/plain"]
-    assert shown.splitlines()[-1] == f"    {FIRST}: robot"
+    assert shown.endswith(f"lab.\nIn other notebooks (lab.stop_others() stops them):\n    {FIRST}: robot")
     with Kernel(cwd=tmp_path) as opened:
         stopped = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.stop_others()")
         assert stopped.ok, stopped.error

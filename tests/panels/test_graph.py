@@ -119,7 +119,7 @@ def test_plumbing_is_hidden_unless_it_is_asked_for(live_lab: Lab) -> None:
     assert seen(live_lab).remarks() == seen(live_lab, plumbing=True).remarks()
 
 
-def test_the_page_follows_when_nodes_come_change_and_go() -> None:
+def test_the_page_follows_when_nodes_come_change_and_go_and_a_command_publishes(live_lab: Lab) -> None:
     view = panels.graph()
     assert view.widget.svg == ""
     lab.start(Busy)
@@ -130,6 +130,9 @@ def test_the_page_follows_when_nodes_come_change_and_go() -> None:
     lab.stop(Busy)
     wait_for(view, "No node publishes /temperature.")
     assert nodes_in(view) == ["/kitchen/display"]
+    command = overview.quiet_node("_ros2cli_1", live_lab.engine.node.context)
+    command.create_publisher(Float64, "/temperature", 10)
+    wait_for(view, "ros2 command\n    publishes /temperature")
 
 
 def test_a_box_says_what_it_is_and_each_use_is_an_arrow(live_lab: Lab) -> None:
