@@ -65,7 +65,9 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     __tracebackhide__ = True  # IPython: the learner's own lines are what matters
     lab = current()
     lab.engine.not_in_callback("lab.start()")
+    before = lab.neighbours.own_offers()
     node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
+    lab.neighbours.tell_lost(before)
     lab.neighbours.node_started()
     lab.output.drain()
     return node

@@ -100,6 +100,8 @@ def test_the_class_edited_and_run_again_replaces(kernel: Kernel) -> None:
     assert kernel.run("lab.nodes()").result["text/plain"].startswith("renamed (Server)")
     cell = kernel.run("answer = await lab.call('/ask', SetBool, data=True)")
     assert cell.stdout == "[INFO] [renamed]: asked\nedited True\n"
+    cell = kernel.run(SERVER.replace('"ask"', '"other"'))
+    assert "/ask is gone: the new node took the place of renamed, whose name or class name it has." in cell.stdout
 
 
 def test_rclpys_program_functions_say_what_they_mean_here(kernel: Kernel) -> None:

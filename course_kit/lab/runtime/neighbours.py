@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from rclpy.qos import QoSProfile
@@ -138,6 +139,20 @@ class Neighbours:
                 f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
+    def own_offers(self) -> list[tuple[str, graph.Role, str]]:
+        """Name and role of what each node of this notebook offers, and the node's name."""
+        return [(name, role, live.name) for live in self._lab.nodes.live for name, role in _offered_by(live)]
+
+    def tell_lost(self, before: list[tuple[str, graph.Role, str]]) -> None:
+        """A node was started: say what is offered no more because it took another one's place."""
+        now = {(name, role) for name, role, _ in self.own_offers()}
+        for name, role, node in before:
+            if (name, role) not in now:
+                self._lab.note(
+                    f"{name} is gone: the new node took the place of {short_name(node)}, whose name or class name it "
+                    "has. Other names keep both."
+                )
+
     def node_started(self) -> None:
         """A node was started: say what another notebook, or a script of this one, offers as well."""
         for name, role in list(self._find_doubled()):
@@ -153,11 +168,7 @@ class Neighbours:
             self._lab.note_once(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
-        own: dict[tuple[str, graph.Role], int] = {}
-        for live in self._lab.nodes.live:
-            for name, role in _offered_by(live):
-                own[name, role] = own.get((name, role), 0) + 1
-        for (name, role), count in own.items():
+        for (name, role), count in Counter((name, role) for name, role, _ in self.own_offers()).items():
             if graph.count_servers(self._node, role.kind, name) > count:
                 yield name, role
 
