@@ -4,8 +4,21 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from functools import lru_cache
 from pathlib import Path
+
+_ELSEWHERE = re.compile(r"%%(?!submission\b|time\b|interface\b)")  # how a cell begins that is a program
+
+
+def has_cell_with(name: str, failed: str) -> bool:
+    """Whether another cell than the one that failed defines a name, in the notebook as it was last saved."""
+    assigns = rf"(?:\w+, *)*{name}(?:, *\w+)* *=[^=]"
+    defines = re.compile(
+        rf"^(?:(?:async )?def {name}\b|class {name}\b|{assigns}|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
+    )
+    cells = [source for source in saved_cells()[0].values() if not _ELSEWHERE.match(source)]
+    return any(defines.search(source) for source in cells if source.strip() != failed.strip())
 
 
 def saved_cells() -> tuple[dict[str, str], float]:

@@ -1,7 +1,7 @@
 """What every kernel of the course's environment has from its start: magics that load the course when they are used.
 
 After a restart a learner runs the cell they were at, such as `%grade`, and nothing is loaded: the magic loads the
-course then, and so does a pasted program that spins. As for `lab`, a sentence says what to run.
+course then, and so does a pasted program that spins. As for `lab` and what cells define, a sentence says what to run.
 """
 
 from __future__ import annotations
@@ -33,7 +33,11 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec
-        if isinstance(error, NameError) and error.name in _NAMES:
+        if not isinstance(error, NameError) or not error.name or "course_kit" in shell.extension_manager.loaded:
+            return
+        from course_kit.environment.notebook import has_cell_with
+
+        if error.name in _NAMES or has_cell_with(error.name, result.info.raw_cell):
             sys.stderr.write(
                 f"The kernel has just been started and does not know {error.name} yet: run the notebook's first code "
                 "cell, then the cells down to this one.\n"

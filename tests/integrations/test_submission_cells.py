@@ -112,11 +112,15 @@ def test_errors_name_the_right_cell_and_line(kernel: Kernel) -> None:
     )
 
 
-def test_after_a_restart_the_magics_load_the_course_and_a_name_says_what_to_run(tmp_path: Path) -> None:
+def test_after_a_restart_magics_load_the_course_and_each_name_says_what_to_run(tmp_path: Path) -> None:
     with Kernel(cwd=tmp_path) as fresh:
-        assert "run the notebook's first code cell" in fresh.run("lab.nodes()").stderr
+        fresh.run("import os; os.environ['JPY_SESSION_NAME'] = os.path.abspath('notebook.ipynb')")
+        save(fresh, above="first, second = 1, 2", one=CELL)
+        for name in ("lab", "first", "second", "Answers"):
+            assert "run the notebook's first code cell" in fresh.run(name).stderr
+        assert fresh.run("nowhere").stderr == ""
         fresh.run(CELL, cellId="one")
-        assert grade(fresh)[0].startswith("Graded: In[2], run at ")
+        assert grade(fresh)[0].startswith("Graded: In[7], run at ")
 
 
 def test_a_pasted_program_that_spins_says_so_where_nothing_is_loaded_and_stops_as_one_line(tmp_path: Path) -> None:

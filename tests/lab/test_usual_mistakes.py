@@ -320,6 +320,8 @@ def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, t
     nbformat.write(nbformat.v4.new_notebook(cells=cells), tmp_path / "mine.ipynb")
     assert kernel.run(f"import os; os.environ['JPY_SESSION_NAME'] = {str(tmp_path / 'mine.ipynb')!r}").ok
     assert "A cell of this notebook defines it. Run that cell first" in kernel.run("Forgotten()").error
+    serving = node("self.create_service(SetBool, 'ask', self.ask)", "def ask(self, asked, response):\n    Forgotten()")
+    assert "A cell of this notebook defines it." in kernel.run(f"{serving}\nawait lab.call('/ask', SetBool)").stderr
     for name in ("Qwxyz = Qwxyz", "Zvbnq", "Kjhgf"):
         assert "No cell that has run defines it." in kernel.run(name).error
     assert "A cell of this notebook" not in kernel.run("raise NameError('mine')").error

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rclpy.exceptions import InvalidHandle
 
 from course_kit import environment
-from course_kit.environment.notebook import saved_cells
+from course_kit.environment.notebook import has_cell_with
 from course_kit.lab.errors import DeadlockError, InputError, ServiceFailedError, error_text
 from course_kit.lab.recording.hooks import WrongResponseError, WrongResultError, failure_text
 from course_kit.lab.runtime.describe import is_alive
@@ -51,7 +51,6 @@ _ARGUMENTS = re.compile(
 _NO_MESSAGE = re.compile(r"Expected <class '[\w.]+\.(?P<type>\w+)'>, got ")
 _SUB_MESSAGE = re.compile(r"The '(?P<field>\w+)' field must be a sub message of type '(?P<type>\w+)'")
 _FIELD = re.compile(r"The '(?P<field>\w+)' ")
-_ELSEWHERE = re.compile(r"%%(?!submission\b|time\b|interface\b)")  # how a cell begins that is a program
 _IN_ROS = re.compile(r"rclpy\b|course_kit\b|\w+\.(msg|srv|action)\._")
 _IMPORTS = {
     "Node": "from rclpy.node import Node",
@@ -225,9 +224,8 @@ def explain_error(error: BaseException, locate: Locate) -> str:
     if not own:
         return ""
     last = frames[-1][0]
-    if isinstance(error, NameError) and error.name and last is own[-1][0]:
-        text, advice = failure_text(error), _on_name(error, error.name, last)
-    elif last is own[-1][0] and (advice := advice_on(error)) and isinstance(error, (TypeError, ModuleNotFoundError)):
+    is_kind = isinstance(error, (TypeError, ModuleNotFoundError, NameError))
+    if is_kind and last is own[-1][0] and (advice := advice_on(error)):
         text = failure_text(error)
     elif last is not own[-1][0] and _IN_ROS.match(str(last.f_globals.get("__name__", ""))):
         refusal = _on_field(error, last) or _of_order(error_text(error))
@@ -253,26 +251,20 @@ def _on_field(error: BaseException, frame: FrameType) -> str:
     return ""
 
 
-def _on_name(error: NameError, name: str, frame: FrameType) -> str:
-    if callable(getattr(type(node_in(error)), name, None)):
-        return advice_on(error)
-    has_cell = _has_cell_with(name, "".join(linecache.getlines(frame.f_code.co_filename)))
+def _on_name(name: str, node: Any, frame: FrameType) -> str:
+    if not is_own(frame.f_code.co_filename):
+        return ""
+    if callable(getattr(type(node), name, None)):
+        return f"{name} belongs to the node. Write: self.{name}(...)"
+    has_cell = has_cell_with(name, "".join(linecache.getlines(frame.f_code.co_filename)))
     if line := _IMPORTS.get(name):
         return f"Write `{line}`{', or run the cell that has it' if has_cell else ''}."
     if has_cell:
         return "A cell of this notebook defines it. Run that cell first: Run > Run All Above Selected Cell."
-    known = [word for word in frame.f_globals if not word.startswith("_") and word not in ("In", "Out")]
+    there = {**frame.f_globals, **frame.f_locals}
+    known = [word for word in there if not word.startswith("_") and word not in ("In", "Out")]
     near = names.nearest_name(name, known)
     return f"Did you mean {near}?" if near else "No cell that has run defines it."
-
-
-def _has_cell_with(name: str, failed: str) -> bool:
-    """Whether another cell than the one that failed defines a name, in the notebook as it was last saved."""
-    defines = re.compile(
-        rf"^(?:(?:async )?def {name}\b|class {name}\b|{name} *=[^=]|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
-    )
-    cells = [source for source in saved_cells()[0].values() if not _ELSEWHERE.match(source)]
-    return any(defines.search(source) for source in cells if source.strip() != failed.strip())
 
 
 def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str:
@@ -288,8 +280,9 @@ def advice_on(error: BaseException, node: Any = None, entity: Any = None) -> str
         return _on_arguments(found["name"], node, entity) if is_callback else _on_unnamed_fields(error, owner)
     if isinstance(error, AssertionError) and (found := _SUB_MESSAGE.search(text)):
         return _on_sub_message(found["field"], found["type"])
-    if isinstance(error, NameError) and callable(getattr(type(node), error.name or "", None)):
-        return f"{error.name} belongs to the node. Write: self.{error.name}(...)"
+    if isinstance(error, NameError) and error.name:
+        *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+        return _on_name(error.name, node, frame)
     if type(error).__name__ == "ParameterNotDeclaredException" and (found := _UNDECLARED.search(text)):
         return _on_parameter(found["name"].strip("'[]"), node)
     return ""
