@@ -10,6 +10,7 @@ import shlex
 import sys
 import tempfile
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
@@ -183,7 +184,9 @@ class GradeMagics(Magics):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "notebook.ipynb"
             nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
-            return grading.grade(exercise, path, seed=seed, only=only)
+            report = grading.grade(exercise, path, seed=seed, only=only)
+        shown = Path(os.environ.get("JPY_SESSION_NAME", "")).name or "this notebook"
+        return replace(report, submission=report.submission.replace(str(path), shown))
 
     def report(self, exercise: str, seed: int | None = None) -> Report | None:
         """As `grade_cells`, but who asks again gets the same report until a `%%submission` cell is run again."""

@@ -37,14 +37,6 @@ def test_the_cell_runs_as_usual_and_its_main_does_not(kernel: Kernel) -> None:
     assert kernel.run("print(TemperatureService.__name__, __name__)").stdout == "TemperatureService __main__\n"
 
 
-def test_a_kernel_that_was_just_started_loads_the_course_at_the_first_magic(tmp_path: Path) -> None:
-    with Kernel(cwd=tmp_path) as fresh:
-        forgotten, first, cell = fresh.run("lab"), fresh.run("%hint nothing"), fresh.run("%%submission nothing\n1")
-    assert "run the notebook's first code cell" in forgotten.stderr
-    for shown in (first, cell):
-        assert "There is no exercise 'nothing'. Exercises: " in shown.stderr
-
-
 def test_a_magic_of_the_whole_cell_may_follow(kernel: Kernel) -> None:
     done = kernel.run("%%submission temperature_service\n%%capture said\nprint('aside')")
     assert (done.stdout, done.stderr) == ("", "")
@@ -56,6 +48,7 @@ def test_the_card_shows_the_grade_and_the_text_says_the_same(kernel: Kernel) -> 
     done = kernel.run("%grade temperature_service --seed 7")
     assert "10 of 10 points" in done.result["text/html"]
     assert "10 of 10 points" in done.result["text/plain"]
+    assert "Submission: this notebook\n" in done.result["text/plain"]
     assert "Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot." in done.stdout
     assert 'href="../../notebooks/02_actions.ipynb"' in done.result["text/html"]
 
@@ -143,7 +136,6 @@ def test_below_the_pass_mark_the_command_ends_with_1_and_shows_the_first_hint(
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["grade", "temprature_service", str(SOLUTION)], "temperature_service"),
         (["grade", "temperature_service", str(SOLUTION), "--attach"], "Name one thing to grade"),
         ([], "COMMAND"),
     ],
