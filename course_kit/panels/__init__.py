@@ -90,9 +90,9 @@ def robot_map(action: str = "/move_robot") -> RobotMap:
 
 
 def arena(action: str = "/deliver") -> CorridorPicture:
-    """The robot of `delivery_robot` on its way, drawn by what its nodes publish; a button for each room sends it there.
+    """The robot of `delivery_robot` on its way, drawn by what its nodes publish.
 
-    Rooms are those of the node /carrier's parameters; positions, in metres, follow /odometry_distance and /docked.
+    Rooms are those of the node /carrier's parameters; positions, in metres, follow the feedback of goals and /docked.
 
     Args:
         action: the action's name, of type `course_interfaces/action/Deliver`.

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import anywidget
 import traitlets
 
+from course_kit import lab
 from course_kit.panels import goal_panel
 from course_kit.panels.base import draw, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
 from course_kit.robot import SimulatedRobot
+from course_kit.ros import graph
 
 if TYPE_CHECKING:
     from course_kit.panels.goal_panel import GoalState
@@ -65,10 +67,17 @@ class RobotMap(GoalFollower):
         return still(self.describe(), picture, "still_drawings.css")
 
     def go(self, x: float, y: float) -> None:
-        """Send the robot to (x, y), in metres; returns at once. What a click does."""
+        """Send the robot to (x, y), in metres, unless several would go; returns at once. What a click does."""
         from geometry_msgs.msg import Point
 
-        self.send_to_one(self._type.Goal(target=Point(x=float(x), y=float(y))))
+        servers = graph.count_servers(lab.current().engine.node, "action", self._action)
+        if servers > 1:
+            self.say(
+                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
+                "Stop all but one: panels.graph() shows them, and lab.stop_others() stops those of other notebooks."
+            )
+        else:
+            self.send_goal(self._type.Goal(target=Point(x=float(x), y=float(y))))
 
     def _take_wish(self, wish: dict[str, Any]) -> None:
         if isinstance(wish.get("x"), int | float) and isinstance(wish.get("y"), int | float):
@@ -92,7 +101,11 @@ class RobotMap(GoalFollower):
         self.widget.view = {
             "track": [list(place) for place in list(self._track)],
             "target": [] if standing.asked is None else [standing.asked.target.x, standing.asked.target.y],
-            **self._describe_goal(standing, _line(self._action, standing), _describe_goal(standing)),
+            "line": goal_panel.ENDED if self._ended else _line(self._action, standing),
+            "said": _describe_goal(standing),  # when something has happened
+            "running": standing.is_running and not self._ended,
+            "tone": standing.tone,
+            "ended": self._ended,
         }
 
 

@@ -1,6 +1,4 @@
-// The robot in its corridor. The picture comes from the model whole; a button only asks.
-
-const MARKS = { running: "▶", good: "✔", bad: "✖", stopped: "■" };
+// The robot in its corridor. The picture comes from the model whole.
 
 // Put a new picture in place, with the robot driving there from where it was.
 function redraw(frame, picture) {
@@ -16,43 +14,15 @@ function redraw(frame, picture) {
 
 function render({ model, el }) {
   const frame = make("div");
-  const rooms = make("div", { class: "ck-buttons", role: "group", "aria-label": "Deliver to" });
-  const cancel = make("button", { type: "button" }, "Cancel goal");
-  const outcome = make("p", { class: "ck-outcome" });
-  const said = make("p", { class: "ck-said", role: "status" }); // for screen readers: not ten times a second
-  const box = make("div", { class: "ck-panel" }, frame, rooms, outcome, said);
-  box.setAttribute("data-lm-suppress-shortcuts", "true"); // JupyterLab's one-letter shortcuts
-  el.replaceChildren(box);
-
-  const drawRooms = () => {
-    const buttons = model.get("rooms").map((room) => {
-      const button = make("button", { type: "button" }, room);
-      button.addEventListener("click", () => model.send({ do: "go", room }));
-      return button;
-    });
-    rooms.replaceChildren("Deliver to ", ...buttons, cancel);
-  };
-  cancel.addEventListener("click", () => model.send({ do: "cancel" }));
+  const line = make("p", { class: "ck-outcome" });
+  el.replaceChildren(make("div", { class: "ck-panel" }, frame, line));
   const update = () => {
-    const view = model.get("view");
-    redraw(frame, view.picture);
-    outcome.textContent = MARKS[view.tone] ? `${MARKS[view.tone]} ${view.line}` : view.line;
-    outcome.dataset.tone = view.tone;
-    if (said.textContent !== view.said) said.textContent = view.said;
-    for (const button of rooms.querySelectorAll("button")) button.disabled = view.ended;
-    cancel.disabled = !view.running;
+    redraw(frame, model.get("picture"));
+    line.textContent = model.get("line");
   };
-  const both = () => {
-    drawRooms();
-    update();
-  };
-  model.on("change:rooms", both);
-  model.on("change:view", update);
-  both();
-  return () => {
-    model.off("change:rooms", both);
-    model.off("change:view", update);
-  };
+  model.on("change:picture", update);
+  update();
+  return () => model.off("change:picture", update);
 }
 
 export default { render };

@@ -1,9 +1,10 @@
-"""The robot of `delivery_robot` on its way along a corridor, drawn by what its nodes publish; a button sends it off."""
+"""The robot of `delivery_robot` on its way along a corridor, drawn by what its nodes publish."""
 
 from __future__ import annotations
 
 import contextlib
 import math
+import threading
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -11,19 +12,19 @@ import traitlets
 
 from course_kit import lab
 from course_kit.lab.topics import Subscription
-from course_kit.panels.base import draw, of_files, still
-from course_kit.panels.goal_panel import GoalFollower, status_line
+from course_kit.panels.base import LatestValue, Panel, draw, of_files, still
+from course_kit.panels.goal_panel import ENDED
 from course_kit.ros import graph
-from course_kit.ros.parameters import from_message
 
 if TYPE_CHECKING:
-    from course_kit.panels.goal_panel import GoalState
+    from collections.abc import Callable
+
     from course_kit.ros.messages import Message
 
 _DOCK = "dock"
 _ASKED_NODES = frozenset({"/carrier", "/door"})
 _LEFT, _LENGTH = 1.2, 9.6  # of the corridor, in the picture's own units
-_TOUCHES = 0.005  # metres; as near as that, the robot is there
+_NEAR_M = 0.1  # as near as that, the robot is there: so much a carrier's last feedback may leave
 
 
 class Journey:
@@ -36,17 +37,15 @@ class Journey:
         self.door = "shut"  # or "asked", or "open"
         self.battery: float | None = None
         self.low = False
-        self._driven = math.inf
         self._goal = b""
 
     @property
     def rooms(self) -> dict[str, float]:
         """Metres from the dock, by the room's name; the dock comes first."""
         names, metres = (self.parameters.get(name) for name in ("room_names", "room_distances_m"))
-        if not isinstance(names, list) or not isinstance(metres, list):  # of a carrier that is being written
-            return {_DOCK: 0.0}
-        found = {str(room): value for room, value in zip(names, metres, strict=False) if isinstance(value, int | float)}
-        return {_DOCK: 0.0, **{room: value for room, value in found.items() if 0.0 < value < math.inf}}
+        is_ready = isinstance(names, list) and isinstance(metres, list)  # else the carrier is being written
+        found = zip(names, metres, strict=False) if is_ready else ()
+        return {_DOCK: 0.0, **{room: far for room, far in found if isinstance(far, float) and 0.0 < far < math.inf}}
 
     @property
     def state_of_door(self) -> str:
@@ -57,33 +56,28 @@ class Journey:
         """The carrier says whether the robot stands at the dock, where the way begins."""
         self.at = 0.0 if message.data else self.at
 
-    def take_distance(self, message: Message) -> None:
-        """The carrier says how far the robot has driven since its start: it is so much nearer to its target."""
-        step, self._driven = message.data - self._driven, message.data
-        if self.at is None or not step > 0:
-            return
-        way = self.rooms.get(self.target, math.inf) - self.at
-        self.at += math.copysign(min(step, abs(way)), way)
-
     def take_battery(self, message: Message) -> None:
         """The battery says how full it is, and whether that is little."""
         self.battery = None if math.isnan(message.percentage) else min(max(message.percentage, 0.0), 1.0)
         self.low = message.power_supply_health == message.POWER_SUPPLY_HEALTH_DEAD
 
     def take_feedback(self, message: Message) -> None:
-        """A delivery goes on, whoever has sent it; how far it has to go says where to."""
-        feedback, goal = message.feedback, bytes(message.goal_id.uuid)
+        """A delivery goes on, whoever has sent it; how far it has to go says where to, and then where the robot is."""
+        feedback, goal, here = message.feedback, bytes(message.goal_id.uuid), self.at
         self.door = "asked" if feedback.phase == feedback.DOOR else "open"
-        if goal != self._goal and self.at is not None:
-            left, here = feedback.distance_remaining, self.at
-            self.target = min(self.rooms, key=lambda room: abs(abs(self.rooms[room] - here) - left))
-        self._goal = goal
+        if here is None:
+            return
+        rooms, left = self.rooms, feedback.distance_remaining
+        if goal != self._goal:  # of two rooms the one farther from the dock: at the dock /docked says so
+            self._goal = goal
+            self.target = min(rooms, key=lambda room: (round(abs(abs(rooms[room] - here) - left), 2), -rooms[room]))
+        there = rooms.get(self.target, here)
+        self.at = there + math.copysign(left, here - there)
 
     def take_status(self, message: Message) -> None:
         """All goals of the carrier stand like this."""
         if all(goal.status >= goal.STATUS_SUCCEEDED for goal in message.status_list):
-            self.target = ""
-            self.door = "shut" if self.door == "asked" else self.door
+            self.target, self.door = "", self.door.replace("asked", "shut")
 
     def describe(self) -> str:
         """Where the robot is, in sentences."""
@@ -94,22 +88,22 @@ class Journey:
     def _place(self) -> str:
         if self.at is None:
             return "has not been at the dock yet, where its way begins"
-        if self.target and abs(self.rooms[self.target] - self.at) > _TOUCHES:
+        if self.target:
             return f"is {self.at:.1f} m from the dock, on its way to {self.target}"
-        there = [room for room, metres in self.rooms.items() if abs(metres - self.at) <= _TOUCHES]
+        there = [room for room, metres in self.rooms.items() if abs(metres - self.at) <= _NEAR_M]
         return f"stands at {there[0]}" if there else f"stands {self.at:.1f} m from the dock"
 
 
 class _CorridorWidget(anywidget.AnyWidget):
-    """The drawing. It sends {"do": "go", "room"} and {"do": "cancel"}."""
+    """The drawing, and below it a line in words."""
 
     _esm = of_files("dom.js", "corridor.js")
     _css = of_files("frame.css", "panels.css", "corridor.css")
-    rooms: traitlets.List[str] = traitlets.List().tag(sync=True)
-    view = traitlets.Dict().tag(sync=True)
+    picture = traitlets.Unicode().tag(sync=True)
+    line = traitlets.Unicode().tag(sync=True)
 
 
-class CorridorPicture(GoalFollower):
+class CorridorPicture(Panel):
     """The corridor with dock, door and rooms, the robot and its battery."""
 
     def __init__(self, action: str = "/deliver") -> None:
@@ -118,67 +112,49 @@ class CorridorPicture(GoalFollower):
         from course_interfaces.action import Deliver
         from rcl_interfaces.msg import ParameterEvent
         from sensor_msgs.msg import BatteryState
-        from std_msgs.msg import Bool, Float64
+        from std_msgs.msg import Bool
 
-        self._journey = Journey()
+        self._journey, self._lock = Journey(), threading.Lock()
+        self._asked: set[str] = set()  # nodes whose parameters are known
         self.widget = _CorridorWidget()
-        self._asked: set[str] = set()
-        self._follow_goals(Deliver)
-        self._hear("/parameter_events", ParameterEvent, self._take_event)
+        self.at_close(lambda: self.widget.set_trait("line", ENDED))
+        self._updates: LatestValue[None] = LatestValue(lambda _: self._show())
+        self.at_close(self._updates.close)
+        self._hear("/parameter_events", ParameterEvent, lambda event: self._asked.discard(event.node))
         self._hear("/docked", Bool, self._journey.take_docked)
-        self._hear("/odometry_distance", Float64, self._journey.take_distance)
         self._hear("/battery", BatteryState, self._journey.take_battery)
         self._hear(f"{action}/_action/feedback", Deliver.Impl.FeedbackMessage, self._journey.take_feedback)
         self._hear(f"{action}/_action/status", GoalStatusArray, self._journey.take_status)
+        self._show()
 
     def describe(self) -> str:
         """The picture in words."""
-        return f"A corridor with a dock, a door and rooms, and the robot. Its buttons send goals to {self._action}."
+        return "A corridor with a dock, a door and rooms, and the robot, where its nodes say that it is."
 
     def still(self) -> str:
         """The corridor as it is at this moment."""
-        with self._lock:
-            picture, words = self._draw(), self._journey.describe()
-        return still(f"{self.describe()}\n{words}", picture, "corridor.css")
+        return still(f"{self.describe()}\n{self.widget.line}", self.widget.picture, "corridor.css")
 
-    def _hear(self, topic: str, message_type: type[Message], take: Any) -> None:
+    def _hear(self, topic: str, message_type: type[Message], take: Callable[[Message], None]) -> None:
         def keep(message: Message) -> None:
             with self._lock:
                 take(message)
-            self._updates.put(self._standing)
+            self._updates.put(None)
 
         self.at_close(Subscription(lab.current().engine, topic, message_type, keep).close)
 
-    def _ask_who_is_new(self) -> None:
-        """A node tells its parameters when it begins, often before anybody can hear it."""
+    def _show(self) -> None:
         with contextlib.suppress(lab.LabError):  # a node has gone, or is about to begin; or the lab is about to end
-            there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
-            self._asked &= there
-            for node in there - self._asked:
-                values = lab.get_parameters_blocking(node)
-                self._asked.add(node)
-                with self._lock:
-                    self._journey.parameters.update(values)
+            self._ask_for_parameters()
+        with self._lock, self.widget.hold_sync():
+            self.widget.picture, self.widget.line = self._draw(), self._journey.describe()
 
-    def _take_event(self, event: Message) -> None:
-        if event.node in _ASKED_NODES:
-            changed = (*event.new_parameters, *event.changed_parameters)
-            self._journey.parameters.update({parameter.name: from_message(parameter.value) for parameter in changed})
-
-    def _take_wish(self, wish: dict[str, Any]) -> None:
-        self.send_to_one(self._action_type.Goal(room=str(wish.get("room", ""))))
-
-    def _show(self, standing: GoalState) -> None:
-        if not self._ended:
-            self._ask_who_is_new()
-        text = status_line(standing, f'The delivery to "{standing.asked.room}"' if standing.asked is not None else "")
-        if standing.result is not None and standing.result.message:
-            text += f" Its message: {standing.result.message}."
-        with self._lock:
-            picture, words, target = self._draw(), self._journey.describe(), self._journey.target
-            self.widget.rooms = list(self._journey.rooms)
-        own = text if standing.is_running or not target else ""  # somebody else has sent it off since
-        self.widget.view = {"picture": picture, **self._describe_goal(standing, f"{own} {words}".strip(), text)}
+    def _ask_for_parameters(self) -> None:
+        there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
+        self._asked &= there
+        for node in there - self._asked:
+            self._asked.add(node)  # a change meanwhile has it asked again
+            self._journey.parameters.update(lab.get_parameters_blocking(node))
 
     def _draw(self) -> str:
         rooms = {room: metres for room, metres in self._journey.rooms.items() if room != _DOCK}

@@ -16,7 +16,6 @@ from course_kit import lab
 from course_kit.lab.errors import FieldError
 from course_kit.panels.base import LatestValue, Panel, form, of_files, still
 from course_kit.panels.message_form import FormError, MessageForm, Values, fields_in_words
-from course_kit.ros import graph
 from course_kit.ros.messages import type_name
 from course_kit.ros.showing import copy_message, describe_message
 
@@ -138,17 +137,6 @@ class GoalFollower(Panel):
         """Ask the server to cancel the goal that is shown; returns at once."""
         return _in_background(self._cancel)
 
-    def send_to_one(self, asked: Message) -> None:
-        """Send a goal, unless several nodes would take it; returns at once."""
-        servers = graph.count_servers(lab.current().engine.node, "action", self._action)
-        if servers > 1:
-            self.say(
-                f"Not sent: {servers} nodes offer {self._action}, and each would drive its own robot. "
-                "Stop all but one: panels.graph() shows them, and lab.stop_others() stops those of other notebooks."
-            )
-        else:
-            self.send_goal(asked)
-
     def send_goal(self, asked: Message) -> threading.Thread:
         """Send a goal message; returns at once with the thread that does it."""
         with self._lock:
@@ -178,16 +166,6 @@ class GoalFollower(Panel):
     @abstractmethod
     def _show(self, standing: GoalState) -> None:
         """Have the page show how things stand."""
-
-    def _describe_goal(self, standing: GoalState, line: str, said: str) -> dict[str, Any]:
-        """What a page shows of the goal below a picture: always a line; when something has happened, that is said."""
-        return {
-            "line": _ENDED if self._ended else line,
-            "said": said,
-            "running": standing.is_running and not self._ended,
-            "tone": standing.tone,
-            "ended": self._ended,
-        }
 
     @abstractmethod
     def _take_wish(self, wish: dict[str, Any]) -> None:
@@ -297,7 +275,7 @@ def _in_background(work: Callable[[], None]) -> threading.Thread:
     return thread
 
 
-_ENDED = "This panel has ended. Run its cell again to use it."
+ENDED = "This panel has ended. Run its cell again to use it."
 _NOT_SENT = "Not sent: correct the marked fields above."
 
 
@@ -373,7 +351,7 @@ class ActionPanel(GoalFollower):
         self.widget.view = {
             "share": progress.share if standing.status else 0.0,
             "progress": progress.text if standing.status else "",
-            "status": _ENDED if self._ended else _NOT_SENT if errors else text,
+            "status": ENDED if self._ended else _NOT_SENT if errors else text,
             "tone": "bad" if errors else standing.tone,
             "rows": _rows(standing),
             "running": standing.is_running,
