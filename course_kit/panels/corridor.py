@@ -41,10 +41,9 @@ class Journey:
 
     @property
     def rooms(self) -> dict[str, float]:
-        """Metres from the dock, by the room's name; the dock comes first."""
+        """Metres from the dock, by the room's name; the dock comes first, alone while the carrier is being written."""
         names, metres = (self.parameters.get(name) for name in ("room_names", "room_distances_m"))
-        is_ready = isinstance(names, list) and isinstance(metres, list)  # else the carrier is being written
-        found = zip(names, metres, strict=False) if is_ready else ()
+        found = zip(names, metres, strict=False) if isinstance(names, list) and isinstance(metres, list) else ()
         return {_DOCK: 0.0, **{room: far for room, far in found if isinstance(far, float) and 0.0 < far < math.inf}}
 
     @property
