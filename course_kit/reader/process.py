@@ -126,32 +126,27 @@ def _answer_request(request: Mapping[str, Any], submission: int, answer: int) ->
 
 def look_at(name: str, file: BinaryIO, wish: Mapping[str, Any]) -> dict[str, object]:
     """Whether a file holds what is asked for; why it cannot be read, or its program, and what that is compared by."""
-    problem = source = compared = ""
+    problem = source = ""
     places: list[tuple[str, int]] = []
     several: dict[str, files.Read] = {}
     try:
         if wish["files"]:
             several = files.read_files(name, file, wish["exercise"], wish["files"])
             source = files.join_sources(several)
-            compared = files.join_sources({name: several[name] for name in wish["files"] if name in several})
         else:
             source, places = text.read_program(name, file, wish["exercise"])
-            compared = source
     except text.UnreadableTextError as error:
         problem = str(error)
     seen = {
         "found": not several.keys().isdisjoint(wish["files"]) if several else _asked_for(name, file, source, wish),
-        "identity": fingerprints.program_identity(compared) if compared else "",
+        "identity": fingerprints.program_identity(source) if source else "",
         "imports": sorted(set(_IMPORT.findall(source)[:_MOST_IMPORTS])),
         "unreadable": problem,
     }
     if problem:
         return seen
-    program = (
-        {"source": source, "files": {name: _describe_file(name, read) for name, read in several.items()}}
-        if several
-        else _describe_program(source, places, wish["variable"])
-    )
+    described = {name: _describe_file(name, read) for name, read in several.items()}
+    program = {"source": source, "files": described} if several else _describe_program(source, places, wish["variable"])
     return {**seen, "prints": sorted(fingerprints.take_fingerprints(source)), "program": program}
 
 
