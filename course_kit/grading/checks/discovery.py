@@ -16,7 +16,7 @@ from course_kit.grading.checks.hangs import explain_end
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.model.job import ExerciseEndpoint
 from course_kit.interfaces import get_type
-from course_kit.ros.names import nearest_name
+from course_kit.ros.names import is_hidden, nearest_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -176,8 +176,9 @@ def explain_missing(context: CheckContext, end: WantedEndpoint) -> tuple[str, st
 
 
 def list_nodes(names: Sequence[str]) -> str:
-    """`the nodes /a, /b`, or `no node`."""
-    return f"the node{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else "no node"
+    """`the nodes /a, /b`, or `no node`; hidden ones, such as a notebook's own, do not count."""
+    shown = [name for name in names if not is_hidden(name)]
+    return f"the node{'s' if len(shown) > 1 else ''} {', '.join(shown)}" if shown else "no node"
 
 
 def explain_silent_topic(context: CheckContext, sent: str, missing: str, seconds: str) -> causes.Cause:
