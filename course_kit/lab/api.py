@@ -66,8 +66,10 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     lab = current()
     lab.engine.not_in_callback("lab.start()")
     before = lab.neighbours.own_offers()
-    node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
-    lab.neighbours.tell_lost(before)
+    try:
+        node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
+    finally:
+        lab.neighbours.tell_lost(before, node_class)
     lab.neighbours.node_started()
     lab.output.drain()
     return node
@@ -101,17 +103,20 @@ def others() -> list[OtherNotebook]:
 
 
 def stop_others() -> None:
-    """Have all other notebooks stop their nodes and scripts.
+    """Have all other notebooks stop their nodes and scripts, and say which these were.
 
     Raises:
         LabError: one has not stopped them within some seconds.
     """
     current().engine.not_in_callback("lab.stop_others()")
     neighbours = current().neighbours
-    if left := neighbours.stop(neighbours.settled_others()):
+    found = neighbours.settled_others()
+    if left := neighbours.stop(found):
         raise LabError(
             f"{left[0].title} has not stopped its nodes: a callback of theirs does not end. Restart its kernel."
         )
+    listed = "; ".join(map(str, found)) or "nothing, for no other notebook has nodes"
+    current().engine.note(f"Stopped: {listed}.")
 
 
 def nodes() -> NodeList:

@@ -99,8 +99,8 @@ def test_a_notebook_that_is_opened_lists_the_nodes_of_others_in_its_first_cell(
         shown = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.nodes()").result["text/plain"]
     assert shown.endswith(f"lab.\nIn other notebooks (lab.stop_others() stops them):\n    {FIRST}: robot")
     with Kernel(cwd=tmp_path) as opened:
-        stopped = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.stop_others()")
-        assert stopped.ok, stopped.error
+        stopped = opened.run("%load_ext course_kit\nfrom course_kit import lab\nlab.stop_others()\nlab.stop_others()")
+        assert "robot.\nStopped: nothing, for no other notebook has nodes.\n" in stopped.stdout, stopped.error
     assert two[0].run("lab.nodes()").result["text/plain"] == "No node is running in the lab."
 
 
@@ -144,7 +144,7 @@ def test_others_are_stopped_with_their_scripts_and_told_so(two: tuple[Kernel, Ke
     first.run(f"%%ros_script neighbour\n{program}\nimport rclpy\nrclpy.init()\nrclpy.spin(Robot())")
     wait_until(lambda: others(second) == [f"{FIRST}: program, robot"], lambda: others(second))
     stopped = second.run("lab.stop_others()\nprint(lab.others())")
-    assert (stopped.ok, stopped.stdout) == (True, "[]\n"), stopped.error
+    assert stopped.stdout == f"Stopped: {FIRST}: program, robot.\n[]\n", stopped.error
     assert first.run("lab.nodes()").result["text/plain"] == "No node is running in the lab."
     wait_until(lambda: not first.run("for _ in lab.current().scripts._running: print(_)").stdout, "the script's end")
 

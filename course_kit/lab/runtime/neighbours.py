@@ -6,6 +6,7 @@ hidden topic whose name tells the notebook. A node is that notebook's whose mark
 
 from __future__ import annotations
 
+import itertools
 import os
 import threading
 import time
@@ -139,18 +140,22 @@ class Neighbours:
                 f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
-    def own_offers(self) -> list[tuple[str, graph.Role, str]]:
-        """Name and role of what each node of this notebook offers, and the node's name."""
-        return [(name, role, live.name) for live in self._lab.nodes.live for name, role in _offered_by(live)]
+    def own_offers(self) -> dict[LiveNode, list[tuple[str, graph.Role]]]:
+        """What each node of this notebook offers."""
+        return {live: list(_offered_by(live)) for live in self._lab.nodes.live}
 
-    def tell_lost(self, before: list[tuple[str, graph.Role, str]]) -> None:
-        """A node was started: say what is offered no more because it took another one's place."""
-        now = {(name, role) for name, role, _ in self.own_offers()}
-        for name, role, node in before:
-            if (name, role) not in now:
+    def tell_lost(self, before: dict[LiveNode, list[tuple[str, graph.Role]]], started: type) -> None:
+        """A class was started: say which node of a class that was called so, or which offer, is gone since before."""
+        now = self.own_offers()
+        there, names = {offer for offers in now.values() for offer in offers}, {live.name for live in now}
+        for old in before.keys() - now.keys():
+            lost = [offer[0] for offer in before[old] if offer not in there]
+            if old.name not in names and old.same_class(started) and old.node_class is not started:
+                lost = [short_name(old.name)]
+            if lost:
                 self._lab.note(
-                    f"{name} is gone: the new node took the place of {short_name(node)}, whose name or class name it "
-                    "has. Other names keep both."
+                    f"{', '.join(lost)}: gone. lab.start({started.__name__}) first ends the node that has the same "
+                    "class name or node name. Other names keep both."
                 )
 
     def node_started(self) -> None:
@@ -168,7 +173,7 @@ class Neighbours:
             self._lab.note_once(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
-        for (name, role), count in Counter((name, role) for name, role, _ in self.own_offers()).items():
+        for (name, role), count in Counter(itertools.chain(*self.own_offers().values())).items():
             if graph.count_servers(self._node, role.kind, name) > count:
                 yield name, role
 
