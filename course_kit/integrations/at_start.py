@@ -40,7 +40,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         if error.name in _NAMES or has_cell_with(error.name, result.info.raw_cell):
             sys.stderr.write(
                 f"The kernel has just been started and does not know {error.name} yet: run the notebook's first code "
-                "cell, then the cells down to this one.\n"
+                "cell, then the cells down to this one (Run > Run All Above Selected Cell).\n"
             )
 
     shell.events.register("pre_run_cell", before_cell)
