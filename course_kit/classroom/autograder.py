@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,11 +27,9 @@ def grade_path(
 ) -> GradeRecord:
     """Grade a file, or what is found in a folder by the rules of a class's intake."""
     exercise = load_exercise(exercise_id)
-    if seed is None:  # drawn here, for the result to tell it
-        seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
     if not path.is_dir():
         report = engine.grade(exercise.id, path, seed=seed, require_isolation=require_isolation)
-        return _record(exercise, path.name, report, seed)
+        return _record(exercise, path.name, report)
     with tempfile.TemporaryDirectory(prefix="submission-") as made:
         found = _find(path.resolve(), exercise, Path(made, "copied"))
         if found is None:
@@ -40,17 +37,17 @@ def grade_path(
             report = engine.report_unreadable(
                 exercise, path.name, f"{why}Hand in {exercise.starter} or {exercise.notebook}."
             )
-            return _record(exercise, path.name, report, seed)
+            return _record(exercise, path.name, report)
         report = engine.grade(exercise.id, found, seed=seed, require_isolation=require_isolation)
-        return _record(exercise, found.name, report, seed)
+        return _record(exercise, found.name, report)
 
 
-def _record(exercise: Exercise, source: str, report: Report, seed: int) -> GradeRecord:
+def _record(exercise: Exercise, source: str, report: Report) -> GradeRecord:
     """The result as a class's exports take it."""
     if report.status == "error":
         raise GradingError(f"The grader itself failed, which is no fault of the submission: {report.problem}")
     entry = Entry("", exercise.id, source)
-    return GradeRecord(entry, "", 0, seed, report.to_mapping(), title=exercise.title, isolation=report.isolation)
+    return GradeRecord(entry, "", 0, report.seed, report.to_mapping(), title=exercise.title, isolation=report.isolation)
 
 
 def _find(folder: Path, exercise: Exercise, workspace: Path) -> Path | None:

@@ -51,7 +51,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="gradescope and classroom50 are for autograders: PATH may be a folder, and exit code 0 means graded",
     )
     grade.add_argument("--to", type=Path, metavar="FILE", help="write an autograder's result to FILE, not to stdout")
-    grade.add_argument("--seed", type=int, help="a number: the same number draws the same random values")
+    grade.add_argument("--seed", type=int, help="a number to draw other random values; else the program's text draws")
     grade.add_argument("--only", default="", metavar="PART", help="run only the checks of PART, such as door")
     grade.add_argument("--require-isolation", action="store_true", help="refuse to grade without full isolation")
     running = grade.add_mutually_exclusive_group()

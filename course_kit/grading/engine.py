@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import secrets
 import time
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from course_kit.grading.model.submission import Submission
 
 _NOT_STARTED = ("start.", "limit.")
+_SEED_BITS = 31
 # How much is kept of what a submission sends and says: enough for a person to read, whatever comes.
 _TEXTS = ("sent", "expected", "got", "message")  # of a check's result
 _LONGEST = 3000  # bytes of each of them, as JSON
@@ -74,7 +76,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
     Args:
         exercise_id: which exercise.
         path: the submission, a .py or .ipynb file; None with `attach` or `exec_command`.
-        seed: what the checks draw their random values from; when None the exercise's own, if it has one, else drawn.
+        seed: what the checks draw their random values from; when None the exercise's own, if it has one, else made of
+            the submission's text: the same program is asked the same. Of a running node it is drawn.
         only: run the checks of one part alone, such as "door": those whose ids begin with it, and what they need.
         attach: grade the node that runs on the ROS graph of this environment.
         exec_command: start this command and grade its node.
@@ -93,8 +96,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
     if exercise.variable and path is None:
         raise GradingError(f"The exercise {exercise.id} is answered in a file, not by a running node. Name the file.")
     needs.require_machine(exercise.limits)
-    if seed is None:
-        seed = secrets.randbits(31) if exercise.seed is None else exercise.seed
+    seed = exercise.seed if seed is None else seed
     if path is not None:
         name = submission.decode_name(str(path))
         try:
@@ -103,6 +105,7 @@ def grade(  # noqa: PLR0913 - the options of one verb
                 new = () if worker else side_by_side(number, [exercise])  # they get warm while the file is read
                 workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
+                seed = _make_seed(text) if seed is None else seed
                 request = GradingRequest(exercise, text, name, seed, only=only, require_isolation=require_isolation)
                 return grade_submission(request, *workers)
         except submission.UnreadableError as problem:
@@ -113,8 +116,15 @@ def grade(  # noqa: PLR0913 - the options of one verb
         )
     name = f"the node on ROS domain {environment.apply_settings().domain_id}" if exec_command is None else exec_command
     with Worker(WarmProcess(whole=exec_command is not None, own_graph=not attach)) as used:
+        seed = secrets.randbits(_SEED_BITS) if seed is None else seed
         job = replace(exercise_job.make_job_of_node(exercise, seed, exec_command), only=only)
         return _grade(exercise, job, name, (used,), require_isolation)
+
+
+def _make_seed(text: Submission) -> int:
+    """The same for the same program, whoever grades it and wherever."""
+    digest = hashlib.sha256(text.source.encode(errors="surrogatepass")).digest()
+    return int.from_bytes(digest, "big") % (1 << _SEED_BITS)
 
 
 def grade_submission(request: GradingRequest, *workers: Worker) -> Report:
@@ -147,9 +157,8 @@ def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], 
     outcome = _grade_parts(exercise, job, workers)
     if job.only and not outcome["results"]:  # a slip of whoever asks
         raise GradingError(outcome["problem"] or "No check was run.")
-    return replace(
-        _report(exercise, shown, outcome, job.only), duration_s=time.monotonic() - began, isolation=isolation
-    )
+    report, took = _report(exercise, shown, outcome, job.only), time.monotonic() - began
+    return replace(report, duration_s=took, isolation=isolation, seed=job.seed)
 
 
 def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> GradingOutcome:

@@ -49,7 +49,7 @@ def grade_source(worker: grading.Worker, tmp_path: Path) -> Callable[..., gradin
     def run(source: str | bytes, name: str = "answer.py", **options: Any) -> grading.Report:
         path = tmp_path / name
         path.write_bytes(source if isinstance(source, bytes) else source.encode())
-        return grading.grade(EXERCISE, path, worker=worker, seed=3, **options)
+        return grading.grade(EXERCISE, path, worker=worker, **{"seed": 3, **options})
 
     return run
 

@@ -183,11 +183,24 @@ class Conversation:
             else:
                 self._done[self._part_of(step.rule, "").id] += 1
             self.context.record.forget_all_but(_KEPT)
-        self.last = model
-        try:
-            model.end(node)
-        except Failed as failed:
-            self._keep(failed, done or [step])
+        self._end(node, model, done or [step])
+
+    def _end(self, node: GradedNode, model: Model, done: list[Step]) -> None:
+        """After the last step: again on a fresh start, as long as that costs another check."""
+        lost = None
+        while lost != self.lost_checks and not self.context.time_is_up():
+            self.last, lost = model, self.lost_checks
+            try:
+                model.end(node)
+            except Failed as failed:
+                self._keep(failed, done)
+                if self.context.job.first_failure:
+                    return
+                self.context.spoil()
+                try:
+                    node, model, _ = self._begin()
+                except Failed:
+                    return
 
     def _is_over(self, step: Step, failed: Failed) -> bool:
         """Whether nothing more is asked after a failure: the first was wanted, or the program answers nothing."""

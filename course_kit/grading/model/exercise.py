@@ -70,7 +70,7 @@ class Exercise(msgspec.Struct, frozen=True, kw_only=True):
     variable: str = ""  # what a submission sets instead, in exercises without ROS
     files: tuple[_FileName, ...] = ()  # the names of all files of a submission, where it has several
     parts: tuple[_Identifier, ...] = ()  # what its checks' ids begin with, where each part is graded by itself
-    seed: int | None = None  # what the checks draw from when nobody gives a seed; drawn itself when None
+    seed: int | None = None  # what the checks draw from when nobody gives one; None: what the program's text gives
     limits: Limits = Limits()  # what a submission may use
     hints: tuple[Hint, ...] = ()  # the ladder, from a nudge to a push
     diagnoses: dict[str, DiagnosisWords] = {}  # by code, those that it words in its own way or links elsewhere

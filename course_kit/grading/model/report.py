@@ -69,6 +69,7 @@ class Report:
     isolation: str = ""  # what kept the submission apart from the machine, in one line
     part: str = ""  # the part that was graded alone, whose points are its full marks; empty for all
     practice: bool = False  # whether it has no points: a drill is solved, or not yet
+    seed: int = 0  # what its checks drew from
 
     @property
     def verdict(self) -> str:

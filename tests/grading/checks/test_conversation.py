@@ -203,6 +203,15 @@ def test_a_program_that_answers_nothing_is_asked_three_different_things() -> Non
     assert context.starts == 1 + 2 + 1  # after two of three failures, and for the checks after the conversation
 
 
+def test_what_its_end_shows_costs_each_check_that_it_breaks() -> None:
+    class Ended(Letters):
+        def end(self, _: GradedNode) -> None:
+            for name in sorted({"a", "b"} - self.lost):
+                fail(name, breaks=f"on_{name}")
+
+    assert judge(checks_of(Ended), StandIn()) == {name: f"{name} is wrong." for name in "abc"}
+
+
 def test_what_hangs_on_a_lost_check_is_asked_no_more() -> None:
     class Wrong(Letters):
         @step_rule("a")
