@@ -173,6 +173,15 @@ def twist_of(fields: list[float]) -> Twist:
     return Twist(linear=linear, angular=angular)
 
 
+def _set_one_by_one(past: Sequence[Done]) -> list[Done]:
+    """The same commands and changes, but no values together."""
+    return [
+        part
+        for done in past
+        for part in ([done] if isinstance(done, list) else [{name: value} for name, value in done.items()])
+    ]
+
+
 class LimiterSteps(Model):
     """A velocity limiter: its settings, what was done to it, and what is asked of it."""
 
@@ -199,7 +208,10 @@ class LimiterSteps(Model):
         change = node.set(values, of=NODE)
         for name in values if len(values) > 1 and not change.result.successful else ():
             self.accept(node, {name: values[name]}, CHANGES[name])
-        change.accepted(breaks=breaks)
+        try:
+            change.accepted(breaks=breaks)
+        except Failed as failed:
+            raise self.blame(node, failed, lambda model: model.accept(node, values, breaks)) from None
         if "change_status" not in self.lost:
             change.within(ANSWER_S, breaks="change_answered")
         self.keep_values(values)
@@ -230,13 +242,19 @@ class LimiterSteps(Model):
         self.past.append((values, True))
         if "change_status" not in self.lost:
             change.within(ANSWER_S, breaks="change_answered")
-        if several and not any(name in change.result.reason for name in wrong):
-            for other in values.keys() - wrong:  # whoever minds this one has named it rightly
-                self.accept(node, {other: values[other]}, CHANGES[other])
+        if "reason" in self.lost:
+            return
+        if several and not any(
+            name in change.result.reason for name in wrong
+        ):  # who minds another has named it rightly
+            self.accept(node, {**values, **{name: getattr(self.settings, name) for name in wrong}}, "atomic")
         if lacks := missing_in_reason(name, values[name], change.result.reason):
             why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
-            change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
+            try:
+                change.fail(why, expected=expected, breaks="reason", diagnosis="validation.no_reason")
+            except Failed as failed:
+                raise self.blame(node, failed, lambda model: model.refuse(node, values)) from None
 
     def require_quiet(self, node: GradedNode, seconds: float, *, enabled: bool = False) -> None:
         """Nothing comes that was not asked for, after a command while the robot was on or off."""
@@ -324,9 +342,15 @@ class LimiterSteps(Model):
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
         """What goes right on a fresh start without the changes that were refused is wrong because of them."""
+        if self.is_control:
+            return failed
         refused = [done for done, was_refused in self.past if was_refused]
         plain = [done for done, was_refused in self.past if not was_refused]
         if not refused or not self._goes_right(node, act, plain):
+            one_by_one = _set_one_by_one(plain)
+            if len(one_by_one) > len(plain) and self._goes_right(node, act, one_by_one):
+                why = "Values that were set together do not act as they do when you set one after the other."
+                return Failed(failed.evidence, why, breaks="atomic")
             return failed
         alone: list[Done] = []  # of what was refused only the wrong values, one at a time
         for done, was_refused in self.past:
@@ -334,7 +358,7 @@ class LimiterSteps(Model):
                 alone += [{name: value} for name, value in done.items() if not is_valid(name, value)]
             else:
                 alone.append(done)
-        why = "Your node refused the change, but since then it behaves differently. It must behave as before."
+        why = "Since your node refused an invalid change it behaves differently. It must behave as before."
         together = any(len(done) > 1 for done in refused) and self._goes_right(node, act, alone)
         return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic" if together else "refuses")
 

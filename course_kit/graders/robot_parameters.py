@@ -77,11 +77,14 @@ class Limiter(LimiterSteps):
         """After all of it the node does what it did; and nothing comes late."""
         given = {**_LONG, "wheel_diameter": 0.3, "enabled": True}
         if self.lost & {"atomic", *CHANGES.values()}:
-            for name in [name for name in given if CHANGES[name] not in self.lost]:
-                self.accept(node, {name: given[name]}, CHANGES[name])
+            kept = [name for name in given if CHANGES[name] not in self.lost]
+            for values in ({**given, "enabled": False}, given):
+                for name in (*kept, *kept):  # each also before the others
+                    self.accept(node, {name: values[name]}, CHANGES[name])
+                self.drive(node, [BEYOND, *[0.1] * 5])
         else:
             self.set_several(node, given)
-        self.drive(node, [BEYOND, 0.1, 0.1, 0.1, 0.1, 0.1])
+            self.drive(node, [BEYOND, *[0.1] * 5])
         self.drive(node, _SMALL)
         self.refuse_each(node)
         self.lines = node.inbox(STATUS).count
@@ -114,7 +117,8 @@ class Limiter(LimiterSteps):
     @step_rule("change_enabled")
     def switch_off(self, node: GradedNode) -> None:
         """Off acts, on a command to stand or to turn on the spot, too."""
-        self.accept(node, {"enabled": False}, "change_enabled")
+        for _ in range(2):  # the value that it has already is valid, too
+            self.accept(node, {"enabled": False}, "change_enabled")
         self.refuse_each(node)
         for fields in ([0.5 * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0], [0.0] * 5 + [0.5], [0.0] * 6):
             self.drive(node, fields)
@@ -126,7 +130,8 @@ class Limiter(LimiterSteps):
         if self.settings.enabled:
             self.accept(node, {"enabled": False}, "change_enabled")
         self.set_numbers(node, velocity, diameter)
-        self.accept(node, {"enabled": True}, "change_enabled")
+        for _ in range(2):
+            self.accept(node, {"enabled": True}, "change_enabled")
         self.refuse_each(node)
         for share in _SHARES:
             self.drive(node, [share * self.settings.max_velocity, 0.2, 0.4, 0.6, 0.8, 1.0])

@@ -186,21 +186,24 @@ class Conversation:
         self._end(node, model, done or [step])
 
     def _end(self, node: GradedNode, model: Model, done: list[Step]) -> None:
-        """After the last step: again on a fresh start, as long as that costs another check."""
-        lost = None
-        while lost != self.lost_checks and not self.context.time_is_up():
+        """After the last step; when it fails again on fresh starts, as long as that costs another check."""
+        fresh = False
+        while not self.context.time_is_up():
             self.last, lost = model, self.lost_checks
             try:
                 model.end(node)
             except Failed as failed:
                 self._keep(failed, done)
-                if self.context.job.first_failure:
-                    return
-                self.context.spoil()
-                try:
-                    node, model, _ = self._begin()
-                except Failed:
-                    return
+            else:
+                return
+            if self.context.job.first_failure or (fresh and lost == self.lost_checks):
+                return
+            self.context.spoil()
+            try:
+                node, model, _ = self._begin()
+            except Failed:
+                return
+            fresh = True
 
     def _is_over(self, step: Step, failed: Failed) -> bool:
         """Whether nothing more is asked after a failure: the first was wanted, or the program answers nothing."""
