@@ -101,6 +101,9 @@ def test_the_class_edited_and_run_again_replaces(kernel: Kernel) -> None:
     assert kernel.run("lab.nodes()").result["text/plain"].startswith("renamed (Server)")
     cell = kernel.run("answer = await lab.call('/ask', SetBool, data=True)")
     assert cell.stdout == "[INFO] [renamed]: asked\nedited True\n"
+    cell = kernel.run(SERVER.replace('"ask"', '"other"').replace('"server"', '"renamed"').replace("Server", "Copy"))
+    assert "/ask: gone. lab.start(Copy) first ends the node" in cell.stdout
+    assert "gone" not in kernel.run(SERVER.replace('"server"', '"renamed"').replace("Server", "Copy")).stdout
 
 
 def test_rclpys_program_functions_say_what_they_mean_here(kernel: Kernel) -> None:

@@ -149,6 +149,8 @@ class Neighbours:
         now = self.own_offers()
         there, names = {offer for offers in now.values() for offer in offers}, {live.name for live in now}
         for old in before.keys() - now.keys():
+            if any(live.name == old.name and live.same_class(old.node_class) for live in now):
+                continue  # the same cell again, edited
             lost = [offer[0] for offer in before[old] if offer not in there]
             if old.name not in names and old.same_class(started) and old.node_class is not started:
                 lost = [short_name(old.name)]
