@@ -36,6 +36,7 @@ _NO_RESPONSE = "did not return a GoalResponse type"  # rclpy's warning
 A_SECOND = 1.2  # and what the grader sees late; in metres, how far the robot goes on after cancelling was accepted
 FAR_M = 2.4  # to be cancelled on at its own speed, as an answer may take a second; farther edges are not driven to
 CANCEL_UNTIL_M = 0.3  # before the target; until then it has to work
+SHORT_M = CANCEL_UNTIL_M + 0.15  # to be cancelled on the way, as a request takes its time; shorter ways are driven
 _NEAR_M = 0.5  # metres; a robot that reports five times a metre was seen so near to where it went
 OVERLAP_S = 0.01  # for which two goals may seem to run together, by the order in which their statuses come
 OFTEN = 3  # times that the fast robot was too fast, after which the own speed stays, or that something was over unseen

@@ -97,7 +97,7 @@ class RobotModel(Model):
         near, far = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
         for target in (ArenaPoint(*place) for place in ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), near, far)):
             driven = target == far and not _moves.speed_of(node.context).own
-            if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
+            if not (driven or math.dist(self.at, target) <= _moves.SHORT_M) and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
             self.make_plain_move(node, "outside")
