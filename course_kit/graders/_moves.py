@@ -162,6 +162,17 @@ def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) ->
     return math.dist(place_of(heard[-1].position), target) if heard else math.inf
 
 
+def wait_for_share(
+    context: CheckContext, goal: GradedGoal, begin: ArenaPoint, target: ArenaPoint, share: float
+) -> None:
+    """Wait until feedback says that a share of the way is done, or for as long as that may take."""
+    length = math.dist(begin, target)
+    seconds = 1.3 * share * length / (1.0 if speed_of(context).own else 10.0) + 0.05
+    context.wait_until(
+        lambda: goal.over_at is not None or metres_left(goal, target) <= (1.0 - share) * length, seconds, step_s=0.005
+    )
+
+
 # --- a goal and its answer
 
 

@@ -96,8 +96,9 @@ class RobotModel(Model):
         """The edges belong to the arena, and so do its corners, of which the farther one is far away."""
         near, far = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
         for target in (ArenaPoint(*place) for place in ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), near, far)):
-            driven = target == far and not _moves.speed_of(node.context).own
-            if not (driven or math.dist(self.at, target) <= _moves.SHORT_M) and "cancel" not in self.lost and node.context.job.mode != "attach":
+            fast = not _moves.speed_of(node.context).own
+            driven = (fast and target == far) or math.dist(self.at, target) <= _moves.SHORT_M
+            if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")
                 continue
             self.make_plain_move(node, "outside")
@@ -228,15 +229,9 @@ class RobotModel(Model):
 
     def set_off(self, node: GradedNode, target: ArenaPoint, share: float, breaks: str = "") -> GradedGoal:
         """Begin a move, and wait until feedback says that a share of it is done, or for as long as that may take."""
-        length = math.dist(self.at, target)
-        goal = self.start(node, target, breaks=breaks)
+        begin, goal = self.at, self.start(node, target, breaks=breaks)
         if share:
-            seconds = 1.3 * share * length / (1.0 if _moves.speed_of(node.context).own else 10.0) + 0.05
-            node.context.wait_until(
-                lambda: goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length,
-                seconds,
-                step_s=0.005,
-            )
+            _moves.wait_for_share(node.context, goal, begin, target, share)
         return goal
 
     def reject_second(self, node: GradedNode, first: GradedGoal, target: ArenaPoint) -> None:
