@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import Counter, defaultdict
+from collections import Counter
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from course_kit.grading.model.exercise import Exercise, list_exercise_ids, load_
 from course_kit.grading.model.submission import UnreadableError
 from course_kit.grading.reading import FileSummary, copy_file, starter_identities
 from course_kit.reader import text
-from course_kit.reader.files import is_name
+from course_kit.reader.files import YAML
 from course_kit.text.sanitize import one_line
 
 if TYPE_CHECKING:
@@ -53,7 +53,6 @@ class Chooser:
         self._listing = opened.listing
         self._may_unpack = opened.is_copy
         self._exercises = exercises
-        self._named = {name for exercise in exercises for name in exercise.files}
         self.entries: list[Entry] = []
         self.left: LeftOut = []
         self.missing: list[tuple[str, str]] = []
@@ -122,33 +121,11 @@ class Chooser:
         wanted = [
             file
             for file in files
-            if file.item.is_program or of_exercise[file.exercise] == 1 or file.plain_name in (STAMP, *self._named)
+            if file.item.is_program or of_exercise[file.exercise] == 1 or file.file_name.endswith((STAMP, YAML))
         ]
         unpacked = self._listing.fetch(file.item for file in wanted if not file.problem)
         files = [file.with_item(replace(file.item, problem=unpacked.get(file.path, file.problem))) for file in files]
-        return self._gather(files) + opened, problems
-
-    def _gather(self, files: list[HandIn]) -> list[HandIn]:
-        """A student's files; loose ones of a submission of several, of each name the last upload, lie in one folder."""
-        places: defaultdict[str, dict[str, HandIn]] = defaultdict(dict)
-        found = list(files)
-        for file in sorted(files if self._may_unpack else [], key=lambda one: one.attempt):
-            name, loose = file.plain_name, places[file.folder]
-            if is_name(name) and (file.item.is_program or name in self._named) and not (file.inside or file.problem):
-                if name in self._named and name in loose:
-                    self.left.append((loose[name].path, "an earlier upload"))
-                    found.remove(loose[name])
-                loose[name] = file
-        for loose in [each for each in places.values() if not self._named.isdisjoint(each)]:
-            lead = max((loose[name] for name in loose if name in self._named), key=lambda one: one.attempt)
-            folder = f"{lead.path}{archive.CONTENTS}"
-            (self._root / folder).mkdir(exist_ok=True)
-            for name, file in loose.items():
-                found.remove(file)
-                item = Item(f"{folder}/{name}", listing.FILE)
-                found.append(replace(file, item=item, inside=folder, platform=lead.platform))
-                (self._root / file.path).rename(self._root / folder / name)
-        return found
+        return files + opened, problems
 
     def _note(self, unit: HandIn, tools: Sequence[tuple[str, str]], unseen: Sequence[tuple[str, str]]) -> list[str]:
         """List what was found beside a student's files; returns what may have been a submission, as sentences."""
@@ -252,7 +229,8 @@ class Chooser:
             for other in (load_exercise(name, course) for name in list_exercise_ids(course) if name != exercise.id):
                 if self._summarize_file(file, other).found:
                     return f"it holds {other.asks_for}, which {other.id} asks for"
-            return "" if fits else f"it does not contain {exercise.asks_for}"
+            together = ", all in one zip or notebook" if exercise.files else ""
+            return "" if fits else f"it does not contain {exercise.asks_for}{together}"
         with suppress(OSError):
             if not path.lstat().st_size:
                 return "it is empty"
@@ -277,8 +255,7 @@ class Chooser:
 def _as_one(files: Sequence[HandIn], exercise: Exercise) -> list[HandIn]:
     """Files of a submission of several: each folder with some of the wanted ones as one, beside what is in no such."""
     folders = {file.folder: file for file in files if file.file_name in exercise.files and file.inside}
-    last = {folder: max(file.attempt for file in files if file.folder == folder) for folder in folders}
-    found = [replace(file, item=Item(folder, listing.FOLDER), attempt=last[folder]) for folder, file in folders.items()]
+    found = [replace(file, item=Item(folder, listing.FOLDER)) for folder, file in folders.items()]
     return found + [
         file for file in files if file.folder not in folders or text.kind_of_file(file.file_name) == text.NOTEBOOK
     ]
@@ -292,7 +269,7 @@ def may_be_submission(item: Item, exercise: Exercise) -> bool:
 def _sureness(file: HandIn, exercise: Exercise, seen: FileSummary) -> int:
     if not may_be_submission(file.item, exercise):
         return 0
-    called = file.plain_name.lower()
+    called = file.file_name.lower()
     if called in map(str.lower, exercise.starters):
         return NAMED
     if exercise.id in called:

@@ -55,7 +55,6 @@ _ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 _NAMELESS = "unnamed"
 _MARK = 8  # hexadecimal digits that tell two apart who look the same
 _MARKED = re.compile(rf"~[0-9a-f]{{{_MARK}}}\Z")  # nobody is called like somebody else with a mark
-_DOWNLOADED_AGAIN = re.compile(r" ?\(\d{1,3}\)(?=\.)")
 # Marks that change how, or whether, the letter before them is drawn; without one two names look the same.
 _INVISIBLE = re.compile("[\u034f\u17b4\u17b5\u180b-\u180f\ufe00-\ufe0f\U000e0100-\U000e01ef\u200c\u200d]")
 
@@ -105,11 +104,6 @@ class HandIn:
     def file_name(self) -> str:
         """What the student called it."""
         return (not self.inside and self.file) or self.item.name
-
-    @property
-    def plain_name(self) -> str:
-        """The file's name without the number that a browser gives a second download, as in `answer (1).py`."""
-        return _DOWNLOADED_AGAIN.sub("", self.file_name)
 
     @property
     def folder(self) -> str:

@@ -52,9 +52,7 @@ def open_all(
     download = _open(path, workspace, exercises, stack, copied=False)
     opened = _read_download(path, download, layout, workspace if download.packed else path)
     found = (file for unit in opened.units for file in listing.look_through(opened.listing, unit.item).files)
-    named = {name for exercise in exercises for name in exercise.files}
-    moves = named.intersection(unit.plain_name for unit in opened.units)  # see Chooser._gather
-    if not opened.is_copy and (moves or any(file.is_zip for file in found)):
+    if not opened.is_copy and any(file.is_zip for file in found):
         copied = CopiedFolder(path, workspace)
         opened = replace(opened, root=workspace, listing=copied, is_copy=True)
     return opened
