@@ -40,6 +40,8 @@ name = "/guard/pace"
 type = "std_msgs/msg/Float64"
 """
 _CHECKS = '''
+from std_srvs.srv import SetBool
+
 from course_kit.grading.checks.vocabulary import check
 
 
@@ -64,8 +66,9 @@ def pair(node):
     node.parameters("/guard").expect_served()
     node.call("/gate/open", data=True).expect(success=True, message="from the file")
     node.expect("/guard/pace", 3.5)
-    assert node.kill("gate.py")
-    assert not node.kill("gate.py")
+    node.kill("gate.py")
+    asked = node.context.grader_node.client(SetBool, "/gate/open").send(SetBool.Request(data=True))
+    assert not node.context.wait_until(asked.is_answered, 0.2)
     assert (node.context.program.asked, node.context.record.partner) == ("guard.py", "guard")
     node.expect("/guard/pace", 3.5)
 

@@ -16,8 +16,6 @@ from course_kit.grading.checks.graded_goal import SUCCEEDED
 from course_kit.grading.checks.vocabulary import Approximation, Evidence, Failed, GradedGoal, GradedNode, offer_service
 
 if TYPE_CHECKING:
-    from course_kit.grading.checks.fair_clock import FairClock
-    from course_kit.grading.checks.grader_node import OfferedService
     from course_kit.ros.messages import Message
 
 STATE, DISTANCE, DOCKED, OPEN, DELIVER = "/battery", "/odometry_distance", "/docked", "/door/open", "/deliver"
@@ -100,15 +98,14 @@ def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> Non
 # --- the carrier
 
 
-def enter(node: GradedNode) -> OfferedService:
+def enter(node: GradedNode) -> None:
     """Have the carrier alone, in a building of ours whose door opens at once, with a battery that is not low."""
     fresh = have_running(node, "carrier.py", **BUILDING, door_timeout_s=PATIENCE_S)
-    door = offer_service(node, OPEN, SetBool, success=True, message="open")
+    open_door(node)
     if fresh:
         node.send(STATE, percentage=CHARGE, power_supply_health=GOOD)
         node.context.wait_until(lambda: node.context.grader_node.node.count_clients(OPEN) > 0, CALM_S)
         hangs.greet_node(node.context)  # then it knows our door, too
-    return door
 
 
 def expect_distance(node: GradedNode) -> None:
@@ -117,9 +114,10 @@ def expect_distance(node: GradedNode) -> None:
     expect_soon(node, DISTANCE, f"{DISTANCE} does not match the distances in the results of the goals.", data=driven)
 
 
-def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> GradedGoal:
+def ask_for_delivery(node: GradedNode, room: str) -> GradedGoal:
     """A goal that is accepted; the carrier asks for the door, which says nothing as long as nobody replies."""
-    before, door.answer = len(door.requests), None
+    door = offer_service(node, OPEN, SetBool)
+    before = len(door.requests)
     goal = node.goal(DELIVER, room=room).accepted_by()
     asked = node.context.wait_until(lambda: any(request.data for request in list(door.requests)[before:]), PATIENCE_S)
     if not asked and goal.over_at is not None:  # how it has ended says more
@@ -129,11 +127,10 @@ def ask_for_delivery(node: GradedNode, room: str, door: OfferedService) -> Grade
     return goal
 
 
-def open_door(node: GradedNode) -> FairClock:
-    """The door opens, for those who wait and for the next; a clock that begins then."""
-    door, clock = offer_service(node, OPEN, SetBool, success=True, message="open"), node.context.clock()
+def open_door(node: GradedNode) -> None:
+    """The door opens, for those who wait and for the next."""
+    door = offer_service(node, OPEN, SetBool, success=True, message="open")
     door.reply(door.answer)
-    return clock
 
 
 def wait_until_driving(node: GradedNode, goal: GradedGoal, messages: int = 1) -> None:
@@ -145,22 +142,16 @@ def wait_until_driving(node: GradedNode, goal: GradedGoal, messages: int = 1) ->
 
 def deliver(node: GradedNode, room: str, speed_mps: float = ALONE_MPS, goal: GradedGoal | None = None) -> None:
     """The door opens, and a goal, or this one, ends SUCCEEDED, after as long as the way takes."""
-    memory, opened = node.context.memory, open_door(node)
+    memory, opened = node.context.memory, node.context.clock()
+    open_door(node)
     goal = goal or node.goal(DELIVER, room=room).accepted_by()
     metres = abs(PLACES[room] - memory["at"])
-    ended = goal.ends("SUCCEEDED", within_s=2.0 * metres / speed_mps + SHOWN_S, delivered=True)
+    driven = Approximation(metres, absolute=NEAR_M)
+    ended = goal.ends(within_s=2.0 * metres / speed_mps + SHOWN_S, delivered=True, distance=driven)
     took_s = opened.wall_s()
     evidence = Evidence(goal.shown, f"{metres:.2f} m in {metres / speed_mps:.2f} s or more", f"{took_s:.2f} s")
     require(took_s >= 0.9 * metres / speed_mps, evidence, f"That is faster than speed_mps={speed_mps:g}.")
-    require_distance(node, goal, ended, metres)
-    memory["at"] = PLACES[room]
-
-
-def require_distance(node: GradedNode, goal: GradedGoal, ended: Message, metres: float) -> None:
-    """The result says that so many metres were driven for this goal."""
-    node.context.memory["driven"] += (driven_m := ended.result.distance)
-    evidence = Evidence(goal.shown, f"distance={metres:.2f}, within 0.05", f"distance={driven_m:.3f}")
-    require(abs(driven_m - metres) <= NEAR_M, evidence, "The robot drove a different distance for this goal.")
+    memory.update(at=PLACES[room], driven=memory["driven"] + ended.result.distance)
 
 
 def require_stop(node: GradedNode, goal: GradedGoal, speed_mps: float) -> float:
@@ -174,14 +165,14 @@ def require_stop(node: GradedNode, goal: GradedGoal, speed_mps: float) -> float:
     return metres
 
 
-def require_aborted(node: GradedNode, goal: GradedGoal, within_s: float, words: str = "", after_s: float = 0.0) -> None:
+def require_aborted(goal: GradedGoal, within_s: float, words: str = "", after_s: float = 0.0) -> None:
     """A goal ends ABORTED in time, with a message in which these words stand; the robot has not moved."""
-    ended = goal.ends("ABORTED", within_s=within_s, not_before_s=after_s, delivered=False)
+    stood = Approximation(0.0, absolute=NEAR_M)
+    ended = goal.ends("ABORTED", within_s=within_s, not_before_s=after_s, delivered=False, distance=stood)
     said = ended.result.message
     evidence = Evidence(goal.shown, f"a message that contains {words or 'something'!r}", f"message={said!r}")
     right = said.strip() and words in said
     require(right, evidence, "In the result, message has to say why the parcel was not delivered.")
-    require_distance(node, goal, ended, 0.0)
 
 
 def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> GradedGoal:
@@ -221,6 +212,5 @@ def deliver_at_door(node: GradedNode) -> GradedGoal:
     """A delivery that waits for a door which opens slowly."""
     node.set({"opening_s": 5.0}, of="/door").accepted()
     goal = send_until(node, "kitchen").accepted_by()
-    node.context.wait_until(lambda: bool(goal.feedback), CALM_S)
-    node.wait(CALM_S)
+    node.wait(2.0 * CALM_S)
     return goal

@@ -100,9 +100,9 @@ class GradedProgram:
         """What each of its threads is executing, by faulthandler; empty for other than Python source."""
         return str(self._ask("stacks", program=self.asked)["stacks"]) if self.job.mode == "run" else ""
 
-    def kill(self, program: str) -> bool:
-        """Kill the process that runs one of its files; False when no process does."""
-        return bool(self._ask("kill", program=program).get("found"))
+    def kill(self, program: str) -> None:
+        """Kill the process that runs one of its files."""
+        self._ask("kill", program=program)
 
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""

@@ -310,22 +310,18 @@ class GradedNode:
             words += [*([] if "--ros-args" in words else ["--ros-args"]), "--params-file", _FILE]
         self.context.launch(words, files, program=program)
 
-    def kill(self, program: str) -> bool:
-        """End the process that runs one of the files, at once, while the others run on.
+    def kill(self, program: str) -> None:
+        """End the process that runs one of the files, at once, while the others run on; one of several nodes lives on.
 
         Args:
             program: the file's name.
 
-        Returns:
-            False when no process runs it, as where one process has several nodes: its node may live on.
-
         Example:
             >>> node.start(program="delivery.launch.py")
             >>> node.kill("door.py")
-            True
         """
         self.context.record.add_sent(f"kill {program}", "message", partner=program.removesuffix(".py"))
-        return self.context.program.kill(program)
+        self.context.program.kill(program)
 
     def ensure_running(self) -> None:
         """Have a running program whose endpoints are all connected; one that has died or hangs is started again."""

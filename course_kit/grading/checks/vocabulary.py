@@ -8,7 +8,6 @@ from course_kit.grading.checks.conversation import CheckPart, Model, conversatio
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.graded_goal import GradedGoal
 from course_kit.grading.checks.graded_node import GradedNode, offer_service
-from course_kit.grading.checks.grader_node import OfferedService
 from course_kit.grading.checks.ready_made import (
     check,
     endpoints_offered,

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 SAMPLE = b"m"
 STACKS, KILL = b"s", b"k"  # behind them may stand the name of the file that the process runs
-_DYING_S = 2.0
 _PERIOD_S = 0.05
 _PATIENCE_S = 0.2  # for an exact count of memory, during which processes are not counted
 _STARTED_AT_ONCE, _STARTED_PER_S = 512, 200  # processes and threads: who starts more makes everybody wait
@@ -103,20 +102,16 @@ class _Watch:
         wishes = os.read(self._inside.control, 4096)
         if not wishes:  # the grader has gone
             return False
-        found = 0
         for wish in wishes.splitlines():
             if wish[:1] in (STACKS, KILL):
                 number = runner.STACKS_SIGNAL if wish[:1] == STACKS else signal.SIGKILL
                 chosen = [self._child]
                 if name := wish[1:].decode():
                     chosen = [each for each in self._started_processes() if each != self._child and _runs(each, name)]
-                found += len(chosen)
                 for process_id in chosen:
                     with suppress(OSError):  # it has ended
                         os.kill(process_id, number)
-                        if number == signal.SIGKILL:  # who asks again is answered that it is gone
-                            _wait_for_end(process_id)
-        self._inside.tell(**self._usage(), found=found)
+        self._inside.tell(**self._usage())
         return True
 
     def _exceeded_limit(self) -> str:
@@ -154,17 +149,10 @@ class _Watch:
         return {"cpu_s": cpu_s, "waited_s": waited_s, "hidden_s": self._waiting.hidden_s}
 
 
-def _wait_for_end(process_id: int) -> None:
-    """Wait until a process that was killed has ended, which on a busy machine takes a moment."""
-    with suppress(AttributeError), open(os.pidfd_open(process_id), "rb", buffering=0) as end:  # noqa: PTH123 - a descriptor
-        select.select([end], [], [], _DYING_S)
-
-
 def _runs(process_id: int, name: str) -> bool:
     """Whether a process runs a file: it is named so, see `runner`, or is the Python that was started with it."""
     with suppress(OSError):
         called = Path(f"/proc/{process_id}/comm").read_text(errors="replace").rstrip("\n")
         words = Path(f"/proc/{process_id}/cmdline").read_text(errors="replace").split("\0")
-        # of one that has ended the words are empty
-        return bool(words[0]) and (called == name[:_LONGEST_NAME] or name in (Path(word).name for word in words[:3]))
+        return called == name[:_LONGEST_NAME] or name in (Path(word).name for word in words[:3])
     return False
