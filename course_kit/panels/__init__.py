@@ -89,17 +89,14 @@ def robot_map(action: str = "/move_robot") -> RobotMap:
     return RobotMap(action)
 
 
-def arena(action: str = "/deliver") -> CorridorPicture:
+def arena() -> CorridorPicture:
     """The robot of `delivery_robot` on its way, drawn by what its nodes publish.
 
-    Rooms are those of the node /carrier's parameters; positions, in metres, follow the feedback of goals and /docked.
-
-    Args:
-        action: the action's name, of type `course_interfaces/action/Deliver`.
+    Rooms are those of the node /carrier's parameters; positions, in metres, follow /docked and the feedback of goals.
     """
     from course_kit.panels.corridor import CorridorPicture
 
-    return CorridorPicture(action)
+    return CorridorPicture()
 
 
 def compare(title: str, values: Mapping[str, float], unit: str) -> Comparison:

@@ -17,12 +17,12 @@ from course_kit.panels.goal_panel import ENDED
 from course_kit.ros import graph
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from course_kit.ros.messages import Message
 
 _DOCK = "dock"
-_ASKED_NODES = frozenset({"/carrier", "/door"})
+_CARRIER = "/carrier"
 _LEFT, _LENGTH = 1.2, 9.6  # of the corridor, in the picture's own units
 _NEAR_M = 0.1  # as near as that, the robot is there: so much a carrier's last feedback may leave
 
@@ -31,10 +31,10 @@ class Journey:
     """Where the robot is and how things stand there, as far as its nodes have said so."""
 
     def __init__(self) -> None:
-        self.parameters: dict[str, Any] = {}  # of all nodes, by name
+        self.parameters: Mapping[str, Any] = {}  # of the carrier
         self.at: float | None = None  # metres from the dock
         self.target = ""
-        self.door = "shut"  # or "asked", or "open"
+        self.door = "shut"  # or "asked", or "open", as far as the robot has asked
         self.battery: float | None = None
         self.low = False
         self._goal = b""
@@ -45,11 +45,6 @@ class Journey:
         names, metres = (self.parameters.get(name) for name in ("room_names", "room_distances_m"))
         found = zip(names, metres, strict=False) if isinstance(names, list) and isinstance(metres, list) else ()
         return {_DOCK: 0.0, **{room: far for room, far in found if isinstance(far, float) and 0.0 < far < math.inf}}
-
-    @property
-    def state_of_door(self) -> str:
-        """In a word; whether it is shut or open shows only when the robot has asked."""
-        return "locked" if self.parameters.get("locked") else self.door
 
     def take_docked(self, message: Message) -> None:
         """The carrier says whether the robot stands at the dock, where the way begins."""
@@ -81,8 +76,7 @@ class Journey:
     def describe(self) -> str:
         """Where the robot is, in sentences."""
         battery = "" if self.battery is None else f" The battery has {self.battery:.0%}{', low' * self.low}."
-        door = self.state_of_door.replace("asked", "asked to open")
-        return f"The robot {self._place()}. The door is {door}.{battery}"
+        return f"The robot {self._place()}. The door is {self.door.replace('asked', 'asked to open')}.{battery}"
 
     def _place(self) -> str:
         if self.at is None:
@@ -105,8 +99,8 @@ class _CorridorWidget(anywidget.AnyWidget):
 class CorridorPicture(Panel):
     """The corridor with dock, door and rooms, the robot and its battery."""
 
-    def __init__(self, action: str = "/deliver") -> None:
-        super().__init__(action)
+    def __init__(self) -> None:
+        super().__init__()
         from action_msgs.msg import GoalStatusArray
         from course_interfaces.action import Deliver
         from rcl_interfaces.msg import ParameterEvent
@@ -114,16 +108,16 @@ class CorridorPicture(Panel):
         from std_msgs.msg import Bool
 
         self._journey, self._lock = Journey(), threading.Lock()
-        self._asked: set[str] = set()  # nodes whose parameters are known
+        self._is_known = False  # whether the carrier's parameters are
         self.widget = _CorridorWidget()
         self.at_close(lambda: self.widget.set_trait("line", ENDED))
         self._updates: LatestValue[None] = LatestValue(lambda _: self._show())
         self.at_close(self._updates.close)
-        self._hear("/parameter_events", ParameterEvent, lambda event: self._asked.discard(event.node))
+        self._hear("/parameter_events", ParameterEvent, self._take_event)
         self._hear("/docked", Bool, self._journey.take_docked)
         self._hear("/battery", BatteryState, self._journey.take_battery)
-        self._hear(f"{action}/_action/feedback", Deliver.Impl.FeedbackMessage, self._journey.take_feedback)
-        self._hear(f"{action}/_action/status", GoalStatusArray, self._journey.take_status)
+        self._hear("/deliver/_action/feedback", Deliver.Impl.FeedbackMessage, self._journey.take_feedback)
+        self._hear("/deliver/_action/status", GoalStatusArray, self._journey.take_status)
         self._show()
 
     def describe(self) -> str:
@@ -142,18 +136,17 @@ class CorridorPicture(Panel):
 
         self.at_close(Subscription(lab.current().engine, topic, message_type, keep).close)
 
+    def _take_event(self, event: Message) -> None:
+        self._is_known = self._is_known and event.node != _CARRIER
+
     def _show(self) -> None:
-        with contextlib.suppress(lab.LabError):  # a node has gone, or is about to begin; or the lab is about to end
-            self._ask_for_parameters()
+        with contextlib.suppress(lab.LabError):  # the carrier has gone, or is about to begin; or the lab has ended
+            is_there = _CARRIER in graph.node_names(lab.current().engine.node)
+            is_new, self._is_known = is_there and not self._is_known, is_there  # a change meanwhile has it asked again
+            if is_new:
+                self._journey.parameters = lab.get_parameters_blocking(_CARRIER)
         with self._lock, self.widget.hold_sync():
             self.widget.picture, self.widget.line = self._draw(), self._journey.describe()
-
-    def _ask_for_parameters(self) -> None:
-        there = _ASKED_NODES.intersection(graph.node_names(lab.current().engine.node))
-        self._asked &= there
-        for node in there - self._asked:
-            self._asked.add(node)  # a change meanwhile has it asked again
-            self._journey.parameters.update(lab.get_parameters_blocking(node))
 
     def _draw(self) -> str:
         rooms = {room: metres for room, metres in self._journey.rooms.items() if room != _DOCK}
