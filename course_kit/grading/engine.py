@@ -163,9 +163,8 @@ def _grade(exercise: Exercise, job: Job, shown: str, workers: Sequence[Worker], 
 
 def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> GradingOutcome:
     """Grade each part of an exercise by itself, as many at a time as there are workers; other jobs have one."""
-    parts = exercise.parts if job.mode == "run" and not job.only else ()
+    waiting = list((exercise.parts if job.mode == "run" and not job.only else ()) or (job.only,))
     whole: GradingOutcome = {"results": [], "stdout": "", "stderr": "", "problem": "", "again": False}
-    waiting = list(parts or (job.only,))
     while waiting:
         asked = [(worker, waiting.pop(0)) for worker in workers[: len(waiting)]]
         for worker, part in asked:
@@ -178,9 +177,6 @@ def _grade_parts(exercise: Exercise, job: Job, workers: Sequence[Worker]) -> Gra
             whole["problem"] = whole["problem"] or outcome["problem"]
         if job.first_failure and any(one["status"] == "failed" and one["max_points"] for one in whole["results"]):
             return whole
-    worth, whole_worth = f"{sum(each['max_points'] for each in whole['results']):g}", f"{job.points:g}"
-    if parts and not whole["problem"] and worth != whole_worth:
-        whole["problem"] = f"the checks of its parts are worth {worth} together, but the exercise {whole_worth}"
     return whole
 
 

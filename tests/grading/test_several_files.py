@@ -29,10 +29,6 @@ def test_parts_graded_side_by_side_are_all_checks_of_the_exercise(tmp_path: Path
     made = several_files.write(tmp_path / "exercises")
     report = grading.grade(ID, made / "solution", exercises=made.parent, seed=3)
     assert [(check.id, check.status) for check in report.checks] == [(part, "passed") for part in PARTS], report
-    toml = made / "exercise.toml"
-    toml.write_text(toml.read_text().replace(', "pair"]', "]"))
-    report = grading.grade(ID, made / "solution", exercises=made.parent, seed=3)
-    assert "the checks of its parts are worth 3 together, but the exercise 5" in report.problem
 
 
 def test_a_missing_file_and_one_that_is_no_python_cost_only_what_needs_them(
