@@ -108,9 +108,8 @@ def load_corpus(exercise_id: str, root: Path) -> Corpus:
 
 def _files(exercise: Exercise, folder: Path) -> tuple[Path, ...]:
     """All files of a right program, where a submission has several."""
-    if not exercise.files:
-        return ()
-    found = {path.name: path for place in (exercise.solution, folder) for path in sorted(place.iterdir())}
+    places = (exercise.solution, folder) if exercise.files else ()
+    found = {path.name: path for place in places for path in sorted(place.iterdir())}
     return tuple(path for name, path in found.items() if name.endswith((".py", ".yaml")))
 
 

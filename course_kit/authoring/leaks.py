@@ -92,8 +92,7 @@ def _grade(exercises: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[P
         clue = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
         if exercise.files:
             clue = rf"^%%submission {exercise.id}\b"
-            folders = {path.parent for path in texts if path.name in exercise.files}
-            ready += [(folder, exercise.id) for folder in folders]
+            ready += {(path.parent, exercise.id) for path in texts if path.name in exercise.files}
         named = (path for path, text in texts.items() if re.search(clue, text, re.MULTILINE))
         ready += [(path, exercise.id) for path in named if path.suffix != ".md"]
     with Gradings(exercises) as pool:

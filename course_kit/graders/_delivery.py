@@ -38,15 +38,13 @@ def require(right: object, evidence: Evidence, why: str, code: str | None = None
         raise Failed(evidence, why, code)
 
 
-def have_running(node: GradedNode, program: str, *arguments: str, **parameters: Any) -> bool:
-    """Have a program running, started with these arguments and parameters; whether it was started now."""
+def have_running(node: GradedNode, program: str, *arguments: str, **parameters: Any) -> None:
+    """Have a program running, started with these arguments and parameters."""
     wanted, memory = (program, arguments, parameters), node.context.memory
-    if not node.context.spoiled and memory.get("runs") == wanted:
-        return False
-    node.start(*arguments, program=program, parameters=parameters)
-    memory.update(runs=wanted, at=0.0, driven=0.0)
-    node.prepare()
-    return True
+    if node.context.spoiled or memory.get("runs") != wanted:
+        node.start(*arguments, program=program, parameters=parameters)
+        memory.update(runs=wanted, at=0.0, driven=0.0)
+        node.prepare()
 
 
 def require_graph(
@@ -100,12 +98,11 @@ def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> Non
 
 def enter(node: GradedNode) -> None:
     """Have the carrier alone, in a building of ours whose door opens at once, with a battery that is not low."""
-    fresh = have_running(node, "carrier.py", **BUILDING, door_timeout_s=PATIENCE_S)
+    have_running(node, "carrier.py", **BUILDING, door_timeout_s=PATIENCE_S)
     open_door(node)
-    if fresh:
-        node.send(STATE, percentage=CHARGE, power_supply_health=GOOD)
-        node.context.wait_until(lambda: node.context.grader_node.node.count_clients(OPEN) > 0, CALM_S)
-        hangs.greet_node(node.context)  # then it knows our door, too
+    node.send(STATE, percentage=CHARGE, power_supply_health=GOOD)
+    node.context.wait_until(lambda: node.context.grader_node.node.count_clients(OPEN) > 0, CALM_S)
+    hangs.greet_node(node.context)  # then it knows our door, too
 
 
 def expect_distance(node: GradedNode) -> None:
