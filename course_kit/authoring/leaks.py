@@ -87,7 +87,7 @@ def _find_scoring(exercises: list[Exercise], texts: Mapping[Path, str]) -> Itera
 
 def _grade(exercises: list[Exercise], texts: Mapping[Path, str]) -> dict[tuple[Path, str], float]:
     """The score of each program that could be for an exercise, by its file and the exercise."""
-    ready = []
+    ready: list[tuple[Path, str]] = []
     for exercise in exercises:
         clue = rf"^class {exercise.class_name}\b" if exercise.class_name else rf"^{exercise.variable}\b"
         if exercise.files:
