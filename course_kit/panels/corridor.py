@@ -35,8 +35,6 @@ class Journey:
         self.at: float | None = None  # metres from the dock
         self.target = ""
         self.door = "shut"  # or "asked", or "open", as far as the robot has asked
-        self.battery: float | None = None
-        self.low = False
         self._goal = b""
 
     @property
@@ -49,11 +47,6 @@ class Journey:
     def take_docked(self, message: Message) -> None:
         """The carrier says whether the robot stands at the dock, where the way begins."""
         self.at = 0.0 if message.data else self.at
-
-    def take_battery(self, message: Message) -> None:
-        """The battery says how full it is, and whether that is little."""
-        self.battery = None if math.isnan(message.percentage) else min(max(message.percentage, 0.0), 1.0)
-        self.low = message.power_supply_health == message.POWER_SUPPLY_HEALTH_DEAD
 
     def take_feedback(self, message: Message) -> None:
         """A delivery goes on, whoever has sent it; how far it has to go says where to, and then where the robot is."""
@@ -75,8 +68,7 @@ class Journey:
 
     def describe(self) -> str:
         """Where the robot is, in sentences."""
-        battery = "" if self.battery is None else f" The battery has {self.battery:.0%}{', low' * self.low}."
-        return f"The robot {self._place()}. The door is {self.door.replace('asked', 'asked to open')}.{battery}"
+        return f"The robot {self._place()}. The door is {self.door.replace('asked', 'asked to open')}."
 
     def _place(self) -> str:
         if self.at is None:
@@ -97,14 +89,13 @@ class _CorridorWidget(anywidget.AnyWidget):
 
 
 class CorridorPicture(Panel):
-    """The corridor with dock, door and rooms, the robot and its battery."""
+    """The corridor with dock, door and rooms, and the robot."""
 
     def __init__(self) -> None:
         super().__init__()
         from action_msgs.msg import GoalStatusArray
         from course_interfaces.action import Deliver
         from rcl_interfaces.msg import ParameterEvent
-        from sensor_msgs.msg import BatteryState
         from std_msgs.msg import Bool
 
         self._journey, self._lock = Journey(), threading.Lock()
@@ -115,7 +106,6 @@ class CorridorPicture(Panel):
         self.at_close(self._updates.close)
         self._hear("/parameter_events", ParameterEvent, self._take_event)
         self._hear("/docked", Bool, self._journey.take_docked)
-        self._hear("/battery", BatteryState, self._journey.take_battery)
         self._hear("/deliver/_action/feedback", Deliver.Impl.FeedbackMessage, self._journey.take_feedback)
         self._hear("/deliver/_action/status", GoalStatusArray, self._journey.take_status)
         self._show()
