@@ -58,8 +58,8 @@ def require_graph(
         node.parameters(name).expect_declared(values, why, code)
 
 
-def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[Any]:
-    """A message with these fields comes within a second, or a moment later; all that came until then are returned."""
+def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> None:
+    """A message with these fields comes within a second, or a moment later."""
     inbox, context = node.inbox(topic), node.context
     place = inbox.count
 
@@ -67,22 +67,13 @@ def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> list[A
         return any(are_same(wanted, message) for message in inbox.newer_than(place))
 
     context.wait_until(is_there, SHOWN_S)
-    seen: list[Any] = inbox.newer_than(place)
+    seen = inbox.newer_than(place)
     evidence = Evidence(context.record.last_exchange()[0], f"{topic}: {describe_value(wanted)}", f"nothing on {topic}")
     require(seen, evidence, f"Nothing was published on {topic} for a second.", "topic.silent")
     require(is_there(), replace(evidence, got=f"{topic}: {in_one_line(seen[-1])}"), why)
-    return seen
 
 
 # --- the battery
-
-
-def expect_state(node: GradedNode, why: str, **wanted: Any) -> float:
-    """A message with these fields comes on /battery within a second; its percentage is returned."""
-    shares = [state.percentage for state in expect_soon(node, STATE, why, **wanted)]
-    evidence = Evidence(node.context.record.last_exchange()[0], "percentage from 0.0 to 1.0", str(shares))
-    require(-CLOSE < min(shares) <= max(shares) < 1.0 + CLOSE, evidence, why)
-    return float(shares[-1])
 
 
 def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> None:
@@ -90,7 +81,7 @@ def drive_so_far(node: GradedNode, metres: float, falls: float, why: str) -> Non
     memory = node.context.memory
     charge = memory["charge"] = max(memory.get("charge", 1.0) - falls, 0.0)
     node.send(DISTANCE, data=metres)
-    expect_state(node, why, percentage=Approximation(charge, absolute=CLOSE))
+    expect_soon(node, STATE, why, percentage=Approximation(charge, absolute=CLOSE))
 
 
 # --- the carrier

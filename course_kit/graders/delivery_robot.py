@@ -54,12 +54,12 @@ def battery_falls(node: GradedNode) -> None:
     """battery.py alone: its charge is full at the start, and falls with the distance driven."""
     robot.have_running(node, "battery.py")
     full = Approximation(1.0, absolute=CLOSE)
-    robot.expect_state(node, "A battery that was just started is full.", percentage=full)  # and is not charged yet
+    robot.expect_soon(node, STATE, "A battery that was just started is full.", percentage=full)  # not charged yet
     node.send(DOCKED, data=True)
     node.wait(CALM_S)
-    robot.expect_state(node, "It is never more than full.", percentage=full)
+    robot.expect_soon(node, STATE, "It is never more than full.", percentage=full)
     node.send(DOCKED, data=False)
-    robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
+    robot.expect_soon(node, STATE, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
     metres, more = node.context.random.uniform(2.0, 4.0), node.context.random.uniform(2.0, 4.0)
     why = "The first message only says where the counting begins."
     robot.drive_so_far(node, 7.0, 0.0, why)
@@ -83,13 +83,13 @@ def battery_charges(node: GradedNode) -> None:
         node.send(DISTANCE, data=metres)
     for low, health in ((0.0, robot.GOOD), (0.95, robot.LOW), (0.0, robot.GOOD)):
         if node.set({"low_fraction": low}, of="/battery").result.successful:
-            robot.expect_state(node, f"low_fraction is {low}.", power_supply_health=health)
+            robot.expect_soon(node, STATE, f"low_fraction is {low}.", power_supply_health=health)
     inbox = node.inbox(STATE)
     for turn, seconds in enumerate((0.5, 0.5, 1.0, 2.0)):  # a busy machine is now and then late
         metres = 690.0 + 90.0 * turn  # before each turn it has fallen: a full battery would charge slowly
         node.send(DISTANCE, data=metres)
         node.send(DOCKED, data=True)
-        robot.expect_state(node, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
+        robot.expect_soon(node, STATE, "The robot stands at the dock.", power_supply_status=robot.CHARGING)
         node.send(DISTANCE, data=metres + 0.01)
         node.get("capacity_m", of="/battery")  # answered after that: whatever falls by it has fallen
         node.wait(CALM_S)
@@ -97,11 +97,12 @@ def battery_charges(node: GradedNode) -> None:
         node.context.wait_until(lambda end=began + seconds: inbox.times[-1] >= end, PATIENCE_S)  # type: ignore[misc]
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
         why = f"{DOCKED} has not said that the robot has left the dock."
-        robot.expect_state(node, why, power_supply_status=robot.CHARGING)
+        robot.expect_soon(node, STATE, why, power_supply_status=robot.CHARGING)
         node.send(DOCKED, data=False)
-        left = robot.expect_state(node, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
+        robot.expect_soon(node, STATE, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
+        left = inbox.messages[-1].percentage
         node.wait(CALM_S)
-        robot.expect_state(node, "It rises only at the dock.", percentage=Approximation(left, absolute=CLOSE))
+        robot.expect_soon(node, STATE, "It rises only at the dock.", percentage=Approximation(left, absolute=CLOSE))
         evidence = Evidence(f"{DOCKED}: true", "percentage rises by 0.05 to 0.2 a second", f"by {rate:.3f}")
         if right := 0.05 <= rate <= 0.2:  # noqa: PLR2004 - as the text says
             break
@@ -122,10 +123,10 @@ def battery_refuses(node: GradedNode) -> None:
                 why = f"The reason does not name {name}."
                 change.fail(why, expected=f"a reason with {name}", diagnosis="validation.no_reason")
     if "charge" in node.context.memory:  # else it does not fall as it has to
-        left = robot.expect_state(node, "It is from 0.0 to 1.0.") - 0.01
+        left = node.inbox(STATE).messages[-1].percentage - 0.01
         node.send(DISTANCE, data=10.0)
         why = "capacity_m is still 1000.0, as every change after that was refused."
-        robot.expect_state(node, why, percentage=Approximation(left, absolute=CLOSE))
+        robot.expect_soon(node, STATE, why, percentage=Approximation(left, absolute=CLOSE))
     for name, value in VALID:
         node.set({name: value}, of="/battery").accepted()
 
@@ -358,18 +359,18 @@ def delivery_whole(node: GradedNode) -> None:
     """All together: a delivery works, and the battery falls."""
     robot.have_running(node, *LAUNCH)
     why = "The battery does not hear that the robot stands at the dock."
-    robot.expect_state(node, why, power_supply_status=robot.CHARGING)
+    robot.expect_soon(node, STATE, why, power_supply_status=robot.CHARGING)
     node.set({"capacity_m": 2.0}, of="/battery").accepted()
     node.set({"opening_s": 0.05}, of="/door").accepted()
     node.context.wait_until(lambda: node.inbox(STATE).messages[-1].percentage > 1.0 - CLOSE, 8.0)  # at the dock
-    robot.expect_state(node, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
+    robot.expect_soon(node, STATE, "It is never more than full.", percentage=Approximation(1.0, absolute=CLOSE))
     for room in ("kitchen", "office"):
         robot.send_until(node, room, "delivered", PATIENCE_S).accepted_by().ends()
     why = "The office lies 0.8 m from the dock, and the kitchen on the way: more was not to be driven."
     robot.expect_soon(node, DISTANCE, why, data=Approximation(0.8, absolute=2.0 * robot.NEAR_M))
     why = "The battery has to fall by the 0.8 m that the carrier has driven, divided by capacity_m, which is 2.0."
     fallen = Approximation(0.65, absolute=0.1)  # until it hears that the robot has left the dock it charges
-    robot.expect_state(node, why, power_supply_status=robot.DISCHARGING, percentage=fallen)
+    robot.expect_soon(node, STATE, why, power_supply_status=robot.DISCHARGING, percentage=fallen)
     node.set({"capacity_m": 20.0}, of="/battery").accepted()  # else some drives later it is low
 
 
@@ -382,7 +383,7 @@ def delivery_follows(node: GradedNode) -> None:
     robot.require_aborted(node.goal(DELIVER, room="lab").accepted_by(), PATIENCE_S, words)
     node.set({"locked": False}, of="/door").accepted()
     node.set({"low_fraction": 1.0}, of="/battery").accepted()
-    robot.expect_state(node, "It is below low_fraction now.", power_supply_health=robot.LOW)
+    robot.expect_soon(node, STATE, "It is below low_fraction now.", power_supply_health=robot.LOW)
     node.wait(CALM_S)
     robot.send_until(node, "lab", "rejected").rejected(what="a delivery, although the battery is low")
     node.set({"low_fraction": 0.2}, of="/battery").accepted()

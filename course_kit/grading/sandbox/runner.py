@@ -36,7 +36,6 @@ from course_kit.launch.service import LaunchedProcess, LaunchService
 from course_kit.process.libc import die_with_parent, set_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from types import CodeType
 
     from course_kit.grading.model.plain_data import Record
@@ -69,14 +68,14 @@ def main(order: StartOrder, inside: Streams) -> None:
     gc.enable()
     builtins.input = _refuse_input
     faulthandler.register(STACKS_SIGNAL, file=evidence, all_threads=True)
-    _run_to_end(_launch if program.launches else _run, program, evidence)
+    _run_to_end(program, evidence)
 
 
-def _run_to_end(run: Callable[[Program, int], None], program: Program, evidence: int) -> None:
-    """Run it as a script, and end this process as Python would end."""
+def _run_to_end(program: Program, evidence: int) -> None:
+    """Run it as a script, or launch it, and end this process as Python would end."""
     status = 1
     try:
-        run(program, evidence)
+        (_launch if program.launches else _run)(program, evidence)
         status = 0
     except SystemExit as wish:
         status = _exit_status(wish.code)
@@ -228,7 +227,7 @@ def _run_launched(program: Program, environ: Mapping[str, str], evidence: int) -
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(environ)
-    _run_to_end(_run, program, evidence)
+    _run_to_end(program, evidence)
 
 
 def _run_for_value(code: CodeType, module: ModuleType, variable: str, evidence: int) -> None:
