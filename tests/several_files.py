@@ -52,10 +52,9 @@ def gate(node):
     node.call("/gate/open", data=True).expect(success=True, message="bolted")
 
 
-@check(points=1.0)
+@check(points=1.0, begin=lambda node: node.start(program="guard.py"))
 def guard(node):
     """The guard walks."""
-    node.start(program="guard.py")
     node.expect("/guard/pace", 1.0)
 
 

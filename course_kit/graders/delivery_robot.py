@@ -24,24 +24,25 @@ LAUNCHED: dict[str, dict[str, Any]] = {  # as the text wants it in robot.yaml
 }  # fmt: skip
 INVALID = {"capacity_m": (0.0, -1.0, nan, inf), "publish_hz": (0.9995, 50.01, nan), "low_fraction": (-0.001, 1.0005)}
 VALID = (("low_fraction", 0.0), ("low_fraction", 1.0), ("publish_hz", 1.0), ("publish_hz", 50.0))
-robot_check = functools.partial(check, deadline_s=25.0)
+on_battery = functools.partial(check, deadline_s=25.0, begin=lambda node: robot.have_running(node, "battery.py"))
+on_door = functools.partial(check, deadline_s=25.0, begin=lambda node: robot.have_running(node, "door.py"))
+on_carrier = functools.partial(check, deadline_s=25.0, begin=robot.enter)
+on_robot = functools.partial(check, deadline_s=25.0, begin=lambda node: robot.have_running(node, *LAUNCH))
 
 
 # --- the battery
 
 
-@robot_check(points=0.5, proves=["nodes", "topic_battery", "topic_distance", "topic_docked", "capacity_m", "publish_hz",
+@on_battery(points=0.5, proves=["nodes", "topic_battery", "topic_distance", "topic_docked", "capacity_m", "publish_hz",
                                  "low_fraction", "start"])  # fmt: skip
 def battery_up(node: GradedNode) -> None:
     """battery.py alone: the node battery, its topics and its parameters."""
-    robot.have_running(node, "battery.py")
     robot.require_graph(node, {"/battery": {"capacity_m": 100.0, "publish_hz": 5.0, "low_fraction": 0.2}})
 
 
-@robot_check(points=1.0, after=["battery_up"], proves=["rate"])
+@on_battery(points=1.0, after=["battery_up"], proves=["rate"])
 def battery_rate(node: GradedNode) -> Evidence:
     """battery.py alone: it publishes at publish_hz, even after a change."""
-    robot.have_running(node, "battery.py")
     hertz = node.context.random.uniform(15.0, 25.0)
     node.set({"publish_hz": hertz}, of="/battery").accepted()
     seen = expect_rate(node, STATE, 1.0 / hertz, (0.75 / hertz, 1.25 / hertz))
@@ -49,10 +50,9 @@ def battery_rate(node: GradedNode) -> Evidence:
     return seen
 
 
-@robot_check(points=2.5, after=["battery_up"], proves=["full", "falls", "first_distance", "restart", "capacity_change"])
+@on_battery(points=2.5, after=["battery_up"], proves=["full", "falls", "first_distance", "restart", "capacity_change"])
 def battery_falls(node: GradedNode) -> None:
     """battery.py alone: its charge is full at the start, and falls with the distance driven."""
-    robot.have_running(node, "battery.py")
     full = Approximation(1.0, absolute=CLOSE)
     robot.expect_soon(node, STATE, "A battery that was just started is full.", percentage=full)  # not charged yet
     node.send(DOCKED, data=True)
@@ -75,10 +75,9 @@ def battery_falls(node: GradedNode) -> None:
     robot.drive_so_far(node, 500.0, 1.0, "It is never below 0.0.")
 
 
-@robot_check(points=1.0, after=["battery_up"], proves=["charges", "status", "health", "within_1_s"])
+@on_battery(points=1.0, after=["battery_up"], proves=["charges", "status", "health", "within_1_s"])
 def battery_charges(node: GradedNode) -> None:
     """battery.py alone: the battery counts as low below low_fraction, and charges at the dock."""
-    robot.have_running(node, "battery.py")
     for metres in (600.0, 690.0):  # whatever it makes of that, it is not full then
         node.send(DISTANCE, data=metres)
     for low, health in ((0.0, robot.GOOD), (0.95, robot.LOW), (0.0, robot.GOOD)):
@@ -109,10 +108,9 @@ def battery_charges(node: GradedNode) -> None:
     robot.require(right, evidence, "At the dock the battery charges by about 0.1 a second.")
 
 
-@robot_check(points=1.5, after=["battery_up"], proves=["refused", "reason", "capacity_m", "publish_hz", "low_fraction"])
+@on_battery(points=1.5, after=["battery_up"], proves=["refused", "reason", "capacity_m", "publish_hz", "low_fraction"])
 def battery_refuses(node: GradedNode) -> None:
     """battery.py alone: invalid parameter values are refused, valid ones are not."""
-    robot.have_running(node, "battery.py")
     node.set({"capacity_m": 1000.0}, of="/battery").accepted()
     node.send(DISTANCE, data=0.0)
     for name, values in INVALID.items():
@@ -134,17 +132,15 @@ def battery_refuses(node: GradedNode) -> None:
 # --- the door
 
 
-@robot_check(points=0.5, proves=["nodes", "service_door", "locked", "opening_s", "scripts", "start"])
+@on_door(points=0.5, proves=["nodes", "service_door", "locked", "opening_s", "scripts", "start"])
 def door_up(node: GradedNode) -> None:
     """door.py alone: the node door, its service and its parameters."""
-    robot.have_running(node, "door.py")
     robot.require_graph(node, {"/door": {"locked": False, "opening_s": 0.5}})
 
 
-@robot_check(points=1.5, after=["door_up"], proves=["opens", "closes"])
+@on_door(points=1.5, after=["door_up"], proves=["opens", "closes"])
 def door_opens(node: GradedNode) -> None:
     """door.py alone: it opens after opening_s, and closes at once."""
-    robot.have_running(node, "door.py")
     for seconds in (0.55, 0.05):
         node.set({"opening_s": seconds}, of="/door").accepted()
         node.context.record.add_sent(f"request {OPEN}: data=True, which {seconds / 2} s later is sent again")
@@ -157,10 +153,9 @@ def door_opens(node: GradedNode) -> None:
     node.call(OPEN, data=False).expect(success=True).within(SHOWN_S)
 
 
-@robot_check(points=1.5, after=["door_up"], proves=["refuses", "says_why", "unlocked", "closes"])
+@on_door(points=1.5, after=["door_up"], proves=["refuses", "says_why", "unlocked", "closes"])
 def door_locked(node: GradedNode) -> None:
     """door.py alone: while it is locked it refuses to open, and says why."""
-    robot.have_running(node, "door.py")
     node.set({"opening_s": 2.0, "locked": True}, of="/door").accepted()
     answer = node.call(OPEN, data=True)
     answer.refused(what="a request to open, although the door is locked")
@@ -170,10 +165,9 @@ def door_locked(node: GradedNode) -> None:
     node.call(OPEN, data=True).expect(success=True, why="The door is no longer locked.")
 
 
-@robot_check(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
+@on_door(points=1.5, after=["door_opens", "door_locked"], proves=["free", "judged_once"])
 def door_free(node: GradedNode) -> None:
     """door.py alone: while it opens, it answers all other requests."""
-    robot.have_running(node, "door.py")
     context, client = node.context, node.context.grader_node.client(SetBool, OPEN, 1)
     context.wait_until(client.is_ready, PATIENCE_S)
     for opening_s, head_start_s in ((0.4, 0.1), (3.0, 1.0)):  # the second where a busy machine has spoiled the first
@@ -198,21 +192,19 @@ def door_free(node: GradedNode) -> None:
 # --- the carrier
 
 
-@robot_check(points=0.5, proves=["nodes", "action_deliver", "topic_battery", "topic_distance", "topic_docked",
+@on_carrier(points=0.5, proves=["nodes", "action_deliver", "topic_battery", "topic_distance", "topic_docked",
                                  "room_names", "room_distances_m", "speed_mps", "door_timeout_s",
                                  "scripts"])  # fmt: skip
 def carrier_up(node: GradedNode) -> None:
     """carrier.py alone: the node carrier, its action, its topics and its parameters."""
-    robot.enter(node)
     why = "The grader gave it the expected values at the start, with -p."
     wanted = {"/carrier": {**robot.BUILDING, "door_timeout_s": PATIENCE_S}}
     robot.require_graph(node, wanted, why, "parameter.override_ignored")
 
 
-@robot_check(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
+@on_carrier(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
 def carrier_delivers(node: GradedNode) -> None:
     """carrier.py alone: it asks the door, drives, and reports the distance."""
-    robot.enter(node)
     for room in ("attic", "cellar"):
         goal = robot.ask_for_delivery(node, room)
         node.wait(CALM_S)
@@ -222,10 +214,9 @@ def carrier_delivers(node: GradedNode) -> None:
         robot.deliver(node, room, goal=goal)
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["tells_phase", "tells_remaining", "tells_battery"])
+@on_carrier(points=1.0, after=["carrier_delivers"], proves=["tells_phase", "tells_remaining", "tells_battery"])
 def carrier_feedback(node: GradedNode) -> None:
     """carrier.py alone: feedback has the phase, the remaining distance, and the battery."""
-    robot.enter(node)
     goal = robot.ask_for_delivery(node, "hall")
     node.wait(CALM_S)
     early, metres = [seen.feedback for seen in goal.feedback], node.context.memory["at"] - robot.ROOMS["hall"]
@@ -253,10 +244,9 @@ def carrier_feedback(node: GradedNode) -> None:
         robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
+@on_carrier(points=1.0, after=["carrier_delivers"], proves=["unknown_room", "low_battery", "rooms"])
 def carrier_rejects(node: GradedNode) -> None:
     """carrier.py alone: it rejects unknown rooms and, while the battery is low, every room except the dock."""
-    robot.enter(node)
     for room in (f"room {node.context.random.randrange(100, 1000)}", "Attic", ""):
         node.goal(DELIVER, room=room).rejected(what=f"the room {room!r}, which is not in room_names")
     node.send(STATE, percentage=robot.CHARGE, power_supply_health=robot.LOW)
@@ -267,10 +257,9 @@ def carrier_rejects(node: GradedNode) -> None:
     robot.send_until(node, "hall", "delivered").accepted_by().ends()
 
 
-@robot_check(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
+@on_carrier(points=1.5, after=["carrier_delivers"], proves=["second_goal", "undisturbed"])
 def carrier_one_goal(node: GradedNode) -> None:
     """carrier.py alone: one goal at a time; if two goals come at the same instant, only one is accepted."""
-    robot.enter(node)
     goal = robot.ask_for_delivery(node, "attic")
     node.goal(DELIVER, room="nowhere").wait_for_answer("the goal rejected")  # and that changes nothing
     robot.require_one(node, goal, node.goal(DELIVER, room="cellar"))
@@ -287,10 +276,9 @@ def carrier_one_goal(node: GradedNode) -> None:
         robot.deliver(node, room, goal=goal)
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort", "asks"])
+@on_carrier(points=1.0, after=["carrier_delivers"], proves=["door_refuses", "door_says_why", "after_abort", "asks"])
 def carrier_refused(node: GradedNode) -> None:
     """carrier.py alone: a door that refuses ends the delivery, with the reason."""
-    robot.enter(node)
     words = f"the key of hall {node.context.random.randrange(100, 1000)} is missing"
     offer_service(node, OPEN, SetBool, success=False, message=words)
     robot.require_aborted(node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
@@ -299,10 +287,9 @@ def carrier_refused(node: GradedNode) -> None:
     robot.deliver(node, "cellar", goal=goal)
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])
+@on_carrier(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])
 def carrier_cancel(node: GradedNode) -> None:
     """carrier.py alone: a delivery can be cancelled at the door and on the way, and the next one works."""
-    robot.enter(node)
     memory, goal = node.context.memory, robot.ask_for_delivery(node, "tower")
     node.wait(CALM_S)
     robot.require_stop(node, goal, 0.0)
@@ -325,10 +312,9 @@ def carrier_cancel(node: GradedNode) -> None:
     node.set(robot.BUILDING, of="/carrier").accepted()
 
 
-@robot_check(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort", "asks"])
+@on_carrier(points=1.0, after=["carrier_delivers"], proves=["door_silent", "after_abort", "asks"])
 def carrier_silent(node: GradedNode) -> None:
     """carrier.py alone: if the door does not answer, the delivery is given up in time."""
-    robot.enter(node)
     node.set({"door_timeout_s": 1.0}, of="/carrier").accepted()  # half of it is not as long on a busy machine, either
     robot.require_aborted(robot.ask_for_delivery(node, "hall"), 1.0 + robot.GIVES_UP_S, after_s=0.95)
     node.set({"door_timeout_s": PATIENCE_S}, of="/carrier").accepted()
@@ -345,19 +331,17 @@ def carrier_silent(node: GradedNode) -> None:
 # --- all together
 
 
-@robot_check(points=1.5, proves=["launch", "argument", "yaml_battery", "yaml_door", "yaml_carrier", "nodes"])
+@on_robot(points=1.5, proves=["launch", "argument", "yaml_battery", "yaml_door", "yaml_carrier", "nodes"])
 def delivery_graph(node: GradedNode) -> Evidence:
     """delivery.launch.py: three nodes, all connections, the values of robot.yaml, and the speed."""
-    robot.have_running(node, *LAUNCH)
     why = "Your robot.yaml or your launch file has a different value, or the value does not reach the node."
     robot.require_graph(node, LAUNCHED, why, code=None)
     return Evidence(LAUNCH[0], "three nodes, connected", "three nodes, connected", node.context.see_graph())
 
 
-@robot_check(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])
+@on_robot(points=2.0, after=["delivery_graph"], proves=["together", "odometry"])
 def delivery_whole(node: GradedNode) -> None:
     """All together: a delivery works, and the battery falls."""
-    robot.have_running(node, *LAUNCH)
     why = "The battery does not hear that the robot stands at the dock."
     robot.expect_soon(node, STATE, why, power_supply_status=robot.CHARGING)
     node.set({"capacity_m": 2.0}, of="/battery").accepted()
@@ -374,10 +358,9 @@ def delivery_whole(node: GradedNode) -> None:
     node.set({"capacity_m": 20.0}, of="/battery").accepted()  # else some drives later it is low
 
 
-@robot_check(points=1.5, after=["delivery_whole"], proves=["follow", "health", "within_1_s"])
+@on_robot(points=1.5, after=["delivery_whole"], proves=["follow", "health", "within_1_s"])
 def delivery_follows(node: GradedNode) -> None:
     """All together: when one node changes, the others follow."""
-    robot.have_running(node, *LAUNCH)
     node.set({"locked": True}, of="/door").accepted()
     words = node.call(OPEN, data=True).response.message
     robot.require_aborted(node.goal(DELIVER, room="lab").accepted_by(), PATIENCE_S, words)
@@ -389,20 +372,18 @@ def delivery_follows(node: GradedNode) -> None:
     node.set({"low_fraction": 0.2}, of="/battery").accepted()
 
 
-@robot_check(points=1.0, after=["delivery_whole"], proves=["cancel_together"])
+@on_robot(points=1.0, after=["delivery_whole"], proves=["cancel_together"])
 def delivery_cancel(node: GradedNode) -> None:
     """All together: a delivery can be cancelled while the door opens."""
-    robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 10.0}, of="/carrier").accepted()  # what is given up is not cancelled
     robot.deliver_at_door(node).cancelled().ends("CANCELED", within_s=SHOWN_S, delivered=False)
     node.set({"opening_s": 0.1}, of="/door").accepted()
     robot.send_until(node, "lab", "delivered", PATIENCE_S).accepted_by().ends()
 
 
-@robot_check(points=1.5, after=["delivery_whole"], proves=["killed"])
+@on_robot(points=1.5, after=["delivery_whole"], proves=["killed"])
 def delivery_killed(node: GradedNode) -> None:
     """All together: if the door dies while it opens, the delivery is given up, and the carrier keeps running."""
-    robot.have_running(node, *LAUNCH)
     node.set({"door_timeout_s": 0.3}, of="/carrier").accepted()
     goal = robot.deliver_at_door(node)
     node.kill("door.py")  # a door in one process with the others lives on, and is silent for as long
@@ -410,7 +391,7 @@ def delivery_killed(node: GradedNode) -> None:
     node.get("door_timeout_s", of="/carrier")
 
 
-@robot_check(points=1.0, after=["delivery_killed"], proves=["back"])
+@on_robot(points=1.0, after=["delivery_killed"], proves=["back"])
 def delivery_back(node: GradedNode) -> None:
     """All together: when the door is back, the next delivery works."""
     robot.open_door(node)

@@ -40,6 +40,7 @@ class CheckFields(TypedDict, total=False):
         proves: ids of the sentences of the exercise that it proves.
         after: ids of checks without which it makes no sense: it is skipped unless they passed.
         deadline_s: seconds for all its waiting together.
+        begin: what is done with the node first, where several checks begin alike.
     """
 
     check_id: str
@@ -48,6 +49,7 @@ class CheckFields(TypedDict, total=False):
     proves: Sequence[str]
     after: Sequence[str]
     deadline_s: float
+    begin: Callable[[GradedNode], object]
 
 
 def check(**declared: Unpack[CheckFields]) -> Callable[[Callable[[GradedNode], object]], Check]:
@@ -88,8 +90,11 @@ def make_check(
         raise ValueError(f"the check {check_id} needs points above 0")
 
     def run(context: CheckContext) -> Evidence:
+        node = GradedNode(context)
         try:
-            seen = talk(GradedNode(context))
+            if begin := declared.get("begin"):
+                begin(node)
+            seen = talk(node)
         except Failed:
             context.spoil()  # for the state that may be left behind
             raise
