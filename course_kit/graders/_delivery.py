@@ -62,15 +62,11 @@ def expect_soon(node: GradedNode, topic: str, why: str, **wanted: Any) -> None:
     """A message with these fields comes within a second, or a moment later."""
     inbox, context = node.inbox(topic), node.context
     place = inbox.count
-
-    def is_there() -> bool:
-        return any(are_same(wanted, message) for message in inbox.newer_than(place))
-
-    context.wait_until(is_there, SHOWN_S)
+    found = context.wait_until(lambda: any(are_same(wanted, one) for one in inbox.newer_than(place)), SHOWN_S)
     seen = inbox.newer_than(place)
     evidence = Evidence(context.record.last_exchange()[0], f"{topic}: {describe_value(wanted)}", f"nothing on {topic}")
     require(seen, evidence, f"Nothing was published on {topic} for a second.", "topic.silent")
-    require(is_there(), replace(evidence, got=f"{topic}: {in_one_line(seen[-1])}"), why)
+    require(found, replace(evidence, got=f"{topic}: {in_one_line(seen[-1])}"), why)
 
 
 # --- the battery
@@ -123,9 +119,7 @@ def open_door(node: GradedNode) -> None:
 
 def wait_until_driving(node: GradedNode, goal: GradedGoal, messages: int = 1) -> None:
     """Wait until so many messages of feedback say that the robot drives."""
-    node.context.wait_until(
-        lambda: [seen.feedback.phase for seen in goal.feedback].count(DRIVING) >= messages, PATIENCE_S
-    )
+    node.context.wait_until(lambda: sum(one.feedback.phase == DRIVING for one in goal.feedback) >= messages, PATIENCE_S)
 
 
 def deliver(node: GradedNode, room: str, speed_mps: float = ALONE_MPS, goal: GradedGoal | None = None) -> None:
@@ -159,8 +153,7 @@ def require_aborted(goal: GradedGoal, within_s: float, words: str = "", after_s:
     ended = goal.ends("ABORTED", within_s=within_s, not_before_s=after_s, delivered=False, distance=stood)
     said = ended.result.message
     evidence = Evidence(goal.shown, f"a message that contains {words or 'something'!r}", f"message={said!r}")
-    right = said.strip() and words in said
-    require(right, evidence, "In the result, message has to say why the parcel was not delivered.")
+    require(said.strip() and words in said, evidence, "The message has to say why the parcel was not delivered.")
 
 
 def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> GradedGoal:
@@ -177,8 +170,7 @@ def require_one(node: GradedNode, first: GradedGoal, second: GradedGoal) -> Grad
 def finish(node: GradedNode, goal: GradedGoal, room: str, seconds: float) -> Message:
     """A goal that was accepted ends, however; then the robot is where it was sent."""
     ended, memory = goal.wait_for_end(seconds, "SUCCEEDED"), node.context.memory
-    memory["driven"] += ended.result.distance
-    memory["at"] = PLACES.get(room, 0.0)
+    memory.update(at=PLACES.get(room, 0.0), driven=memory["driven"] + ended.result.distance)
     return ended
 
 

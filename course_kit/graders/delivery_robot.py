@@ -198,8 +198,8 @@ def door_free(node: GradedNode) -> None:
 def carrier_up(node: GradedNode) -> None:
     """carrier.py alone: the node carrier, its action, its topics and its parameters."""
     why = "The grader gave it the expected values at the start, with -p."
-    wanted = {"/carrier": {**robot.BUILDING, "door_timeout_s": PATIENCE_S}}
-    robot.require_graph(node, wanted, why, "parameter.override_ignored")
+    given = {**robot.BUILDING, "door_timeout_s": PATIENCE_S}
+    robot.require_graph(node, {"/carrier": given}, why, "parameter.override_ignored")
 
 
 @on_carrier(points=3.0, after=["carrier_up"], proves=["rooms", "asks", "drives", "delivered", "next_goal", "odometry"])
@@ -283,8 +283,7 @@ def carrier_refused(node: GradedNode) -> None:
     offer_service(node, OPEN, SetBool, success=False, message=words)
     robot.require_aborted(node.goal(DELIVER, room="cellar").accepted_by(), SHOWN_S, words)
     robot.deliver(node, "cellar")
-    goal = robot.ask_for_delivery(node, "cellar")  # where it stands already
-    robot.deliver(node, "cellar", goal=goal)
+    robot.deliver(node, "cellar", goal=robot.ask_for_delivery(node, "cellar"))  # where it stands already
 
 
 @on_carrier(points=1.0, after=["carrier_delivers"], proves=["cancel", "stops", "settings", "drives", "odometry"])

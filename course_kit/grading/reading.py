@@ -34,7 +34,7 @@ from course_kit.reader.python import MEMORY_MB
 from course_kit.reader.text import LARGEST, NOTEBOOK, PROGRAM, kind_of_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from course_kit.grading.model.exercise import Exercise
 
@@ -85,28 +85,23 @@ def copy_file(path: Path, *, whole: bool = True, several: bool = False) -> Copy:
 
 
 def _pack_folder(folder: Path) -> Copy:
-    """The programs, parameter files and notebooks below a folder, of which `reader.files` takes those it wants."""
+    """The programs, parameter files and notebooks below a folder, but for hidden folders: see `reader.files`."""
     import zipfile
 
     size, packed = 0, io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
-        for number, path in enumerate(_find_submission_files(folder), start=1):
-            data = _read_bytes(path, LARGEST_NOTEBOOK + 1 - size)
-            size += len(data)
-            if size > LARGEST_NOTEBOOK or number > _MOST_FILES:
-                limits = f"{_MOST_FILES} files, or {LARGEST_NOTEBOOK // _MB} MB"
-                raise UnreadableError(f"{folder.name} holds more than {limits}. Name the folder of your answer.")
-            name = path.relative_to(folder).as_posix().encode(errors="replace").decode()
-            archive.writestr(zipfile.ZipInfo(name), data)
+        for place, folders, names in os.walk(folder):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for path in (Path(place, name) for name in sorted(names) if Path(name).suffix in (PROGRAM, YAML, NOTEBOOK)):
+                data = _read_bytes(path, LARGEST_NOTEBOOK + 1 - size)
+                size += len(data)
+                if size > LARGEST_NOTEBOOK or len(archive.filelist) == _MOST_FILES:
+                    limits = f"{_MOST_FILES} files, or {LARGEST_NOTEBOOK // _MB} MB"
+                    raise UnreadableError(f"{folder.name} holds more than {limits}. Name the folder of your answer.")
+                name = path.relative_to(folder).as_posix().encode(errors="replace").decode()
+                archive.writestr(zipfile.ZipInfo(name), data)
     digest = hashlib.sha256(packed.getvalue()).hexdigest()  # the same for the same files
     return Copy((folder.name or folder.absolute().name) + ARCHIVE, size, digest, packed.getvalue())
-
-
-def _find_submission_files(folder: Path) -> Iterator[Path]:
-    """The files below a folder that may be of a submission, hidden folders and what links lead to left out."""
-    for place, folders, names in os.walk(folder):
-        folders[:] = sorted(folder for folder in folders if not folder.startswith("."))
-        yield from (Path(place, name) for name in sorted(names) if Path(name).suffix in (PROGRAM, YAML, NOTEBOOK))
 
 
 def _read_bytes(path: Path, most: int) -> bytes:

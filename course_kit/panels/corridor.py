@@ -67,16 +67,15 @@ class Journey:
             self.target, self.door = "", self.door.replace("asked", "shut")
 
     def describe(self) -> str:
-        """Where the robot is, in sentences."""
-        return f"The robot {self._place()}. The door is {self.door.replace('asked', 'asked to open')}."
-
-    def _place(self) -> str:
+        """Where the robot is, and how the door, in two sentences."""
         if self.at is None:
-            return "has not been at the dock yet, where its way begins"
-        if self.target:
-            return f"is {self.at:.1f} m from the dock, on its way to {self.target}"
-        there = [room for room, metres in self.rooms.items() if abs(metres - self.at) <= _NEAR_M]
-        return f"stands at {there[0]}" if there else f"stands {self.at:.1f} m from the dock"
+            place = "has not been at the dock yet, where its way begins"
+        elif self.target:
+            place = f"is {self.at:.1f} m from the dock, on its way to {self.target}"
+        else:
+            near = [room for room, metres in self.rooms.items() if abs(metres - self.at) <= _NEAR_M]
+            place = f"stands at {near[0]}" if near else f"stands {self.at:.1f} m from the dock"
+        return f"The robot {place}. The door is {self.door.replace('asked', 'asked to open')}."
 
 
 class _CorridorWidget(anywidget.AnyWidget):
@@ -99,12 +98,12 @@ class CorridorPicture(Panel):
         from std_msgs.msg import Bool
 
         self._journey, self._lock = Journey(), threading.Lock()
-        self._is_known = False  # whether the carrier's parameters are
+        self._asked: set[str] = set()  # nodes whose parameters are known
         self.widget = _CorridorWidget()
         self.at_close(lambda: self.widget.set_trait("line", ENDED))
         self._updates: LatestValue[None] = LatestValue(lambda _: self._show())
         self.at_close(self._updates.close)
-        self._hear("/parameter_events", ParameterEvent, self._take_event)
+        self._hear("/parameter_events", ParameterEvent, lambda event: self._asked.discard(event.node))
         self._hear("/docked", Bool, self._journey.take_docked)
         self._hear("/deliver/_action/feedback", Deliver.Impl.FeedbackMessage, self._journey.take_feedback)
         self._hear("/deliver/_action/status", GoalStatusArray, self._journey.take_status)
@@ -126,14 +125,11 @@ class CorridorPicture(Panel):
 
         self.at_close(Subscription(lab.current().engine, topic, message_type, keep).close)
 
-    def _take_event(self, event: Message) -> None:
-        self._is_known = self._is_known and event.node != _CARRIER
-
     def _show(self) -> None:
         with contextlib.suppress(lab.LabError):  # the carrier has gone, or is about to begin; or the lab has ended
-            is_there = _CARRIER in graph.node_names(lab.current().engine.node)
-            is_new, self._is_known = is_there and not self._is_known, is_there  # a change meanwhile has it asked again
-            if is_new:
+            there = {_CARRIER}.intersection(graph.node_names(lab.current().engine.node))
+            new, self._asked = there - self._asked, there  # a change meanwhile has it asked again
+            if new:
                 self._journey.parameters = lab.get_parameters_blocking(_CARRIER)
         with self._lock, self.widget.hold_sync():
             self.widget.picture, self.widget.line = self._draw(), self._journey.describe()

@@ -61,10 +61,9 @@ def _for_canvas(record: GradeRecord, out: Path) -> tuple[str, str | bytes] | Non
     del out
     attachment = record.entry.platform.get("canvas_submission")
     parts = record.entry.source.split("/")
-    name = next((part for part in parts if f"_{attachment}_" in part), None) if attachment else None
-    if name is None:
+    found = (part.removesuffix(CONTENTS) for part in parts if attachment and f"_{attachment}_" in part)
+    if (name := next(found, None)) is None:
         return None
-    name = name.removesuffix(CONTENTS)
     return make_encodable(name), _as_program(name, list(report_lines(record)))
 
 

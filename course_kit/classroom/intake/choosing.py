@@ -185,9 +185,7 @@ class Chooser:
             self.left.append((f"{len(rest) - _MOST_LISTED} more of {student}", others))
 
     def _candidates(self, files: list[HandIn], exercise: Exercise) -> Iterator[HandIn]:
-        for_it = [file for file in files if file.exercise in ("", exercise.id)]
-        if exercise.files:
-            for_it = _as_one(for_it, exercise)
+        for_it = _as_one([file for file in files if file.exercise in ("", exercise.id)], exercise)
         programs = [file for file in for_it if may_be_submission(file.item, exercise)]
         is_named = len(self._exercises) == 1 or bool(for_it and all(file.exercise for file in for_it))
         alone = is_named and (len(programs) == 1 or (not programs and len(for_it) == 1))

@@ -204,10 +204,9 @@ def _launch(program: Program, evidence: int) -> None:
 
     finder.install_finder()
     sys.meta_path.sort(key=lambda hook: not isinstance(hook, finder.LaunchFinder))  # the same launch on every machine
-    pairs = [word.partition(":=") for word in program.arguments]
     try:
         with open(os.devnull, "w", encoding="utf-8") as log:  # noqa: PTH123 - a name of the kernel
-            code = Launch(log).run(Path.cwd() / program.name, {name: value for name, _, value in pairs})
+            code = Launch(log).run(Path.cwd() / program.name, dict(word.split(":=") for word in program.arguments))
     except LaunchError as problem:
         raise SystemExit(f"[ERROR] [launch]: {problem}") from None
     raise SystemExit(code)
