@@ -6,7 +6,7 @@ Lost digits cost the points of one check, `precision`; the others look for the r
 from __future__ import annotations
 
 import math
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -30,7 +30,7 @@ from course_kit.grading.checks.vocabulary import (
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     Judge = Callable[["Sample", float], bool]
 
@@ -40,8 +40,8 @@ ABSOLUTE_ZERO = {CELSIUS: -273.15, FAHRENHEIT: -459.67}
 _WITHIN_S = 1.5  # one answer
 _TOGETHER, _AT_A_TIME, _TOGETHER_S = 50, 10, 5.0
 _FEWEST = 10  # right answers of the fifty: a wrong formula for one direction is for its own check to say
-_EDGE = {CELSIUS: 0.001, FAHRENHEIT: 0.01}  # degrees; how near to absolute zero we test
-_ORDINARY = 1e4  # who refuses what is hotter refuses only that
+_EDGE = {CELSIUS: 1e-5, FAHRENHEIT: 0.01}  # degrees; how near to absolute zero we test, and more than rounding costs
+_HOT, _COLD = 1e4, {CELSIUS: -100.0, FAHRENHEIT: -148.0}  # who refuses what lies beyond may refuse only that
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of the last digits
 _EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
 _FEW_DIGITS, _ROUNDED = 3, 0.05  # behind the point, and what is lost at most where one of them is left
@@ -57,13 +57,24 @@ _KNOWN = (0.0, 32.0, 100.0, 212.0, -40.0, 37.0, 98.6, 0.1, 1e-3, 1e-7, -1e-9, -1
 # The last two: so near to zero, and to another one, that a text with six digits does not show it.
 _DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777,
            32.0 + 3e-10, 0.3 + 1e-8)  # fmt: skip
-_ODD = ("kelvin", "rankine", "fahrenheit0", "", "\u00b0C", "\u00b0celsius", "celsius\u00b0", "\u83ef\u6c0f", "furlong")
-_NEAR = ("Celsius", "CELSIUS", "c", "C", " celsius", "celsius ", "celsius\n", "\u00b0fahrenheit",
-         "Fahrenheit", "FAHRENHEIT", "f", "F", " fahrenheit", "fahrenheit ", "fahrenheit\n")  # fmt: skip
+_TO_FULL_WIDTH = 0xFEE0  # from a letter to the one that looks like it
+_ODD = ("kelvin", "rankine", "", "\u00b0C", "\u83ef\u6c0f", "furlong", "c", "C", "f", "F", "Celsius", "CELSIUS",
+        "Fahrenheit", "FAHRENHEIT")  # fmt: skip
+_AROUND = ("{} ", " {}", "{}\n", "\u00b0{}", "{}\u00b0", "{}0")  # an exact word with something before or after it
+_CHANGES: tuple[Callable[[str], str], ...] = (  # of a letter
+    str.upper,
+    lambda letter: 0 * letter,
+    lambda letter: 2 * letter,
+    lambda letter: f"{letter} ",
+    lambda letter: f"{letter}\u0301",  # an accent
+    lambda letter: f"{letter}\u200b",  # a blank without a width
+    lambda letter: chr(ord(letter) + _TO_FULL_WIDTH),
+)
 _NO_NUMBERS = ((math.nan, "NaN"), (math.inf, "infinity"), (-math.inf, "minus infinity"))
 _DIRECTION = {FAHRENHEIT: "celsius_to_fahrenheit", CELSIUS: "fahrenheit_to_celsius"}  # the checks
 _PAIRS = tuple(product(UNITS, UNITS))
 _PLAIN = ("to_fahrenheit", "to_celsius", "convert_every_digit", "convert_same_unit", "ask_again")
+_REMEMBERS, _OTHERWISE = "service.remembers", "You answered the same request otherwise just before."
 _OFTEN = 28  # so that each kind of request comes after each other kind
 
 
@@ -100,6 +111,30 @@ def _exact_value(sample: Sample) -> Fraction:
     """The result of a sample that changes its unit, before it is rounded to a float."""
     value = Fraction(sample.value)
     return value * 9 / 5 + 32 if sample.to_unit == FAHRENHEIT else (value - 32) * 5 / 9
+
+
+def _draw_changed(change: Callable[[str], str]) -> Any:
+    """An exact word that is none any more: one of its letters has changed, or each has."""
+
+    def make(rng: random.Random) -> str:
+        word = rng.choice(UNITS)
+        places = rng.choice((range(len(word)), [rng.randrange(len(word))]))
+        return "".join(change(letter) if place in places else letter for place, letter in enumerate(word))
+
+    return draw_by(make)
+
+
+_NO_UNITS = (*_ODD, *(text.format(unit) for text in _AROUND for unit in UNITS), *map(_draw_changed, _CHANGES))
+
+
+@contextmanager
+def _shown_after(sample: Sample) -> Iterator[None]:
+    """What fails in here is shown with the request before it."""
+    try:
+        yield
+    except Failed as failed:
+        failed.evidence = replace(failed.evidence, sent=f"{describe_value(vars(sample))}; {failed.evidence.sent}")
+        raise
 
 
 def _draw_fifty(rng: random.Random) -> list[Sample]:
@@ -145,13 +180,16 @@ class Temperatures(Model):
         value=draw_one_of(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_LARGE, *_ANY),
     )
     def convert_same_unit(self, node: GradedNode, units: tuple[str, str], value: float) -> None:
-        """A unit converted to itself."""
-        self.expect_conversion(node, Sample(value, *units), right=has_every_digit)
+        """A unit converted to itself, and after it the number next to it: the other zero, if it is one."""
+        self.expect_conversion(node, first := Sample(value, *units), right=has_every_digit)
+        with _shown_after(first):
+            near = replace(first, value=math.nextafter(value, 0.0) or -value)
+            self.expect_conversion(node, near, right=has_every_digit)
 
     @step_rule(
         "unknown_unit",
         asks=draw_one_of(
-            *((20.0, *pair) for word in (*_ODD, *_NEAR) for pair in ((word, CELSIUS), (FAHRENHEIT, word))),
+            *((20.0, *pair) for word in _NO_UNITS for pair in ((word, CELSIUS), (FAHRENHEIT, word))),
             *((value, word, word) for value in (20.0, 0.0, math.nan, -1e5) for word in ("kelvin", "", "Celsius")),
             *((value, "kelvin", unit) for value in (32.0, math.nan, -1e5) for unit in UNITS),
         ),
@@ -160,8 +198,16 @@ class Temperatures(Model):
         """An unknown unit is refused, twice running, too."""
         wrong = [repr(unit) for unit in dict.fromkeys(asks[1:]) if unit not in UNITS]
         what = f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}"
-        for breaks in ("", "lives_on") if "answers" not in self.lost else ("",):
-            self.expect_refusal(node, Sample(*asks), what, breaks)
+        self.expect_refusal(node, Sample(*asks), what)
+        if "answers" in self.lost:
+            return
+        try:
+            with _shown_after(Sample(*asks)):
+                self.expect_refusal(node, Sample(*asks), what, "lives_on")
+        except Failed as failed:
+            if failed.diagnosis in ("validation.missing", "validation.no_reason"):
+                failed.message, failed.diagnosis = _OTHERWISE, _REMEMBERS
+            raise
 
     @step_rule("not_a_number", often=_OFTEN, case=draw_one_of(*product(_NO_NUMBERS, _PAIRS)))
     def refuse_no_number(self, node: GradedNode, case: tuple[tuple[float, str], tuple[str, str]]) -> None:
@@ -182,13 +228,7 @@ class Temperatures(Model):
         """Absolute zero itself is valid, in Celsius."""
         above, (unit, other) = case
         warmer = max(above, _EDGE[unit]) if unit == FAHRENHEIT else above
-        try:
-            self.expect_conversion(node, Sample(ABSOLUTE_ZERO[unit] + warmer, unit, other), refused="absolute_zero")
-        except Failed:
-            with suppress(Failed):
-                if unit == other and not node.call(SERVICE, vars(Sample(20.0, unit, other))).response.success:
-                    return  # that is for the check of equal units to say
-            raise
+        self.expect_conversion(node, Sample(ABSOLUTE_ZERO[unit] + warmer, unit, other))
 
     @step_rule("answers", units=draw_one_of(*_PAIRS))
     def ask_again(self, node: GradedNode, units: tuple[str, str]) -> None:
@@ -198,7 +238,8 @@ class Temperatures(Model):
         seen = [(response.success, response.value if response.success else not response.message.strip())
                 for response in (first.response, second.response)]  # fmt: skip
         if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
-            second.fail("You answered the same request otherwise just before.", expected=first.got, breaks="lives_on")
+            with _shown_after(Sample(20.0, *units)):
+                second.fail(_OTHERWISE, expected=first.got, breaks="lives_on", diagnosis=_REMEMBERS)
 
     @step_rule("fifty_calls", often=2, values=draw_by(_draw_fifty))
     def ask_fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
@@ -213,21 +254,24 @@ class Temperatures(Model):
             wrong += 1
             if wrong == len(values) - _FEWEST:
                 self.expect_conversion(node, sample)
-            alone = node.call(SERVICE, vars(sample))
+            with node.context.record.looking_away():
+                alone = node.call(SERVICE, vars(sample))
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
-            of_another = any(has_right_formula(value, answer.response.value) for value in values)
-            reason = "Your node answered another request" if of_another else "Alone, this request gets another answer"
-            why = f"{reason}: your callback mixes up values of two calls."
+            why = "Alone, this request gets another answer: your callback mixes up values of two calls."
+            if any(has_right_formula(value, answer.response.value) for value in values):
+                why = "Your node answered another request: your callback mixes up values of two calls."
+            if alone.response.success and not answer.response.success:
+                why = "Alone, this request gets a result: your callback refuses it while others wait for their answer."
             answer.fail(why, expected=f"success=True, value={right_value(sample)!r}", breaks="own_value")
 
-    def expect_conversion(
-        self, node: GradedNode, sample: Sample, right: Judge = has_right_formula, refused: str = ""
-    ) -> None:
-        """The answer to a valid request comes in time and is `right`; refusing it breaks the sentence `refused`."""
+    def expect_conversion(self, node: GradedNode, sample: Sample, right: Judge = has_right_formula) -> None:
+        """The answer to a valid request comes in time and is `right`."""
         converts = sample.from_unit != sample.to_unit
-        if converts and "precision" in self.lost:  # who has lost that may refuse what is hot
-            sample = replace(sample, value=math.fmod(sample.value, _ORDINARY))
+        if "precision" in self.lost:  # who has lost that may refuse what is hot
+            sample = replace(sample, value=math.fmod(sample.value, _HOT))
+        if "absolute_zero" in self.lost and sample.value < _COLD[sample.from_unit]:
+            sample = replace(sample, value=-sample.value)
         answer = node.call(SERVICE, vars(sample), breaks="answers")
         self.require_in_time(answer)
         response, wanted = answer.response, f"success=True, value={right_value(sample)!r}"
@@ -238,18 +282,26 @@ class Temperatures(Model):
                 why = UNFILLED
             answer.fail(why, expected=wanted, breaks="success")
         if not response.success:
-            hot = "every_digit" if converts and abs(sample.value) > _ORDINARY else ""
-            why = "Your service refused a valid request."
-            answer.fail(why, expected=wanted, breaks=refused or hot, diagnosis="validation.overzealous")
+            breaks, why = self.blame_refusal(node, sample), "Your service refused a valid request."
+            answer.fail(why, expected=wanted, breaks=breaks, diagnosis="validation.overzealous")
         if not right(sample, response.value):
             answers = self.compare_answers(node, sample, response.value)
-            diagnosis, reason = explain_answers(answers, floors=node.context.job.text.facts.floor_divides)
+            facts = node.context.job.text.facts
+            diagnosis, reason = explain_answers(answers, floors=facts.floor_divides, rounds=facts.rounds)
             why = f"The grader checked {len(answers)} of your answers. {reason}"
             if right is has_every_digit:  # what is wrong may be the last digit
                 got = f"success=True, value={response.value!r}"
                 answer = replace(answer, sent=describe_value(vars(sample)), got=got)
             lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
+
+    def blame_refusal(self, node: GradedNode, sample: Sample) -> str:
+        """The check or sentence that it costs to refuse a valid sample: that of hot or cold ones if others are not."""
+        cold = sample.value < _COLD[sample.from_unit]
+        with suppress(Failed), node.context.record.looking_away():
+            if (cold or sample.value > _HOT) and node.call(SERVICE, vars(replace(sample, value=20.0))).response.success:
+                return "absolute_zero" if cold else "every_digit"
+        return "same_unit" if sample.from_unit == sample.to_unit else _DIRECTION[sample.to_unit]
 
     def require_in_time(self, answer: Answer) -> None:
         """One call is answered in time, unless it is known that it is not."""
@@ -271,7 +323,7 @@ class Temperatures(Model):
         """It is refused with a reason, in time."""
         answer = node.call(SERVICE, vars(sample), breaks=breaks)
         self.require_in_time(answer)
-        answer.refused(what=what)
+        answer.refused(what=what, breaks=breaks)
 
 
 CHECKS = [
@@ -327,7 +379,7 @@ _MISTAKES: dict[tuple[str, str], tuple[tuple[Callable[[float], float], str], ...
 }  # fmt: skip
 
 
-def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) -> tuple[str, str]:
+def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool, rounds: bool) -> tuple[str, str]:
     """What wrong answers have in common: the diagnosis and a sentence."""
     integer, formula = "math.integer_division", "math.formula"
     first, off = answers[0][0], max(abs(got - right_value(sample)) for sample, got in answers)
@@ -338,8 +390,8 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
             return integer if "//" in hint else formula, hint
     if first.from_unit == first.to_unit:
         if off < _CALCULATED:
-            lost = f"One answer is off by {off:.2g}" if off else "The sign of zero was lost"
-            return formula, f"{lost}: a value that needs no conversion was calculated or rounded."
+            lost = f"One answer is off by {off:.2g}: a value that needs no conversion was calculated or rounded."
+            return formula, lost if off else "The sign of zero was lost: -0.0 and 0.0 are equal, but not the same bits."
     elif all(_is_close(got, sample.value) for sample, got in answers):
         return formula, "They are the values we sent: nothing was converted."
     hint = "They match none of the usual mistakes; check the factor, the offset and the order by hand."
@@ -348,8 +400,9 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool) ->
         why = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
         hint, digits_lost = f"Every value came back as 0: {why}", floors
     elif digits_lost:
-        why = "digits were lost in the calculation (//, int() or round())."
-        hint = f"They are off by at most {off:.2g} degrees: {why}"
+        found = ", ".join((*["//"] * floors, *["int()", "round()"] * rounds))
+        why = f" in the calculation ({found})." if found else ". Has each constant of your formula enough of them?"
+        hint, digits_lost = f"They are off by at most {off:.2g} degrees: digits were lost{why}", bool(found)
     return (integer if digits_lost else formula), hint
 
 

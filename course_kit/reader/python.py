@@ -23,6 +23,7 @@ _NO_PAIR = "An answer is a pair of two texts."
 _CALLS, _LOOKS = frozenset({"call_async", "send_goal_async"}), frozenset({"done", "result", "wait"})
 # Calls that wait for something that may never come, or make what is waited for.
 _WAITING = frozenset({"Future", "acquire", "call", "input", "sleep", "spin_until_future_complete", "wait"})
+_ROUNDING = frozenset({"ceil", "floor", "int", "round", "trunc"})
 
 
 def parse_program(source: str) -> tuple[tuple[int, str, str] | None, ast.Module | None]:
@@ -51,6 +52,7 @@ def read_facts(tree: ast.Module) -> dict[str, object]:
     return {
         "awaits": any(isinstance(node, ast.Await) for node in nodes),
         "floor_divides": any(isinstance(node, ast.FloorDiv) for node in nodes),
+        "rounds": any(name in _ROUNDING for name, _ in called),
         "loops": any(isinstance(node, ast.While) for node in nodes),
         "waits": any(name in _WAITING for name, _ in called),
         "functions": found[:_MOST_FUNCTIONS] if any(waits for _, _, waits in found) else [],

@@ -6,7 +6,7 @@ import itertools
 import math
 import random
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given
@@ -23,7 +23,7 @@ from course_kit.graders.temperature_service import (
     right_value,
 )
 from course_kit.grading.checks.answers import Answer
-from course_kit.grading.checks.evidence import Evidence, ExchangeLog, Failed
+from course_kit.grading.checks.evidence import ExchangeLog, Failed
 from course_kit.grading.checks.steps import Step, Steps, rules_of
 
 if TYPE_CHECKING:
@@ -77,32 +77,32 @@ def test_the_same_unit_is_exact_to_the_last_bit(unit: str) -> None:
     sample = Sample(0.1, unit, unit)
     assert has_every_digit(sample, 0.1)
     assert not has_every_digit(sample, math.nextafter(0.1, 1.0))
-    code, told = explain_answers([(sample, math.nextafter(0.1, 1.0))], floors=False)
+    code, told = explain_answers([(sample, math.nextafter(0.1, 1.0))], floors=False, rounds=False)
     assert (code, "calculated or rounded" in told) == ("math.formula", True)
 
 
 @pytest.mark.parametrize(
-    ("unit", "formula", "code", "floors"),
+    ("unit", "formula", "code", "has"),
     [
-        (CELSIUS, lambda v: v * (9 // 5) + 32, "math.integer_division", False),
-        (CELSIUS, lambda v: float(int(v * 9 / 5 + 32)), "math.integer_division", False),
-        (CELSIUS, lambda v: round(v * 9 / 5 + 32, 2) + 0.001, "math.integer_division", False),
-        (CELSIUS, lambda v: v * 9 / 5, "math.formula", False),
-        (CELSIUS, lambda v: (v - 32) * 5 / 9, "math.formula", False),
-        (CELSIUS, lambda v: v, "math.formula", False),
-        (CELSIUS, lambda v: 2 * v + 30, "math.formula", False),
-        (CELSIUS, lambda _: math.nan, "math.formula", False),
-        (CELSIUS, lambda _: 4e-323, "field.type", False),
-        (FAHRENHEIT, lambda _: 0.0, "math.integer_division", True),
-        (FAHRENHEIT, lambda _: 0.0, "math.formula", False),
-        (FAHRENHEIT, lambda v: v - 32 * 5 / 9, "math.formula", False),
-        (FAHRENHEIT, lambda v: (v - 32) // 9 * 5 + 1.5, "math.formula", False),
+        (CELSIUS, lambda v: v * (9 // 5) + 32, "math.integer_division", ""),
+        (CELSIUS, lambda v: float(int(v * 9 / 5 + 32)), "math.integer_division", "rounds"),
+        (CELSIUS, lambda v: round(v * 9 / 5 + 32, 2) + 0.001, "math.formula", ""),
+        (CELSIUS, lambda v: v * 9 / 5, "math.formula", ""),
+        (CELSIUS, lambda v: (v - 32) * 5 / 9, "math.formula", ""),
+        (CELSIUS, lambda v: v, "math.formula", ""),
+        (CELSIUS, lambda v: 2 * v + 30, "math.formula", ""),
+        (CELSIUS, lambda _: math.nan, "math.formula", ""),
+        (CELSIUS, lambda _: 4e-323, "field.type", ""),
+        (FAHRENHEIT, lambda _: 0.0, "math.integer_division", "floors"),
+        (FAHRENHEIT, lambda _: 0.0, "math.formula", ""),
+        (FAHRENHEIT, lambda v: v - 32 * 5 / 9, "math.formula", ""),
+        (FAHRENHEIT, lambda v: (v - 32) // 9 * 5 + 1.5, "math.formula", ""),
     ],
 )
-def test_mistakes_are_told_apart(unit: str, formula: Callable[[float], float], code: str, floors: bool) -> None:
+def test_mistakes_are_told_apart(unit: str, formula: Callable[[float], float], code: str, has: str) -> None:
     other = FAHRENHEIT if unit == CELSIUS else CELSIUS
     answers = [(Sample(value, unit, other), formula(value)) for value in VALUES]
-    found, told = explain_answers(answers, floors=floors)
+    found, told = explain_answers(answers, floors=has == "floors", rounds=has == "rounds")
     assert found == code
     assert told
 
@@ -122,14 +122,12 @@ def test_each_kind_of_request_comes_after_each_other() -> None:
     assert missing <= 2
 
 
-def test_what_fails_at_absolute_zero_is_not_replaced_by_what_fails_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object, **more: Any) -> None:
-        raise Failed(Evidence(), "second" if "refused" not in more else "first", breaks="answers")
-
-    model = Temperatures()
-    monkeypatch.setattr(model, "expect_conversion", fail)
-    with pytest.raises(Failed, match="first"):
-        model.convert_barely_valid(SimpleNamespace(call=fail), (0.0, (CELSIUS, CELSIUS)))
+@pytest.mark.parametrize("others_answered", [True, False])
+def test_a_refusal_costs_what_is_hot_or_cold_only_where_others_are_answered(others_answered: bool) -> None:
+    answer = Answer("", "", response=SimpleNamespace(success=others_answered))
+    node = SimpleNamespace(call=lambda *_: answer, context=SimpleNamespace(record=ExchangeLog()))
+    blamed = [Temperatures().blame_refusal(node, Sample(value, CELSIUS, CELSIUS)) for value in (-273.0, 1e5, 20.0)]
+    assert blamed == (["absolute_zero", "every_digit", "same_unit"] if others_answered else ["same_unit"] * 3)
 
 
 @pytest.mark.parametrize(("value", "says"), [(32.0, "Set `response.success"), (212.0, "set none of its fields")])
@@ -144,7 +142,7 @@ def test_where_the_last_digit_is_wrong_it_is_shown() -> None:
     value = 15977377.402510555
     sample, got = Sample(value, FAHRENHEIT, FAHRENHEIT), math.nextafter(value, 0.0)
     answer = Answer("value=15977377.4", "value=15977377.4", response=SimpleNamespace(success=True, value=got))
-    job = SimpleNamespace(text=SimpleNamespace(facts=SimpleNamespace(floor_divides=False)))
+    job = SimpleNamespace(text=SimpleNamespace(facts=SimpleNamespace(floor_divides=False, rounds=False)))
     node = SimpleNamespace(call=lambda *_, **__: answer, context=SimpleNamespace(job=job, record=ExchangeLog()))
     with pytest.raises(Failed) as failed:
         Temperatures().expect_conversion(node, sample, right=has_every_digit)

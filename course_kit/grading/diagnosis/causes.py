@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _FIELD = re.compile(r"'(?P<field>\w+)' field must be (?:a sub message )?of type '(?P<type>[\w.]+)'")
 _NO_MODULE = re.compile(r"No module named '(?P<module>[\w.]+)'")
+_OF_MODULE = re.compile(r"(?:module|from|;) '(?P<name>\w+)'")
 _NO_CONTEXT = re.compile(r"__enter__|context manager")
 _NO_NAME = re.compile(r"cannot import name '(?P<name>\w+)' from '(?P<module>[\w.]+)'")
 # The grader's call of the class is no line of the submission, so that Python's words about it stand without a frame.
@@ -108,6 +109,10 @@ def explain_start(process: ProcessStatus, job: Job) -> Cause:
     if raised is None:
         return explain_exit(process)
     where = name_line(job, raised.own)
+    name = match["name"] if (match := _OF_MODULE.search(raised.text)) else ""
+    if f"{name}.py" in job.programs and name in _known_modules():
+        hides = f"Your file is called {name}.py, and Python takes it for the module {name}{where}."
+        return "start.crash", f"{hides} Give your file another name."
     if raised.type in ("ModuleNotFoundError", "ImportError"):
         return "start.import", f"{raised.describe()}{where}. {_suggest_module(raised)}".strip()
     if _NO_CONTEXT.search(raised.text) and raised.own and "rclpy.init(" in source_line(job, raised.own):
@@ -290,8 +295,7 @@ def _no_class(process: ProcessStatus, job: Job) -> str:
 def _suggest_module(raised: TracebackException) -> str:
     if match := _NO_MODULE.search(raised.text):
         wanted = match["module"].partition(".")[0]
-        known = {module.name for module in pkgutil.iter_modules()} | set(sys.stdlib_module_names)
-        known.update(_INTERFACE_PACKAGES)
+        known = _known_modules()
         if wanted in known:  # the package is right, something in it is not
             return f"There is a package {wanted}, but it has no such part."
     elif match := _NO_NAME.search(raised.text):
@@ -300,6 +304,11 @@ def _suggest_module(raised: TracebackException) -> str:
         return ""
     near = nearest_name(wanted, known)
     return f"The nearest name is {near}." if near else ""
+
+
+def _known_modules() -> set[str]:
+    modules = {module.name for module in pkgutil.iter_modules()}
+    return modules.union(sys.stdlib_module_names, _INTERFACE_PACKAGES)
 
 
 def _names_in(module: str) -> set[str]:

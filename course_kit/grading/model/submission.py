@@ -30,6 +30,7 @@ class Facts:
 
     awaits: bool = False
     floor_divides: bool = False
+    rounds: bool = False
     loops: bool = False
     waits: bool = False  # a call that may wait for long stands in it
     # First and last line of each function, and whether it makes an asynchronous call and looks at the future itself.
