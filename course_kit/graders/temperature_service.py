@@ -57,24 +57,17 @@ _KNOWN = (0.0, 32.0, 100.0, 212.0, -40.0, 37.0, 98.6, 0.1, 1e-3, 1e-7, -1e-9, -1
 # The last two: so near to zero, and to another one, that a text with six digits does not show it.
 _DIGITS = (1e-3, -272.123456789, 1234567.891, 1e9, 1e7 + 0.3, 12345678.9, 31.999999, 0.1 + 0.2, -17.7777,
            32.0 + 3e-10, 0.3 + 1e-8)  # fmt: skip
-_TO_FULL_WIDTH = 0xFEE0  # from a letter to the one that looks like it
+_ALMOST_ONE = ((0.0, -0.0), (37.0, math.nextafter(37.0, 0.0)))
 _ODD = ("kelvin", "rankine", "", "\u00b0C", "\u83ef\u6c0f", "furlong", "c", "C", "f", "F", "Celsius", "CELSIUS",
         "Fahrenheit", "FAHRENHEIT")  # fmt: skip
 _AROUND = ("{} ", " {}", "{}\n", "\u00b0{}", "{}\u00b0", "{}0")  # an exact word with something before or after it
-_CHANGES: tuple[Callable[[str], str], ...] = (  # of a letter
-    str.upper,
-    lambda letter: 0 * letter,
-    lambda letter: 2 * letter,
-    lambda letter: f"{letter} ",
-    lambda letter: f"{letter}\u0301",  # an accent
-    lambda letter: f"{letter}\u200b",  # a blank without a width
-    lambda letter: chr(ord(letter) + _TO_FULL_WIDTH),
-)
+# How a letter may change; the last one is of full width.
+_CHANGES = (str.upper, "".format, "{0}{0}".format, "{} ".format, "{}\u0301".format, "{}\u200b".format,
+            lambda letter: chr(ord(letter) + 0xFEE0))  # fmt: skip
 _NO_NUMBERS = ((math.nan, "NaN"), (math.inf, "infinity"), (-math.inf, "minus infinity"))
 _DIRECTION = {FAHRENHEIT: "celsius_to_fahrenheit", CELSIUS: "fahrenheit_to_celsius"}  # the checks
 _PAIRS = tuple(product(UNITS, UNITS))
 _PLAIN = ("to_fahrenheit", "to_celsius", "convert_every_digit", "convert_same_unit", "ask_again")
-_REMEMBERS, _OTHERWISE = "service.remembers", "You answered the same request otherwise just before."
 _OFTEN = 28  # so that each kind of request comes after each other kind
 
 
@@ -148,10 +141,16 @@ class Temperatures(Model):
     history = "lives_on"
 
     def end(self, node: GradedNode) -> None:
-        """Whoever has not been asked for a while answers as quickly."""
-        if "answers" not in self.lost:
-            node.context.wait_until(lambda: False, 1.05)
-            self.to_fahrenheit(node, 20.0, UNITS)
+        """Two numbers that are almost one are two, and whoever has not been asked for a while answers as quickly."""
+        if "answers" in self.lost:
+            return
+        for unit, pair in product(() if "same_unit" in self.lost else UNITS, _ALMOST_ONE):
+            first, second = (Sample(value, unit, unit) for value in pair)
+            self.expect_conversion(node, first, right=has_every_digit)
+            with _shown_after(first):
+                self.expect_conversion(node, second, right=has_every_digit)
+        node.context.wait_until(lambda: False, 1.05)
+        self.to_fahrenheit(node, 20.0, UNITS)
 
     def kind_of(self, rule: str, /, **arguments: Any) -> object:
         """What is asked and of which units: a node may wrongly remember either."""
@@ -177,14 +176,12 @@ class Temperatures(Model):
         "same_unit",
         units=draw_one_of(*((unit, unit) for unit in UNITS)),
         often=_OFTEN,
-        value=draw_one_of(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_LARGE, *_ANY),
+        value=draw_one_of(0.0, 0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_LARGE, *_ANY),
     )
     def convert_same_unit(self, node: GradedNode, units: tuple[str, str], value: float) -> None:
-        """A unit converted to itself, and after it the number next to it: the other zero, if it is one."""
-        self.expect_conversion(node, first := Sample(value, *units), right=has_every_digit)
-        with _shown_after(first):
-            near = replace(first, value=math.nextafter(value, 0.0) or -value)
-            self.expect_conversion(node, near, right=has_every_digit)
+        """A unit converted to itself; each has its own zero, the other one comes at the end."""
+        value = value or (-0.0 if CELSIUS in units else 0.0)
+        self.expect_conversion(node, Sample(value, *units), right=has_every_digit)
 
     @step_rule(
         "unknown_unit",
@@ -198,16 +195,9 @@ class Temperatures(Model):
         """An unknown unit is refused, twice running, too."""
         wrong = [repr(unit) for unit in dict.fromkeys(asks[1:]) if unit not in UNITS]
         what = f"the unknown unit{'s' * (len(wrong) > 1)} {' and '.join(wrong)}"
-        self.expect_refusal(node, Sample(*asks), what)
-        if "answers" in self.lost:
-            return
-        try:
-            with _shown_after(Sample(*asks)):
-                self.expect_refusal(node, Sample(*asks), what, "lives_on")
-        except Failed as failed:
-            if failed.diagnosis in ("validation.missing", "validation.no_reason"):
-                failed.message, failed.diagnosis = _OTHERWISE, _REMEMBERS
-            raise
+        first = self.expect_refusal(node, Sample(*asks), what)
+        if "answers" not in self.lost:
+            self.expect_same_again(node, Sample(*asks), first)
 
     @step_rule("not_a_number", often=_OFTEN, case=draw_one_of(*product(_NO_NUMBERS, _PAIRS)))
     def refuse_no_number(self, node: GradedNode, case: tuple[tuple[float, str], tuple[str, str]]) -> None:
@@ -233,13 +223,9 @@ class Temperatures(Model):
     @step_rule("answers", units=draw_one_of(*_PAIRS))
     def ask_again(self, node: GradedNode, units: tuple[str, str]) -> None:
         """The same request twice running has the same answer."""
-        first, second = [node.call(SERVICE, vars(Sample(20.0, *units)), breaks="answers") for _ in range(2)]
+        first = node.call(SERVICE, vars(Sample(20.0, *units)), breaks="answers")
         self.require_in_time(first)
-        seen = [(response.success, response.value if response.success else not response.message.strip())
-                for response in (first.response, second.response)]  # fmt: skip
-        if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
-            with _shown_after(Sample(20.0, *units)):
-                second.fail(_OTHERWISE, expected=first.got, breaks="lives_on", diagnosis=_REMEMBERS)
+        self.expect_same_again(node, Sample(20.0, *units), first)
 
     @step_rule("fifty_calls", often=2, values=draw_by(_draw_fifty))
     def ask_fifty(self, node: GradedNode, values: Sequence[Sample]) -> None:
@@ -258,11 +244,11 @@ class Temperatures(Model):
                 alone = node.call(SERVICE, vars(sample))
             if alone.response == answer.response:
                 continue  # that is for the checks of one call to say
-            why = "Alone, this request gets another answer: your callback mixes up values of two calls."
-            if any(has_right_formula(value, answer.response.value) for value in values):
-                why = "Your node answered another request: your callback mixes up values of two calls."
+            of_another = any(has_right_formula(value, answer.response.value) for value in values)
+            reason = "Your node answered another request" if of_another else "Alone, this request gets another answer"
+            why = f"{reason}: your callback mixes up values of two calls."
             if alone.response.success and not answer.response.success:
-                why = "Alone, this request gets a result: your callback refuses it while others wait for their answer."
+                why = "Alone, this request gets a result; you refused it while others waited for their answer."
             answer.fail(why, expected=f"success=True, value={right_value(sample)!r}", breaks="own_value")
 
     def expect_conversion(self, node: GradedNode, sample: Sample, right: Judge = has_right_formula) -> None:
@@ -295,6 +281,17 @@ class Temperatures(Model):
             lost = "every_digit" if all(has_right_formula(*pair) for pair in answers) else _DIRECTION[sample.to_unit]
             answer.fail(why, expected=wanted, breaks=lost if converts else "same_unit", diagnosis=diagnosis)
 
+    def expect_same_again(self, node: GradedNode, sample: Sample, first: Answer) -> None:
+        """The request that had this answer just before has the same answer again."""
+        with _shown_after(sample):
+            second = node.call(SERVICE, vars(sample), breaks="lives_on")
+            self.require_in_time(second)
+            seen = [(response.success, response.value if response.success else not response.message.strip())
+                    for response in (first.response, second.response)]  # fmt: skip
+            if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
+                why = "You answered the same request otherwise just before."
+                second.fail(why, expected=first.got, breaks="lives_on", diagnosis="service.remembers")
+
     def blame_refusal(self, node: GradedNode, sample: Sample) -> str:
         """The check or sentence that it costs to refuse a valid sample: that of hot or cold ones if others are not."""
         cold = sample.value < _COLD[sample.from_unit]
@@ -319,11 +316,12 @@ class Temperatures(Model):
                     answers.append((other, response.value))
         return answers
 
-    def expect_refusal(self, node: GradedNode, sample: Sample, what: str, breaks: str = "") -> None:
+    def expect_refusal(self, node: GradedNode, sample: Sample, what: str) -> Answer:
         """It is refused with a reason, in time."""
-        answer = node.call(SERVICE, vars(sample), breaks=breaks)
+        answer = node.call(SERVICE, vars(sample))
         self.require_in_time(answer)
-        answer.refused(what=what, breaks=breaks)
+        answer.refused(what=what)
+        return answer
 
 
 CHECKS = [
