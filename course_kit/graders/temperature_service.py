@@ -6,9 +6,10 @@ Lost digits cost the points of one check, `precision`; the others look for the r
 from __future__ import annotations
 
 import math
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,7 @@ from course_kit.grading.checks.vocabulary import (
 
 if TYPE_CHECKING:
     import random
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     Judge = Callable[["Sample", float], bool]
 
@@ -106,28 +107,15 @@ def _exact_value(sample: Sample) -> Fraction:
     return value * 9 / 5 + 32 if sample.to_unit == FAHRENHEIT else (value - 32) * 5 / 9
 
 
-def _draw_changed(change: Callable[[str], str]) -> Any:
+def _change_word(change: Callable[[str], str], rng: random.Random) -> str:
     """An exact word that is none any more: one of its letters has changed, or each has."""
-
-    def make(rng: random.Random) -> str:
-        word = rng.choice(UNITS)
-        places = rng.choice((range(len(word)), [rng.randrange(len(word))]))
-        return "".join(change(letter) if place in places else letter for place, letter in enumerate(word))
-
-    return draw_by(make)
+    word = rng.choice(UNITS)
+    places = rng.choice((range(len(word)), [rng.randrange(len(word))]))
+    return "".join(change(letter) if place in places else letter for place, letter in enumerate(word))
 
 
-_NO_UNITS = (*_ODD, *(text.format(unit) for text in _AROUND for unit in UNITS), *map(_draw_changed, _CHANGES))
-
-
-@contextmanager
-def _shown_after(sample: Sample) -> Iterator[None]:
-    """What fails in here is shown with the request before it."""
-    try:
-        yield
-    except Failed as failed:
-        failed.evidence = replace(failed.evidence, sent=f"{describe_value(vars(sample))}; {failed.evidence.sent}")
-        raise
+_NO_UNITS = (*_ODD, *(text.format(unit) for text in _AROUND for unit in UNITS),
+             *(draw_by(partial(_change_word, change)) for change in _CHANGES))  # fmt: skip
 
 
 def _draw_fifty(rng: random.Random) -> list[Sample]:
@@ -147,8 +135,12 @@ class Temperatures(Model):
         for unit, pair in product(() if "same_unit" in self.lost else UNITS, _ALMOST_ONE):
             first, second = (Sample(value, unit, unit) for value in pair)
             self.expect_conversion(node, first, right=has_every_digit)
-            with _shown_after(first):
+            try:
                 self.expect_conversion(node, second, right=has_every_digit)
+            except Failed as failed:
+                sent = f"{describe_value(vars(first))}; {failed.evidence.sent}"
+                failed.evidence = replace(failed.evidence, sent=sent)
+                raise
         node.context.wait_until(lambda: False, 1.05)
         self.to_fahrenheit(node, 20.0, UNITS)
 
@@ -283,14 +275,14 @@ class Temperatures(Model):
 
     def expect_same_again(self, node: GradedNode, sample: Sample, first: Answer) -> None:
         """The request that had this answer just before has the same answer again."""
-        with _shown_after(sample):
-            second = node.call(SERVICE, vars(sample), breaks="lives_on")
-            self.require_in_time(second)
-            seen = [(response.success, response.value if response.success else not response.message.strip())
-                    for response in (first.response, second.response)]  # fmt: skip
-            if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
-                why = "You answered the same request otherwise just before."
-                second.fail(why, expected=first.got, breaks="lives_on", diagnosis="service.remembers")
+        second = node.call(SERVICE, vars(sample), breaks="lives_on")
+        self.require_in_time(second)
+        seen = [(response.success, response.value if response.success else not response.message.strip())
+                for response in (first.response, second.response)]  # fmt: skip
+        if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
+            both = replace(second, sent=f"{first.sent}; {second.sent}")
+            why = "You answered the same request otherwise just before."
+            both.fail(why, expected=first.got, breaks="lives_on", diagnosis="service.remembers")
 
     def blame_refusal(self, node: GradedNode, sample: Sample) -> str:
         """The check or sentence that it costs to refuse a valid sample: that of hot or cold ones if others are not."""
