@@ -168,11 +168,12 @@ class Temperatures(Model):
         "same_unit",
         units=draw_one_of(*((unit, unit) for unit in UNITS)),
         often=_OFTEN,
-        value=draw_one_of(0.0, 0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_LARGE, *_ANY),
+        value=draw_one_of(0.0, -0.0, 0.1, 32.0, -40.0, 1e-9, 123456789.12345678, *_LARGE, *_ANY),
     )
     def convert_same_unit(self, node: GradedNode, units: tuple[str, str], value: float) -> None:
         """A unit converted to itself; each has its own zero, the other one comes at the end."""
-        value = value or (-0.0 if CELSIUS in units else 0.0)
+        if not value:
+            units = _PAIRS[0] if str(value).startswith("-") else _PAIRS[-1]
         self.expect_conversion(node, Sample(value, *units), right=has_every_digit)
 
     @step_rule(
