@@ -61,14 +61,12 @@ def battery_falls(node: GradedNode) -> None:
     node.send(DOCKED, data=False)
     robot.expect_soon(node, STATE, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
     metres, more = node.context.random.uniform(2.0, 4.0), node.context.random.uniform(2.0, 4.0)
-    why = "The first message only says where the counting begins."
-    robot.drive_so_far(node, 7.0, 0.0, why)
-    robot.drive_so_far(node, 7.0 + metres, metres / 100.0, why)
+    robot.drive_so_far(node, 7.0, 0.0, "The first message only says where the counting begins.")
     why = "The charge falls by the metres driven since the previous message, divided by capacity_m."
+    robot.drive_so_far(node, 7.0 + metres, metres / 100.0, why)
     robot.drive_so_far(node, 7.0 + metres + more, more / 100.0, why)
     node.set({"capacity_m": 50.0}, of="/battery").accepted()
-    why = "capacity_m was 50.0 before these 5 m were driven, not earlier."
-    robot.drive_so_far(node, 12.0 + metres + more, 0.1, why)
+    robot.drive_so_far(node, 12.0 + metres + more, 0.1, "capacity_m was 50.0 when these 5 m were driven.")
     why = "A smaller number comes from a carrier that was started again: nothing was driven, and counting begins there."
     robot.drive_so_far(node, 0.5, 0.0, why)
     robot.drive_so_far(node, 5.5, 0.1, why)
@@ -95,8 +93,7 @@ def battery_charges(node: GradedNode) -> None:
         first, began = inbox.messages[-1].percentage, inbox.times[-1]
         node.context.wait_until(lambda end=began + seconds: inbox.times[-1] >= end, PATIENCE_S)  # type: ignore[misc]
         rate = (inbox.messages[-1].percentage - first) / max(inbox.times[-1] - began, CLOSE)
-        why = f"{DOCKED} has not said that the robot has left the dock."
-        robot.expect_soon(node, STATE, why, power_supply_status=robot.CHARGING)
+        robot.expect_soon(node, STATE, f"{DOCKED} is still true.", power_supply_status=robot.CHARGING)
         node.send(DOCKED, data=False)
         robot.expect_soon(node, STATE, "The robot has left the dock.", power_supply_status=robot.DISCHARGING)
         left = inbox.messages[-1].percentage
@@ -232,14 +229,13 @@ def carrier_feedback(node: GradedNode) -> None:
     often = len(driving) >= max(5 * metres / robot.ALONE_MPS, 1 + 3 * took_s)  # a busy machine is now and then late
     got = f"{len(heard)} messages, {len(driving)} of them on the way: {'; '.join(map(in_one_line, heard[:3]))}"
     asks = early and all(seen.phase == robot.DOOR for seen in early)
-    hears = heard and abs(heard[-1].battery - robot.LESS) < CLOSE
     for right, expected in (
         (asks, f"phase={robot.DOOR} as long as the door has not answered"),
         (often, f"phase={robot.DRIVING} five times a second on the way"),
         (left and abs(left[0] - metres) < robot.END_M >= left[-1], "distance_remaining from the whole distance to 0"),
         (left == sorted(left, reverse=True), "distance_remaining that never grows"),
         (all(abs(seen.battery - robot.CHARGE) < CLOSE for seen in early), f"battery={robot.CHARGE}, as {STATE} said"),
-        (hears, f"battery={robot.LESS} at the end, as {STATE} said meanwhile"),
+        (heard and abs(heard[-1].battery - robot.LESS) < CLOSE, f"battery={robot.LESS} at the end, as {STATE} said"),
     ):
         robot.require(right, Evidence(goal.shown, expected, got), f"The feedback does not show {expected}.")
 
