@@ -105,7 +105,7 @@ PROGRAMS = {
     "a name with a line end": Hard(
         "ans\nwer.py", lambda _: "import nothing_of_this_name\n", ("crashed",), "start.import"
     ),
-    "a module's name": Hard("csv.py", lambda _: "from csv import reader\n", ("crashed",), "Your file is called csv.py"),
+    "a module's name": Hard("csv.py", lambda _: "from csv import reader\n", ("crashed",), "start.crash"),
 }
 NOTEBOOKS = {
     "outputs of 60 MB": notebook(
