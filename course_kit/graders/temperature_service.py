@@ -283,7 +283,7 @@ class Temperatures(Model):
         if seen[0] != seen[1] and all(value == value for _, value in seen):  # noqa: PLR0124 - NaN is another check's
             both = replace(second, sent=f"{first.sent}; {second.sent}")
             why = "You answered the same request otherwise just before."
-            both.fail(why, expected=first.got, breaks="lives_on", diagnosis="service.remembers")
+            both.fail(why, expected="the same answer twice", breaks="lives_on", diagnosis="service.remembers")
 
     def blame_refusal(self, node: GradedNode, sample: Sample) -> str:
         """The check or sentence that it costs to refuse a valid sample: that of hot or cold ones if others are not."""
