@@ -38,7 +38,10 @@ _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
-_LONG = {"robot_name": "  my robot: 2 of the laboratory on the second floor, by the wall ", "max_velocity": 4.87654321}
+_LONG = {
+    "robot_name": "  my robot: 2 of {the} %s laboratory on the second floor, by the wall ",
+    "max_velocity": 4.87654321,
+}
 _WRONG = {
     "max_velocity": (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF),
     "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),
@@ -66,7 +69,7 @@ _WITH_NAMES = (
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _SMALL = [0.004, *[0.0] * 5]  # no dead zone
-_COMMANDS = ([0.0] * 6, _SMALL, [8.0, *[0.0] * 5], [-8.0, *[0.5] * 5])
+_COMMANDS = ([0.0] * 6, _SMALL, [_INF, *[0.0] * 5], [-8.0, 0.5, -_INF, 0.5, 1e-12, -0.5])
 _ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.NAMES[1:])])
 
 
@@ -83,6 +86,7 @@ class Limiter(LimiterSteps):
                     self.accept(node, {name: values[name]}, CHANGES[name])
                 self.drive(node, [BEYOND, *[0.1] * 5])
         else:
+            self.accept(node, {"enabled": False}, "change_enabled")
             self.set_several(node, given)
             self.drive(node, [BEYOND, *[0.1] * 5])
         self.drive(node, _SMALL)
@@ -105,14 +109,15 @@ class Limiter(LimiterSteps):
         self.require_values(node)
         self.drive(node, fields)
 
-    @step_rule("change_velocity", values=draw_one_of((5.0, 0.01), (0.001, 1.0)))
-    def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
-        """Both numbers, one after the other, act."""
+    @step_rule("change_velocity", values=draw_one_of((0.01, 5.0), (1.0, 0.001)))
+    def set_numbers_apart(self, node: GradedNode, values: tuple[float, float]) -> None:
+        """Each number acts by itself, before the other one is set."""
         if not self.settings.enabled and "change_enabled" not in self.lost:
             self.accept(node, {"enabled": True}, "change_enabled")
-        for _ in range(2):  # the value that it has already is valid, too
-            self.set_numbers(node, *values)
-        self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
+        for name, value in zip(("wheel_diameter", "max_velocity"), values, strict=True):
+            for _ in range(2 if CHANGES[name] not in self.lost else 0):  # the value that it has already is valid, too
+                self.accept(node, {name: value}, CHANGES[name])
+            self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled")
     def switch_off(self, node: GradedNode) -> None:
@@ -221,16 +226,23 @@ def status_rate(node: GradedNode) -> Evidence:
     gaps = [after - before for before, after in itertools.pairwise(heard)]
     if len(gaps) >= _LINES and max(gaps) <= _LONGEST_GAP_S and _RATE[0] <= sum(gaps) / len(gaps) <= _RATE[1]:
         return Evidence("", f"a line every {_RATE[0]:g} to {_RATE[1]:g} s, on average", f"{len(heard)} lines")
-    node.ensure_running()  # afresh: nothing else is asked of it than a change, after which the timer may be another one
+    node.ensure_running()  # afresh, after a change, with changes and commands that are no matter of the line
     with suppress(Failed):
         node.set({**_LONG, "max_velocity": 0.7}, of=NODE)
-    inbox, clock = node.inbox(STATUS), node.context.clock()
-    while "reacts" not in held.lost_checks and not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
-        if clock.has_passed(2 * _LINES * _RATE[1]):  # a timer that waits for commands
-            evidence = Evidence("commands", f"lines on {STATUS}", f"{inbox.count} lines")
+    inbox, clock, diameters = node.inbox(STATUS), node.context.clock(), itertools.cycle((0.2, 0.3))
+
+    def disturb() -> None:
+        with suppress(Failed):
+            node.set({"wheel_diameter": next(diameters)}, of=NODE)
+        if "reacts" not in held.lost_checks:
+            node.send(_limiter.COMMAND)
+
+    while not node.context.wait_until(lambda: inbox.count >= _LINES, _COMMAND_S):
+        if clock.has_passed(2 * _LINES * _RATE[1]):  # a timer that waits for commands, or begins anew with a change
+            evidence = Evidence("commands and changes", f"lines on {STATUS}", f"{inbox.count} lines")
             raise Failed(evidence, f"Publish {STATUS} from a timer with a period of 0.5 s.", "topic.silent")
-        node.send(_limiter.COMMAND)
-    return expect_rate(node, STATUS, 0.5, _RATE)
+        disturb()
+    return expect_rate(node, STATUS, 0.5, _RATE, disturb)
 
 
 def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> Evidence:
@@ -272,7 +284,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     return evidence
 
 
-@check(points=1.0, after=["limits", "wheel_speed"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"])
+@check(points=1.0, after=["reacts"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"])
 def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
     rng = node.context.random
@@ -281,7 +293,7 @@ def start_arguments_count(node: GradedNode) -> Evidence:
     return _start(node, given, " ".join(start_arguments(given)), parameters=given)
 
 
-@check(points=0.5, after=["limits", "status"], deadline_s=25.0, proves=["start_file"])
+@check(points=0.5, after=["reacts", "status"], deadline_s=25.0, proves=["start_file"])
 def start_file(node: GradedNode) -> Evidence:
     """Values given at the start in a parameter file take effect."""
     rng = node.context.random
@@ -318,11 +330,14 @@ def _require_not_used(node: GradedNode, values: dict[str, Any], **valid: Any) ->
             return _require_words(node, (name,), replace(evidence, got="the program ended"))
         try:
             model = Limiter(LimiterSettings(**valid))
-            model.lost = frozenset({"one_each"} if name == "wheel_diameter" else {"one_each", "wheel_speed"})
+            model.lost = context.conversations[Limiter].lost_checks | {"one_each"}
+            model.lost |= {"wheel_speed"} if name != "wheel_diameter" else set()
             model.drive(node, [BEYOND, 0.0, 0.0, 0.0, 0.0, 0.0], sent)
             model.require_values(node, sent)
         except Failed as failed:
             why = f"Your node started with {describe_value(values)}, which it should have refused."
+            if node.get(name, of=NODE)[name] == vars(DEFAULTS)[name]:
+                why = f"{name} has its default, as it should, but: {failed.message}"
             raise Failed(replace(evidence, got=failed.evidence.got), why, "validation.missing") from None
         return _require_words(node, (name, *_WARNINGS), replace(evidence, got="it runs with the default"))
     finally:

@@ -303,13 +303,19 @@ def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack
     return make_check(lambda node: expect_rate(node, topic, period_s, bounds), **declared)
 
 
-def expect_rate(node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float]) -> Evidence:
-    """Messages come on a topic, on average with a period between these bounds; topic.silent where hardly any come."""
+def expect_rate(
+    node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float], act: Callable[[], object] = bool
+) -> Evidence:
+    """Messages come on a topic, on average with a period between these bounds; topic.silent where hardly any come.
+
+    After each message `act` is done.
+    """
     node.ensure_running()
     inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
     found, count = 0.0, max(_FEWEST, inbox.count)
     expected = f"a message on {topic} every {bounds[0]:.3g} to {bounds[1]:.3g} s, on average"
     while node.context.wait_until(lambda least=count: inbox.count >= least, wait_s):  # type: ignore[misc] # of none
+        act()
         times = list(inbox.times)
         looks = (times, times[-max(_FEWEST + 1, len(times) // 2) :])  # all, and the last of them
         periods = [(some[-1] - some[0]) / (len(some) - 1) for some in looks]
