@@ -244,10 +244,9 @@ class LimiterSteps(Model):
             change.within(ANSWER_S, breaks="change_answered")
         if "reason" in self.lost:
             return
-        if several and not any(
-            name in change.result.reason for name in wrong
-        ):  # who minds another has named it rightly
-            self.accept(node, {**values, **{name: getattr(self.settings, name) for name in wrong}}, "atomic")
+        if not any(name in change.result.reason for name in wrong):  # who minds something else has named that
+            valid = {**values, **{name: getattr(self.settings, name) for name in wrong}}
+            self.accept(node, valid, "atomic" if several else CHANGES[name])
         if lacks := missing_in_reason(name, values[name], change.result.reason):
             why = f"Your node was right to refuse, but the reason has to say why. {lacks}"
             expected = f"refused, with a reason that names the parameter and its range ({RANGES[name]})"
