@@ -173,13 +173,11 @@ def twist_of(fields: list[float]) -> Twist:
     return Twist(linear=linear, angular=angular)
 
 
-def _set_one_by_one(past: Sequence[Done]) -> list[Done]:
-    """The same commands and changes, but no values together."""
-    return [
-        part
-        for done in past
-        for part in ([done] if isinstance(done, list) else [{name: value} for name, value in done.items()])
-    ]
+def _react(node: GradedNode, fields: list[float]) -> Reaction:
+    """What comes out for a command."""
+    node.send(COMMAND, twist_of(fields))
+    twist = node.expect(LIMITED)
+    return Reaction(_fields_of(twist), node.expect(WHEEL).data)
 
 
 class LimiterSteps(Model):
@@ -222,12 +220,6 @@ class LimiterSteps(Model):
         self.past.append((values, False))
         if set(values) != {"robot_name"}:
             self.quiet_until = time.monotonic() + _ACTS_S
-
-    def set_numbers(self, node: GradedNode, velocity: float, diameter: float) -> None:
-        """Valid numbers are accepted, one after the other."""
-        for name, value in (("max_velocity", velocity), ("wheel_diameter", diameter)):
-            if CHANGES[name] not in self.lost:
-                self.accept(node, {name: float(value)}, CHANGES[name])
 
     def refuse(self, node: GradedNode, values: dict[str, Any]) -> None:
         """An invalid value, by itself or beside valid ones, is refused with a reason that names it and its range."""
@@ -344,9 +336,7 @@ class LimiterSteps(Model):
         """Whether the same command is treated rightly a second later."""
         with node.context.record.looking_away(), suppress(Failed):
             node.context.wait_until(lambda: False, ANSWER_S)
-            node.send(COMMAND, twist_of(fields))
-            twist = node.expect(LIMITED)
-            return are_same(right_reaction(self.settings, fields), Reaction(_fields_of(twist), node.expect(WHEEL).data))
+            return are_same(right_reaction(self.settings, fields), _react(node, fields))
         return False
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
@@ -354,16 +344,11 @@ class LimiterSteps(Model):
         past = [done for done, _ in self.past]
         refused = [done for done, was_refused in self.past if was_refused]
         plain = [done for done, was_refused in self.past if not was_refused]
-        one_by_one = _set_one_by_one(plain)
-        settle_s = 0.0 if node.context.program.status(fresh=True).running else SILENT_S  # until it ends again
-
-        def goes_right(past: Sequence[Done]) -> bool:
-            return self._goes_right(node, act, past, settle_s)
-
-        if self.is_control or not (refused or len(one_by_one) > len(plain)) or goes_right(past):
+        several = any(isinstance(done, dict) and len(done) > 1 for done in plain)
+        if self.is_control or not (refused or several) or self._goes_right(node, act, past):
             return failed  # the last: it came by chance, or is a matter of time
-        if not refused or not goes_right(plain):
-            if len(one_by_one) == len(plain) or not goes_right(one_by_one):
+        if not refused or not self._goes_right(node, act, plain):
+            if not several or not self._goes_right(node, act, plain, apart=True):
                 return failed
             why = "Values that were set together do not act as they do when you set one after the other."
             return Failed(failed.evidence, why, breaks="atomic")
@@ -374,19 +359,18 @@ class LimiterSteps(Model):
             else:
                 alone.append(done)
         why = "Since your node refused an invalid change it behaves differently. It must behave as before."
-        if any(len(done) > 1 for done in refused) and goes_right(alone):
+        if any(len(done) > 1 for done in refused) and self._goes_right(node, act, alone):
             return Failed(failed.evidence, why, "parameter.not_atomic", breaks="atomic")
         return Failed(failed.evidence, why, breaks="refuses")
 
     def _goes_right(
-        self, node: GradedNode, act: Callable[[LimiterSteps], None], past: Sequence[Done], settle_s: float = 0.0
+        self, node: GradedNode, act: Callable[[LimiterSteps], None], past: Sequence[Done], *, apart: bool = False
     ) -> bool:
-        """Whether an act is right on a fresh start after these changes and commands; a stranger's node has none."""
-        context = node.context
-        if context.job.mode == "attach":
+        """Whether an act is right on a fresh start after these commands and changes, `apart` one value at a time."""
+        if node.context.job.mode == "attach":
             return False
-        with context.record.looking_away():
-            context.spoil()
+        with node.context.record.looking_away():
+            node.context.spoil()
             node.ensure_running()
             model, status = type(self)(), node.inbox(STATUS)
             model.is_control, model.lost, named = True, self.lost, [done for done in past if "robot_name" in done]
@@ -394,19 +378,17 @@ class LimiterSteps(Model):
                 model.begin(node)
                 for done in past:
                     if done in named[-1:]:  # a line tells what was before: then it is a change of the name alone
-                        context.wait_until(lambda before=status.count: status.count > before, _LINE_S)  # type: ignore[misc]
+                        node.context.wait_until(lambda before=status.count: status.count > before, _LINE_S)  # type: ignore[misc]
                     if isinstance(done, list):
-                        node.send(COMMAND, twist_of(done))
-                        node.expect(LIMITED)
-                        node.expect(WHEEL)
-                    elif node.set(done, of=NODE).result.successful:
-                        model.keep_values(done)
+                        _react(node, done)
+                        continue
+                    for values in [{name: value} for name, value in done.items()] if apart else [done]:
+                        if node.set(values, of=NODE).result.successful:
+                            model.keep_values(values)
                 act(model)
             except Failed:
                 return False
-            return not settle_s or not context.wait_until(
-                lambda: not context.program.status(fresh=True).running, settle_s, of_the_living=False
-            )
+        return True
 
     def require_status(self, node: GradedNode, sent: str = "") -> None:
         """A line of /status tells the settings, within a second of a change."""
