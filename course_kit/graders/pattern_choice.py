@@ -6,7 +6,6 @@ is marked, and what is said is whether the submission is complete.
 
 from __future__ import annotations
 
-import ast
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,6 @@ from course_kit.grading.checks.check import Check
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.diagnosis import causes
 from course_kit.grading.errors import GradingError
-from course_kit.quiz import Unusable
 
 if TYPE_CHECKING:
     from course_kit.grading.checks.context import CheckContext
@@ -28,8 +26,6 @@ _DEADLINE_S = 5.0
 _PROVES = {"pattern": ("pattern", "others_count"), "reason": ("reason", "decides", "own_reason", "others_count")}
 _MOST_NAMED = 20  # entries that belong to no scenario
 _FOUND = ("too_large", "value", "entries")  # what is said of a variable that is set
-_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
-_LONGEST = 500  # characters of an answer or its id, as text
 
 
 def checks_for(job: Job) -> list[Check]:
@@ -60,7 +56,10 @@ class _Sheet:
         entries = _read(context)
         self._result = quiz.mark(self.scenarios, entries)
         if not self._result.is_final:
-            raise GradingError(_not_here(self._result))
+            why = (
+                "your instructor marks the scenarios of this seed: their answers are not in this edition of the course."
+            )
+            raise GradingError(f"{why} {self._result.describe_state()} To practise, leave the seed out.")
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 
     def known_ids(self, _: CheckContext) -> Evidence:
@@ -91,22 +90,6 @@ class _Sheet:
         return evidence
 
 
-def _not_here(result: MarkedAnswers) -> str:
-    """Why there are no marks, and what still can be said of the answers."""
-    unfinished = [
-        f"{marks.scenario.id} ({(marks.pattern if marks.pattern.code else marks.reason).explanation.rstrip('.')})"
-        for marks in result.marks
-        if marks.pattern.code or marks.reason.code
-    ]
-    text = f"{len(result.marks) - len(unfinished)} of {len(result.marks)} answers are complete."
-    if unfinished:
-        text += f" Still to do: {'; '.join(unfinished)}."
-    return (
-        "your instructor marks the scenarios of this seed, whose answers are not in this edition of the course. "
-        f"{text} To practise, leave the seed out."
-    )
-
-
 def _read(context: CheckContext) -> dict[object, object]:
     """The entries of the submission, by reading it if that is enough, else by running it."""
     told, variable, code = context.job.text.literal or _run(context), context.job.variable, "quiz.malformed"
@@ -116,7 +99,7 @@ def _read(context: CheckContext) -> dict[object, object]:
         message = f"{variable} is not a dictionary, so no answer can be found under a scenario's id."
         raise Failed(Evidence("", _SHAPE, told["value"][:80]), message, code)
     if "entries" in told:
-        return read_entries(told)
+        return quiz.read_answers(told["entries"])
     others = [name for name in told.get("set_names", ()) if name != variable]
     names, meant = ", ".join(others) or "nothing", quiz.nearest(variable, others)
     near = f" Did you mean {meant}?" if meant else ""
@@ -132,24 +115,3 @@ def _run(context: CheckContext) -> Record:
         return told
     code, message = causes.explain_start(process, context.job)
     raise Failed(Evidence("", _SHAPE, "a program that did not run to its end"), message, code)
-
-
-def read_entries(told: Record) -> dict[object, object]:
-    """The answers in a program's text (`reader.literals`), or those that a program has set (`sandbox.runner`)."""
-    entries: dict[object, object] = {}
-    for key, text, *problem in told["entries"]:
-        try:
-            value = Unusable(text, problem[0]) if any(problem) else _literal(text)
-        except _NO_LITERAL:
-            value = Unusable(text, "An answer has to be plain texts, but this is something else.")
-        try:
-            entries[_literal(key)] = value
-        except _NO_LITERAL:
-            entries[key] = value
-    return entries
-
-
-def _literal(text: str) -> object:
-    if len(text) > _LONGEST:
-        raise ValueError("the answer is too long to be read")
-    return ast.literal_eval(text)

@@ -38,10 +38,7 @@ _ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
-_LONG = {
-    "robot_name": "  my robot: 2 of {the} %s laboratory on the second floor, by the wall ",
-    "max_velocity": 4.87654321,
-}
+_LONG = {"robot_name": "  my robot: 2 of {the} %s laboratory, by the wall ", "max_velocity": 4.87654321}
 _WRONG = {
     "max_velocity": (-1.0, 0.0, 5.0001, 7.5, _NAN, _INF, -_INF),
     "wheel_diameter": (0.0, -0.1, 0.0099, 1.0001, 20.0, _NAN, _INF, -_INF),

@@ -8,7 +8,7 @@ from course_kit.quiz.bank import DEFAULT_SEED, PATTERNS, Questions, Scenario, ba
 from course_kit.quiz.bank import draw_scenarios as draw
 from course_kit.quiz.bank import graded_scenarios as graded
 from course_kit.quiz.bank import practice_scenarios as practice
-from course_kit.quiz.marking import PASS_SHARE, MarkedAnswers, Marks, mark, mark_one
+from course_kit.quiz.marking import PASS_SHARE, MarkedAnswers, Marks, mark, mark_one, read_answers
 from course_kit.quiz.marking import HalfMarks as Half
 from course_kit.quiz.marking import NoAnswer as Unusable
 from course_kit.quiz.marking import nearest_id as nearest
@@ -30,6 +30,7 @@ __all__ = [
     "mark_one",
     "nearest",
     "practice",
+    "read_answers",
     "reasons_as_shown",
     "show",
 ]

@@ -6,6 +6,7 @@ named and earns nothing, and the other answers count.
 
 from __future__ import annotations
 
+import ast
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from course_kit.quiz.bank import PATTERNS, bank
 from course_kit.ros import names as ros_names
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from course_kit.quiz.bank import Scenario
 
@@ -22,6 +23,8 @@ HALF = 0.5
 MISSING, UNKNOWN, MALFORMED = "quiz.missing", "quiz.unknown", "quiz.malformed"
 _NOT_HERE = "Only your instructor can mark this: the answers are not in this edition of the course."
 _NEAR = 0.75  # how alike two ids are that one may have been meant for the other; 1.0 is the same
+_NO_LITERAL = (ValueError, TypeError, SyntaxError, RecursionError, MemoryError)
+_LONGEST = 500  # characters of an answer or its id, as text
 _SHOWN = 60  # characters of an answer that are repeated
 _MOST = 200  # ids that are compared: it takes the square of their length
 
@@ -32,6 +35,27 @@ class NoAnswer:
 
     text: str
     problem: str
+
+
+def read_answers(entries: Iterable[Sequence[str]]) -> dict[object, object]:
+    """The answers in a program's text (`reader.literals`), or those that it has set (`sandbox.runner`)."""
+    answers: dict[object, object] = {}
+    for key, text, *problem in entries:
+        try:
+            value = NoAnswer(text, problem[0]) if any(problem) else _read_literal(text)
+        except _NO_LITERAL:
+            value = NoAnswer(text, "An answer has to be plain texts, but this is something else.")
+        try:
+            answers[_read_literal(key)] = value
+        except _NO_LITERAL:
+            answers[key] = value
+    return answers
+
+
+def _read_literal(text: str) -> object:
+    if len(text) > _LONGEST:
+        raise ValueError("the answer is too long to be read")
+    return ast.literal_eval(text)
 
 
 @dataclass(frozen=True)
@@ -74,6 +98,16 @@ class MarkedAnswers:
     def max_points(self) -> float:
         """One point a scenario."""
         return 2 * HALF * len(self.marks)
+
+    def describe_state(self) -> str:
+        """How many answers are complete, and what the others lack."""
+        left = [
+            f"{marks.scenario.id} ({half.explanation.rstrip('.')})"
+            for marks in self.marks
+            for half in [half for half in (marks.pattern, marks.reason) if half.code][:1]
+        ]
+        text = f"{len(self.marks) - len(left)} of {len(self.marks)} answers are complete."
+        return f"{text} Still to do: {'; '.join(left)}." if left else text
 
     @property
     def is_final(self) -> bool:

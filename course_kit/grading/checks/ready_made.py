@@ -306,21 +306,18 @@ def topic_rate(topic: str, hz: float, *, off_by: float = 0.2, **declared: Unpack
 def expect_rate(
     node: GradedNode, topic: str, period_s: float, bounds: tuple[float, float], act: Callable[[], object] | None = None
 ) -> Evidence:
-    """Messages come on a topic, on average with a period between these bounds; topic.silent where hardly any come.
-
-    Meanwhile `act` is done, more often than a message comes.
-    """
+    """Messages come on a topic, on average with a period between these bounds, while something else is done, too."""
     node.ensure_running()
     inbox, clock, wait_s = node.inbox(topic), node.context.clock(), max(_SILENT_S, 4 * period_s)
     found, count = 0.0, max(_FEWEST, inbox.count)
 
     def has_come(least: int) -> bool:
-        before = node.context.clock()
-        while act and not before.has_passed(wait_s):
-            if node.context.wait_until(lambda: inbox.count >= least, period_s / 2):
-                return True
+        before, look_s = node.context.clock(), period_s / 2 if act else wait_s
+        while not node.context.wait_until(lambda: inbox.count >= least, look_s):
+            if act is None or before.has_passed(wait_s):
+                return False
             act()
-        return not act and node.context.wait_until(lambda: inbox.count >= least, wait_s)
+        return True
 
     expected = f"a message on {topic} every {bounds[0]:.3g} to {bounds[1]:.3g} s, on average"
     while has_come(count):

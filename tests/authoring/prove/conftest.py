@@ -40,8 +40,8 @@ text = "The high limit is 5."
 _GRADER = '''
 from pathlib import Path
 
-from course_kit.graders.pattern_choice import read_entries
 from course_kit.grading.checks.vocabulary import Evidence, Failed, check
+from course_kit.quiz import read_answers
 
 HERE = Path(__file__).parent
 
@@ -50,8 +50,8 @@ def limits(node):
     """What the submission has set, by name."""
     context = node.context
     if context.job.text.literal is not None:
-        return read_entries(context.job.text.literal)
-    return read_entries(context.run_to_end().notes)
+        return read_answers(context.job.text.literal["entries"])
+    return read_answers(context.run_to_end().notes["entries"])
 
 
 @check(points=1.0, proves=["low_is_two"])
