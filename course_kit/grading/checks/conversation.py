@@ -31,6 +31,7 @@ _TAILS = (1, 2, 3, 5, 9, 17)  # so many of the last steps are tried by themselve
 _STRIKES = 2  # after so many failures of a check that is lost already a rule is left out
 _SILENT_RULES = 3  # so many different steps without an answer, and none that was right: it answers nothing
 _OF_ONE_ANSWER = ("math.", "validation.", "field.")  # diagnoses that explain no step which is right by itself
+_REMEMBERS = "service.remembers"
 _ENDLESS = "limit.time"  # names its line; to see it again takes seconds of computing, and tells no more
 _ENDED_AT_START = ("start.crash", "start.exit", "start.import")
 _KEPT = 40  # turns of the record; what was before them is of no use
@@ -274,7 +275,8 @@ class Conversation:
             endless = failed.diagnosis == _ENDLESS
             if endless:
                 self.context.record.forget_all_but(1)
-            failed.steps = failed.steps or self.context.record.steps(failed.evidence)
+            shown = failed.evidence if fails_alone else replace(failed.evidence, sent="")  # with what was before
+            failed.steps = failed.steps or self.context.record.steps(shown)
             shrinks = not endless and not self.context.job.first_failure and self.context.job.mode != "attach"
             if shrinks and (not fails_alone or self.last):
                 failed, lost, needed = self._shrink(failed, done, lost)
@@ -305,25 +307,29 @@ class Conversation:
         """The failure of the shortest part of a conversation, the check that it costs, and how many steps that has."""
         clock = self.context.clock()
         shrinks, best, found = False, done, (failed, lost)
-        for length in sorted({*(length for length in _TAILS if length < len(done)), len(done)}):
-            if length > 1 and clock.has_passed(_SHRINK_S):
+        tails = _TAILS[:2] if self.model.history else _TAILS  # what remembers nothing is quick to ask all again
+        for length in sorted({*(length for length in tails if length < len(done)), len(done)}):
+            if length > 1 and clock.has_passed(_SHRINK_S) and not self.model.history:
                 break
             if again := self._fails(done[-length:], lost):
                 shrinks, best, found = True, done[-length:], again
                 break
-        place = 0
-        while shrinks and place < len(best) - 1 and not clock.has_passed(_SHRINK_S):
-            shorter = [*best[:place], *best[place + 1 :]]
-            if again := self._fails(shorter, lost):
-                best, found = shorter, again
-            else:
-                place += 1
+        size = len(best)
+        while shrinks and size > 1 and best[2:]:  # first half of them is left out, then a quarter, at last one
+            size, place = (size + 1) // 2, 0
+            while place < len(best) - 1 and not clock.has_passed(_SHRINK_S):
+                shorter = [*best[:place], *best[min(place + size, len(best) - 1) :]]
+                if again := self._fails(shorter, lost):
+                    best, found = shorter, again
+                else:
+                    place += size
         shortest = found[0]
         if not shrinks and len(done) > 1:  # by itself the last step is right
             shortest.message = f"{shortest.message} This failed after {len(done) - 1} other steps."
         if self.model.history and len(best) > 1:
             if (shortest.diagnosis or "").startswith(_OF_ONE_ANSWER):  # whose reason is that of another fault
                 shortest.message, shortest.diagnosis = "By itself, the same request is answered rightly.", None
+            shortest.diagnosis = shortest.diagnosis or _REMEMBERS
             shortest.message = f"{shortest.message} It takes what was sent before to bring this about."
         return (*found, len(best))
 
