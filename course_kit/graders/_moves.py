@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_interfaces.action import MoveRobot
 
 from course_kit.grading.checks.evidence import UnseenError
-from course_kit.grading.checks.graded_goal import CANCELED, PROMPT_S, SUCCEEDED, describe_end
+from course_kit.grading.checks.graded_goal import ABORTED, CANCELED, PROMPT_S, SUCCEEDED, describe_end
 from course_kit.grading.checks.vocabulary import Evidence, Failed, draw_between, draw_by, draw_one_of
 
 if TYPE_CHECKING:
@@ -69,6 +69,14 @@ class Speed:
 
     own: bool
     needed: int
+    accepted: bool = False  # a goal was, ever
+    succeeded: bool = False
+
+    def require_hope(self, lost: frozenset[str]) -> None:
+        """Fail at once where no goal has ever been accepted, or has succeeded: nothing more can be seen of such."""
+        for check, ever in (("accepted", self.accepted), ("succeeds", self.succeeded)):
+            if check in lost and not ever:
+                raise Failed(Evidence(), "", breaks=check)
 
 
 @dataclass(frozen=True)
@@ -87,11 +95,17 @@ class Move:
     target: ArenaPoint
     goal: GradedGoal
     ended: Message  # the response to the request for its result
+    end: ArenaPoint | None = None  # where the robot is, after a success short of the target that is lost already
 
     @property
     def length(self) -> float:
         """The straight way, in metres."""
         return math.dist(self.begin, self.target)
+
+    @property
+    def may_remain(self) -> float:
+        """So many metres may remain at the end."""
+        return TOLERANCE + (math.dist(self.end, self.target) if self.end else 0.0)
 
 
 def draw_way(*lengths: Any) -> Any:
@@ -106,13 +120,15 @@ def draw_way(*lengths: Any) -> Any:
 
 # --- what is drawn
 
+MIDDLE = 3.0  # metres from each edge
 CORNER = ArenaPoint(ARENA, ARENA)
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 _OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
 _NO_PLACES = tuple(place for value in (math.nan, math.inf, -math.inf) for place in ((value, 5.0), (5.0, value)))
 OUTSIDE = draw_by(lambda rng: rng.sample(_OUTSIDE, len(_OUTSIDE)))
 NO_PLACES = draw_by(lambda rng: rng.sample(_NO_PLACES, len(_NO_PLACES)))
-LENGTHS = draw_one_of(*[draw_way(draw_between(*ends)) for ends in ((1.0, 1.8), (0.01, 0.04), (0.06, 0.2), (0.2, 0.9))])
+SHORT_MOVES = draw_one_of(*[draw_way(draw_between(*ends)) for ends in ((0.01, 0.04), (0.06, 0.12), (0.12, 0.9))])
+LONG_MOVES = draw_way(draw_between(1.0, 1.8))
 MOVES = draw_way(draw_between(1.0, 1.3), draw_between(1.0, 1.8), draw_between(0.06, 0.2), draw_between(0.2, 0.9))
 THEN = draw_one_of(None, MOVES)
 STOPS = draw_way(draw_between(1.7, 2.1))
@@ -138,12 +154,12 @@ def place_of(point: Any) -> ArenaPoint:
     return ArenaPoint(point.x, point.y)
 
 
-def place_inside(here: ArenaPoint, length: float, angle: float) -> ArenaPoint:
+def place_inside(here: ArenaPoint, length: float, angle: float, margin: float = 0.0) -> ArenaPoint:
     """The place in the arena so far away, in this direction or the next one inside; along x, y stays the same."""
     for turn in range(40):
         turned = angle + turn * _QUARTER + turn // 4 * 0.16
         place = ArenaPoint(here.x + round(length * math.cos(turned), 9), here.y + round(length * math.sin(turned), 9))
-        if all(0.0 < value < ARENA for value in place):  # the edges are another check's
+        if all(margin < value < ARENA - margin for value in place):  # the edges are another check's
             return place
     return CENTRE
 
@@ -154,6 +170,13 @@ def distance_beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> fl
     along = ((place.x - begin.x) * (end.x - begin.x) + (place.y - begin.y) * (end.y - begin.y)) / way**2
     along = min(max(along, 0.0), 1.0)
     return math.dist(place, (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y)))
+
+
+def last_place(move: Move) -> ArenaPoint:
+    """Where a move ended whose result is not to be relied on: by its feedback, or else by the result or the target."""
+    heard = [message.feedback.position for message in move.goal.feedback[-1:]]
+    places = (place_of(said) for said in (*heard, move.ended.result.final_position))
+    return next((place for place in places if place != ORIGIN), move.target)
 
 
 def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) -> float:
@@ -173,6 +196,11 @@ def wait_for_share(
     )
 
 
+def wait_for_over(context: CheckContext, goal: GradedGoal, seconds: float) -> bool:
+    """Wait until a goal has ended, by its status; whether it has."""
+    return context.wait_until(lambda: goal.over_at is not None, seconds)
+
+
 # --- a goal and its answer
 
 
@@ -187,7 +215,8 @@ def explain_rejection(node: GradedNode, goal: GradedGoal, target: ArenaPoint, z:
     """A valid goal was rejected: find out what the server minds: this goal, all goals, or what was before."""
     evidence, stderr = Evidence(goal.shown, "the goal accepted", "the goal rejected"), goal.process().stderr
     starts = node.context.job.mode != "attach"
-    if not _accepts(node, CENTRE) and starts:
+    speed_of(node.context).accepted |= (takes_centre := _accepts(node, CENTRE))
+    if not takes_centre and starts:
         if _accepts(node, target, z, afresh=True):
             why = (
                 "No goal was running, but your node rejected this goal. After a fresh start it accepts the same goal. "
@@ -214,6 +243,22 @@ def _accepts(node: GradedNode, target: ArenaPoint, z: float = 0.0, *, afresh: bo
         return send_goal(node, target, z).wait_for_answer("the goal accepted")
 
 
+def require_one_at_a_time(
+    context: CheckContext, first: GradedGoal, second: GradedGoal, evidence: Evidence
+) -> GradedGoal:
+    """Of two goals that were both accepted none ran with the other, by the server's own statuses; the later one."""
+    context.wait_until(lambda: bool(first.began_at and second.began_at), PROMPT_S)
+    later = max(first, second, key=lambda goal: goal.began_at)
+    if any(goal.over_at is not None and goal.over_at <= later.began_at for goal in (first, second)):
+        return later
+    if wait_for_over(context, first, PROMPT_S) and first.statuses[-1][1] in (ABORTED, CANCELED):
+        why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
+        raise Failed(evidence, why, breaks="second_goal")
+    both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
+    why = "Your server accepted a second goal while the first was still running."
+    raise Failed(evidence, why, "action.concurrent_goals" if both else None, breaks="second_goal")
+
+
 # --- one aspect of a move
 
 
@@ -232,7 +277,7 @@ def require_arrival(move: Move) -> None:
 def require_distance(move: Move) -> None:
     """The result says how long the way was."""
     travelled, arrived = move.ended.result.distance_travelled, move.ended.status == SUCCEEDED
-    end = move.target if arrived else place_of(move.ended.result.final_position)
+    end = move.end or (move.target if arrived else place_of(move.ended.result.final_position))
     length = math.dist(move.begin, end)
     tolerance = max(TOLERANCE, 0.05 * length)
     if abs(travelled - length) <= tolerance:
@@ -247,7 +292,13 @@ def require_distance(move: Move) -> None:
         why = f"distance_travelled is as long as the way from {ORIGIN}, but this goal's way began at {move.begin}."
     elif not arrived and abs(travelled - move.length) <= tolerance:
         why = "distance_travelled is the whole distance to the target, but the robot has stopped before."
-    raise Failed(evidence, why)
+    raise blame_empty_result(move, Failed(evidence, why))
+
+
+def blame_empty_result(move: Move, failed: Failed) -> Failed:
+    """A result that nobody has filled in costs one check where it costs that of arriving."""
+    failed.instead = "arrives" if move.ended.result == MoveRobot.Result() else ""
+    return failed
 
 
 def require_enough(move: Move) -> None:
@@ -269,7 +320,7 @@ def require_truth(move: Move) -> None:
     long = move.length >= LONG_M
     whole = long and move.ended.status == SUCCEEDED
     heard = move.goal.wait_for_last_feedback(
-        lambda messages: not whole or bool(messages and messages[-1].feedback.distance_remaining <= TOLERANCE)
+        lambda messages: not whole or bool(messages and messages[-1].feedback.distance_remaining <= move.may_remain)
     )
     expected = f"progress 0 to 1, distance_remaining down to 0, positions on the line {move.begin} to {move.target}"
     if not heard:  # another check's matter
@@ -289,6 +340,13 @@ def require_truth(move: Move) -> None:
             expected = f"progress within {_FITS} of {wanted:.3g}: {move.length:.3g} m is this goal's whole distance"
             why = f"progress={said.progress:.4g} is not the part of this goal's own way that is done."
             raise HastyError(Evidence(move.goal.shown, expected, got), why)
+
+
+def require_no_jump(goal: GradedGoal) -> None:
+    """Nor does a goal without a way say anything else than that it is done."""
+    if found := find_jump(goal.feedback):
+        evidence = Evidence(goal.shown, "progress from 0 to 1, if any", found)
+        raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
 
 
 def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
@@ -325,7 +383,7 @@ def _require_from_begin_to_end(move: Move, heard: Sequence[ReceivedFeedback], ex
     first, last = heard[0].feedback, heard[-1].feedback
     got = f"{len(heard)} messages, progress={first.progress:.4g} to {last.progress:.4g}"
     evidence = Evidence(move.goal.shown, f"{expected}; progress at most {_BARELY_BEGUN} at first", got)
-    if not last.distance_remaining <= TOLERANCE:
+    if not last.distance_remaining <= move.may_remain:
         why = f"The last feedback said progress={last.progress:.4g}: publish one more when the robot arrives."
         raise HastyError(evidence, why)
     begun = 1.0 - math.dist(place_of(first.position), move.target) / move.length
@@ -357,7 +415,7 @@ def explain_refusal(failed: Failed, goal: GradedGoal, target: ArenaPoint, waited
     return HastyError(failed.evidence, failed.message, code, breaks=failed.breaks)
 
 
-def require_stop(move: Move, breaks: str, *, short: bool) -> None:
+def require_stop(move: Move, breaks: str, took_s: float, *, short: bool) -> None:
     """A goal whose cancelling was accepted ended CANCELED where the robot can have stopped."""
     goal, ended, target = move.goal, move.ended, move.target
     evidence = Evidence(goal.shown, "CANCELED, where the robot was then, before the target", describe_end(ended))
@@ -377,7 +435,12 @@ def require_stop(move: Move, breaks: str, *, short: bool) -> None:
     moved = seen is not None and math.dist(move.begin, seen) > BESIDE
     if ended.result == MoveRobot.Result() and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be so
         why = "The result still has its default values: your callback set none of its fields when it was cancelled."
-        raise Failed(evidence, why, breaks=breaks)
+        raise blame_empty_result(move, Failed(evidence, why, breaks=breaks))
+    if took_s > A_SECOND:
+        evidence = replace(evidence, got=f"CANCELED after {took_s:.1f} s")
+        raise HastyError(
+            evidence, f"The goal ended {took_s:.1f} s after your server agreed to cancel it.", breaks=breaks
+        )
     if not distance_beside(move.begin, target, stopped) <= BESIDE:
         why = f"The robot was driving from {move.begin} to {target}, so it cannot have stopped there."
         raise Failed(evidence, why, breaks="progress")
