@@ -46,10 +46,6 @@ class HastyError(Failed):
     """A fault that might not show with the robot at its own speed: a learner's own clock keeps real time."""
 
 
-class TooFastError(HastyError):
-    """The fast robot shows nothing of it, whatever was before: it needs its own speed."""
-
-
 class ArenaPoint(NamedTuple):
     """A place in the arena, in metres."""
 
@@ -71,6 +67,7 @@ class Speed:
     needed: int
     accepted: bool = False  # a goal was, ever
     succeeded: bool = False
+    cancelled: bool = False  # a request to cancel was accepted
 
     def require_hope(self, lost: frozenset[str]) -> None:
         """Fail at once where no goal has ever been accepted, or has succeeded: nothing more can be seen of such."""
@@ -292,6 +289,8 @@ def require_distance(move: Move) -> None:
         why = f"distance_travelled is as long as the way from {ORIGIN}, but this goal's way began at {move.begin}."
     elif not arrived and abs(travelled - move.length) <= tolerance:
         why = "distance_travelled is the whole distance to the target, but the robot has stopped before."
+    elif not arrived and math.dist(end, move.target) <= TOLERANCE:
+        why = "final_position is the target, but distance_travelled says that the robot stopped before."
     raise blame_empty_result(move, Failed(evidence, why))
 
 
@@ -366,7 +365,8 @@ def find_jump(feedback: Sequence[ReceivedFeedback]) -> str:
 def _require_on_the_way(move: Move, feedback: Any) -> None:
     place = place_of(feedback.position)
     off = distance_beside(move.begin, move.target, place)
-    blank = " Was feedback.position filled in?" if place == ORIGIN else ""
+    filled_in = any(place_of(message.feedback.position) != ORIGIN for message in move.goal.feedback)
+    blank = "" if filled_in else " Was feedback.position filled in?"
     if not off <= BESIDE:
         evidence = Evidence(move.goal.shown, f"positions within {BESIDE} m of the straight line", f"{place}")
         raise Failed(evidence, f"This position lies {off:.2g} m away from the straight line to the target.{blank}")
@@ -442,7 +442,7 @@ def require_stop(move: Move, breaks: str, took_s: float, *, short: bool) -> None
             evidence, f"The goal ended {took_s:.1f} s after your server agreed to cancel it.", breaks=breaks
         )
     if not distance_beside(move.begin, target, stopped) <= BESIDE:
-        why = f"The robot was driving from {move.begin} to {target}, so it cannot have stopped there."
+        why = f"That place is not on the way from {move.begin} to {target}."
         raise Failed(evidence, why, breaks="progress")
     if seen is not None and math.dist(move.begin, stopped) < math.dist(move.begin, seen) - BESIDE:
         why = f"The last feedback said {seen}, but the result says {stopped}: the robot cannot have driven back."

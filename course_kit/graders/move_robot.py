@@ -42,8 +42,6 @@ def make_move_rule(check: str, way: Any) -> Callable[..., None]:
 class RobotModel(Model):
     """Where the robot is, and what may be asked of it, in any order."""
 
-    _known: _moves.Speed  # of the conversation
-
     def __init__(self) -> None:
         self.at = ORIGIN
         self.special = ""  # the check about what was more than a plain move, last
@@ -54,7 +52,7 @@ class RobotModel(Model):
 
     def begin(self, node: GradedNode) -> None:
         """Have the robot at its own speed where the fast one was too fast; look where a stranger's robot is."""
-        self._known = _moves.speed_of(node.context)
+        self._known: _moves.Speed = _moves.speed_of(node.context)
         if node.context.job.mode == "attach":
             self.finish(self.at, CENTRE, self.start(node, CENTRE))
         elif self._known.own:
@@ -85,9 +83,7 @@ class RobotModel(Model):
     @step_rule("already_there", angle=_moves.ANGLE, often=2)
     def be_there(self, node: GradedNode, angle: float) -> None:
         """A goal at the present position succeeds at once."""
-        self.make_plain_move(node)
-        if not all(_moves.TOLERANCE < value < ARENA - _moves.TOLERANCE for value in self.at):  # another check's matter
-            self.drive(node, self.place_at(1.0, angle))
+        self.move_rightly(node, self.place_at(1.02 * _moves.LONG_M, angle))
         goal = self.start(node, self.at, breaks="already_there")
         self.ways[-1] = (self.at, self.place_at(0.3, angle))  # tried in its place when it may have spoiled something
         self.special = "already_there"
@@ -171,17 +167,17 @@ class RobotModel(Model):
             self.special, other = "second_goal", self.place_at(0.7, angle)
             self.reject_second(node, first, other)
             first.cancel()
-            second = _moves.send_goal(node, other)
+            second, clock = _moves.send_goal(node, other), node.context.clock()
             sent = f"{first.shown}; the request to cancel it, and at the same instant {second.shown}"
             evidence = Evidence(sent, expected, "accepted at once")
-            clock = node.context.clock()
             with charge_to("cancel"):
                 while not (second.wait_for_answer(expected) or clock.has_passed(A_SECOND)):
                     if _moves.wait_for_over(node.context, first, 0.05):
                         break
                     second = _moves.send_goal(node, other)
                 if second.accepted and not self._known.own:
-                    raise _moves.TooFastError(evidence, "With the robot at its own speed, this can be seen.")
+                    self._recent = {}  # whatever was before, the fast robot shows nothing of it
+                    raise HastyError(evidence, "With the robot at its own speed, this can be seen.")
                 ended = first.wait_for_end(_moves.allowed_s(way.length), expected)
             self.note_arrival(Move(begin, target, first, ended))
             self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
@@ -305,16 +301,19 @@ class RobotModel(Model):
         except Failed as failed:
             failed.breaks = breaks
             driven = min(length, _moves.metres_left(goal, target, asked_s)) - _moves.metres_left(goal, target)
-            if driven > A_SECOND and not failed.diagnosis:
-                failed.diagnosis = "action.cancel_blocked"
+            failed.diagnosis = failed.diagnosis or ("action.cancel_blocked" if driven > A_SECOND else None)
             # However busy the machine is: who has driven so far meanwhile has had this much time.
-            waited_s = max(clock.fair_s(), driven / A_SECOND)
-            explained = _moves.explain_refusal(failed, goal, target, waited_s, slow=slow)
+            explained = _moves.explain_refusal(failed, goal, target, max(clock.fair_s(), driven / A_SECOND), slow=slow)
+            refused = explained.diagnosis == "action.cancel_refused"
             if isinstance(explained, UnseenError):
                 self.start_afresh(node)
-            elif self.cancelled and node.context.job.mode != "attach" and self.refuses_first_cancel(node, share):
-                explained.breaks = "cancel"
+            elif (refused or self.cancelled) and node.context.job.mode != "attach":
+                explained.breaks = "cancel" if self.refuses_first_cancel(node, share) else breaks
+            if refused and self._known.cancelled:
+                where = f"{min(length, _moves.metres_left(goal, target)):.2f} m before the target"
+                explained.diagnosis, explained.message = None, f"Your server refused to cancel {where}, but not others."
             raise explained from None
+        self._known.cancelled = True
         self.special, clock = "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         with charge_to("succeeds"):  # a goal that never ends may be one of a server whose goals never end
@@ -334,6 +333,7 @@ class RobotModel(Model):
             goal = self.set_off(node, self.place_at(2.0, 0.5), min(share, 0.8))
             with suppress(Failed):
                 goal.cancelled()
+                self._known.cancelled = True
                 return False
         return True
 
@@ -358,7 +358,7 @@ class RobotModel(Model):
                 may_be_ours = not speed.own or clock.grader_lost() > 0.3 * clock.wall_s()  # nobody knows the order
                 if isinstance(failed, HastyError) and again < _moves.OFTEN and may_be_ours:
                     speed.needed, speed.own = speed.needed + 1, True
-                    steps = [step] if isinstance(failed, _moves.TooFastError) else [*self._recent.values(), step]
+                    steps = [*self._recent.values(), step]
                     self.start_afresh(node)
                     context.record.clear()
                     continue
