@@ -59,7 +59,7 @@ class RobotModel(Model):
             self.start_afresh(node)
 
     move = make_move_rule("succeeds", _moves.SHORT_MOVES)
-    arrive = make_move_rule("arrives", _moves.MOVES)
+    arrive = make_move_rule("arrives", _moves.LONG_MOVES)
     measure = make_move_rule("distance", _moves.LONG_MOVES)
     hear = make_move_rule("feedback", _moves.LONG_MOVES)
     believe = make_move_rule("progress", _moves.LONG_MOVES)
@@ -137,6 +137,7 @@ class RobotModel(Model):
     @step_rule("second_goal", angles=[_moves.ANGLE] * 8)  # four pairs: which callback comes first is a matter of chance
     def send_two(self, node: GradedNode, angles: list[float]) -> None:
         """Of two goals in the same instant one is accepted, and reaches its target."""
+        self.make_plain_move(node, "second_goal")
         expected = "one of the two goals accepted, the other rejected"
         for left, other in zip(angles[::2], angles[1::2], strict=True):
             begin = self.at
@@ -268,8 +269,8 @@ class RobotModel(Model):
         return move
 
     def make_plain_move(self, node: GradedNode, check: str = "") -> None:
-        """After something special, of another check, a plain move comes first: what is wrong with it has that cause."""
-        if self.special not in ("", check):
+        """At first, and after something special of another check, comes a plain move: what is wrong has that cause."""
+        if self.special not in ("", check) or not self._known.succeeded:
             self.move_rightly(node, self.place_at(1.02 * _moves.LONG_M, 0.5))
 
     def judge(self, move: Move, *aspects: str) -> None:
@@ -313,8 +314,7 @@ class RobotModel(Model):
                 where = f"{min(length, _moves.metres_left(goal, target)):.2f} m before the target"
                 explained.diagnosis, explained.message = None, f"Your server refused to cancel {where}, but not others."
             raise explained from None
-        self._known.cancelled = True
-        self.special, clock = "cancel", node.context.clock()
+        self._known.cancelled, self.special, clock = True, "cancel", node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         with charge_to("succeeds"):  # a goal that never ends may be one of a server whose goals never end
             ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, before the target")
