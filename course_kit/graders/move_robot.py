@@ -184,7 +184,7 @@ class RobotModel(Model):
             self.special, self.cancelled = "after_cancel" if ended.status == CANCELED else "cancel", True
             if second.accepted:
                 self.note_arrival(Move(self.at, other, second, second.wait_for_end(_moves.allowed_s(3.0), expected)))
-                if (first.over_at or 0.0) > second.began_at + _moves.OVERLAP_S:
+                if ended.status == CANCELED and (first.over_at or 0.0) > second.began_at + _moves.OVERLAP_S:
                     why = "Your server accepted the second goal before the first, which it was to cancel, had ended."
                     raise Failed(evidence, why, breaks="second_goal")
 
@@ -314,7 +314,7 @@ class RobotModel(Model):
                 where = f"{min(length, _moves.metres_left(goal, target)):.2f} m before the target"
                 explained.diagnosis, explained.message = None, f"Your server refused to cancel {where}, but not others."
             raise explained from None
-        self._known.cancelled, self.special, clock = True, "cancel", node.context.clock()
+        self._known.cancelled, self.special, clock = True, breaks, node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         with charge_to("succeeds"):  # a goal that never ends may be one of a server whose goals never end
             ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, before the target")
