@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.graders import _moves
 from course_kit.graders._moves import A_SECOND, ARENA, CENTRE, ORIGIN, ArenaPoint, HastyError, Move, Way, place_inside
-from course_kit.grading.checks.evidence import Evidence, Failed, UnseenError, charge_to
+from course_kit.grading.checks.evidence import Evidence, Failed, UnansweredError, UnseenError, charge_to
 from course_kit.grading.checks.graded_goal import CANCELED, SUCCEEDED
 from course_kit.grading.checks.ready_made import endpoints_offered, node_name
 from course_kit.grading.checks.vocabulary import CheckPart, Model, conversation, draw_between, draw_one_of, step_rule
@@ -142,10 +142,8 @@ class RobotModel(Model):
         for left, other in zip(angles[::2], angles[1::2], strict=True):
             begin = self.at
             first, second = [_moves.send_goal(node, self.place_at(0.5, angle)) for angle in (left, other)]
-            for goal in (first, second):
-                goal.wait_for_answer(expected, _moves.allowed_s(0.5))
             sent = f"{first.shown}; at the same instant {second.shown}"
-            accepted = [goal for goal in (first, second) if goal.accepted]
+            accepted = [goal for goal in (first, second) if goal.wait_for_answer(expected, _moves.allowed_s(0.5))]
             if not accepted:
                 self.drive(node, self.place_at(0.5, left))  # which fails where the server accepts no more
                 both = Evidence(sent, expected, "both goals rejected")
@@ -171,7 +169,7 @@ class RobotModel(Model):
             second, clock = _moves.send_goal(node, other), node.context.clock()
             sent = f"{first.shown}; the request to cancel it, and at the same instant {second.shown}"
             evidence = Evidence(sent, expected, "accepted at once")
-            with charge_to("cancel"):
+            with charge_to("succeeds" if "succeeds" in self.lost else "cancel"):
                 while not (second.wait_for_answer(expected) or clock.has_passed(A_SECOND)):
                     if _moves.wait_for_over(node.context, first, 0.05):
                         break
@@ -378,6 +376,8 @@ class RobotModel(Model):
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""
+        if isinstance(failed, UnansweredError) and "succeeds" in self.lost and self.ways:
+            failed.breaks = "succeeds"  # a goal before it may be the cause
         of_moves = failed.breaks in ("accepted", "succeeds", *_moves.ASPECTS)
         if not of_moves or failed.breaks in self.lost or not self.special:
             return
