@@ -202,15 +202,14 @@ class RobotModel(Model):
         """Goals are rejected while the robot stands, by a server that accepts others."""
         if not self._known.accepted:
             self.drive(node, self.place_at(_moves.LONG_M, 0.5))
+            self.start_afresh(node)
         for target in targets:
             _moves.send_goal(node, ArenaPoint(*target), z).rejected(what=what)
             self.special = "second_goal"  # whose sentence says that a rejected goal changes nothing
 
     def drive(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> Move:
         """Drive to a target, rightly in each aspect."""
-        move = self.finish(self.at, target, self.start(node, target, z, breaks))
-        self.judge(move)
-        return move
+        return self.judge(self.finish(self.at, target, self.start(node, target, z, breaks)))
 
     def move_rightly(self, node: GradedNode, target: ArenaPoint) -> None:
         """A right move; a long one shows that what was special before it has left nothing."""
@@ -271,7 +270,7 @@ class RobotModel(Model):
         if self.special not in ("", check) or not self._known.succeeded:
             self.move_rightly(node, self.place_at(1.02 * _moves.LONG_M, 0.5))
 
-    def judge(self, move: Move, *aspects: str) -> None:
+    def judge(self, move: Move, *aspects: str) -> Move:
         """A move is right in these aspects, or all, but for what is lost already."""
         before, self._judged = self._judged, None
         if before is not None and len(before[0].goal.feedback) > before[1]:  # after its result, say
@@ -282,6 +281,7 @@ class RobotModel(Model):
                 with charge_to(aspect):
                     require(move)
         self._judged = (move, len(move.goal.feedback))
+        return move
 
     def cancel(
         self, node: GradedNode, target: ArenaPoint, share: float, *, disturbed: bool = False, breaks: str = ""
