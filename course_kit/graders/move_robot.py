@@ -376,8 +376,8 @@ class RobotModel(Model):
 
     def blame(self, node: GradedNode, failed: Failed) -> None:
         """What is wrong with a move is the fault of what was special before it, if the moves alone go right."""
-        if isinstance(failed, UnansweredError) and "succeeds" in self.lost and self.ways:
-            failed.breaks = "succeeds"  # a goal before it may be the cause
+        if isinstance(failed, UnansweredError) and self.ways and not failed.diagnosis:
+            failed.breaks = failed.breaks or "succeeds"  # nothing explains it but a goal before it
         of_moves = failed.breaks in ("accepted", "succeeds", *_moves.ASPECTS)
         if not of_moves or failed.breaks in self.lost or not self.special:
             return
