@@ -67,13 +67,6 @@ class Speed:
     needed: int
     accepted: bool = False  # a goal was, ever
     succeeded: bool = False
-    cancelled: bool = False  # a request to cancel was accepted
-
-    def require_hope(self, lost: frozenset[str]) -> None:
-        """Fail at once where no goal has ever been accepted, or has succeeded: nothing more can be seen of such."""
-        for check, ever in (("accepted", self.accepted), ("succeeds", self.succeeded)):
-            if check in lost and not ever:
-                raise Failed(Evidence(), "", breaks=check)
 
 
 @dataclass(frozen=True)
@@ -92,17 +85,12 @@ class Move:
     target: ArenaPoint
     goal: GradedGoal
     ended: Message  # the response to the request for its result
-    end: ArenaPoint | None = None  # where the robot is, after a success short of the target that is lost already
+    may_remain: float = TOLERANCE  # metres, at the end; more where arriving is lost already
 
     @property
     def length(self) -> float:
         """The straight way, in metres."""
         return math.dist(self.begin, self.target)
-
-    @property
-    def may_remain(self) -> float:
-        """So many metres may remain at the end."""
-        return TOLERANCE + (math.dist(self.end, self.target) if self.end else 0.0)
 
 
 def draw_way(*lengths: Any) -> Any:
@@ -117,7 +105,6 @@ def draw_way(*lengths: Any) -> Any:
 
 # --- what is drawn
 
-MIDDLE = 3.0  # metres from each edge
 CORNER = ArenaPoint(ARENA, ARENA)
 ANGLE, Z = draw_between(0.0, 2.0 * math.pi), draw_one_of(0.0, 0.0, -1.0, 2.5, math.nan)
 _OUTSIDE = tuple(place for off in (-0.001, ARENA + 0.001, ARENA + 500.0, -20.0) for place in ((off, 5.0), (5.0, off)))
@@ -169,33 +156,10 @@ def distance_beside(begin: ArenaPoint, end: ArenaPoint, place: ArenaPoint) -> fl
     return math.dist(place, (begin.x + along * (end.x - begin.x), begin.y + along * (end.y - begin.y)))
 
 
-def last_place(move: Move) -> ArenaPoint:
-    """Where a move ended whose result is not to be relied on: by its feedback, or else by the result or the target."""
-    heard = [message.feedback.position for message in move.goal.feedback[-1:]]
-    places = (place_of(said) for said in (*heard, move.ended.result.final_position))
-    return next((place for place in places if place != ORIGIN), move.target)
-
-
 def metres_left(goal: GradedGoal, target: ArenaPoint, at_s: float = math.inf) -> float:
     """How far from its target the robot was at the last feedback so far, or until then; endless without feedback."""
     heard = [message.feedback for message in goal.feedback if message.came_s <= at_s]
     return math.dist(place_of(heard[-1].position), target) if heard else math.inf
-
-
-def wait_for_share(
-    context: CheckContext, goal: GradedGoal, begin: ArenaPoint, target: ArenaPoint, share: float
-) -> None:
-    """Wait until feedback says that a share of the way is done, or for as long as that may take."""
-    length = math.dist(begin, target)
-    seconds = 1.3 * share * length / (1.0 if speed_of(context).own else 10.0) + 0.05
-    context.wait_until(
-        lambda: goal.over_at is not None or metres_left(goal, target) <= (1.0 - share) * length, seconds, step_s=0.005
-    )
-
-
-def wait_for_over(context: CheckContext, goal: GradedGoal, seconds: float) -> bool:
-    """Wait until a goal has ended, by its status; whether it has."""
-    return context.wait_until(lambda: goal.over_at is not None, seconds)
 
 
 # --- a goal and its answer
@@ -248,7 +212,7 @@ def require_one_at_a_time(
     later = max(first, second, key=lambda goal: goal.began_at)
     if any(goal.over_at is not None and goal.over_at <= later.began_at for goal in (first, second)):
         return later
-    if wait_for_over(context, first, PROMPT_S) and first.statuses[-1][1] in (ABORTED, CANCELED):
+    if context.wait_until(lambda: first.over_at is not None, PROMPT_S) and first.statuses[-1][1] in (ABORTED, CANCELED):
         why = "Your server ended the first goal when the second arrived. It has to reject the second instead."
         raise Failed(evidence, why, breaks="second_goal")
     both = bool(second.feedback) and second.feedback[0].came_s < (first.over_at or math.inf)
@@ -274,7 +238,7 @@ def require_arrival(move: Move) -> None:
 def require_distance(move: Move) -> None:
     """The result says how long the way was."""
     travelled, arrived = move.ended.result.distance_travelled, move.ended.status == SUCCEEDED
-    end = move.end or (move.target if arrived else place_of(move.ended.result.final_position))
+    end = move.target if arrived else place_of(move.ended.result.final_position)
     length = math.dist(move.begin, end)
     tolerance = max(TOLERANCE, 0.05 * length)
     if abs(travelled - length) <= tolerance:
@@ -291,13 +255,7 @@ def require_distance(move: Move) -> None:
         why = "distance_travelled is the whole distance to the target, but the robot has stopped before."
     elif not arrived and math.dist(end, move.target) <= TOLERANCE:
         why = "final_position is the target, but distance_travelled says that the robot stopped before."
-    raise blame_empty_result(move, Failed(evidence, why))
-
-
-def blame_empty_result(move: Move, failed: Failed) -> Failed:
-    """A result that nobody has filled in costs one check where it costs that of arriving."""
-    failed.instead = "arrives" if move.ended.result == MoveRobot.Result() else ""
-    return failed
+    raise Failed(evidence, why)
 
 
 def require_enough(move: Move) -> None:
@@ -341,9 +299,9 @@ def require_truth(move: Move) -> None:
             raise HastyError(Evidence(move.goal.shown, expected, got), why)
 
 
-def require_no_jump(goal: GradedGoal) -> None:
+def require_no_jump(goal: GradedGoal, lost: frozenset[str]) -> None:
     """Nor does a goal without a way say anything else than that it is done."""
-    if found := find_jump(goal.feedback):
+    if "progress" not in lost and (found := find_jump(goal.feedback)):
         evidence = Evidence(goal.shown, "progress from 0 to 1, if any", found)
         raise Failed(evidence, "Nothing is left to drive, but progress goes from 0 to 1.", breaks="already_there")
 
@@ -435,7 +393,7 @@ def require_stop(move: Move, breaks: str, took_s: float, *, short: bool) -> None
     moved = seen is not None and math.dist(move.begin, seen) > BESIDE
     if ended.result == MoveRobot.Result() and (moved or math.dist(move.begin, ORIGIN) > BESIDE):  # else it may be so
         why = "The result still has its default values: your callback set none of its fields when it was cancelled."
-        raise blame_empty_result(move, Failed(evidence, why, breaks=breaks))
+        raise Failed(evidence, why, breaks=breaks)
     if took_s > A_SECOND:
         evidence = replace(evidence, got=f"CANCELED after {took_s:.1f} s")
         raise HastyError(

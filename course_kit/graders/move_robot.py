@@ -31,8 +31,6 @@ def make_move_rule(check: str, way: Any) -> Callable[..., None]:
     """A rule of a check: a goal in the arena is reached, rightly in each aspect; what is lost of one is lost alone."""
 
     def move(model: RobotModel, node: GradedNode, way: Way) -> None:
-        if model.at == ORIGIN and way.length < _moves.LONG_M:
-            model.move_rightly(node, model.place_at(1.02 * _moves.LONG_M, way.angle))
         model.move_rightly(node, model.target_of(way))
 
     move.__name__ = f"move_for_{check}"
@@ -60,9 +58,7 @@ class RobotModel(Model):
 
     move = make_move_rule("succeeds", _moves.SHORT_MOVES)
     arrive = make_move_rule("arrives", _moves.LONG_MOVES)
-    measure = make_move_rule("distance", _moves.LONG_MOVES)
     hear = make_move_rule("feedback", _moves.LONG_MOVES)
-    believe = make_move_rule("progress", _moves.LONG_MOVES)
 
     @step_rule("succeeds", length=draw_between(3.0, 3.5))
     def move_along_walls(self, node: GradedNode, length: float) -> None:
@@ -88,8 +84,7 @@ class RobotModel(Model):
         self.ways[-1] = (self.at, self.place_at(0.3, angle))  # tried in its place when it may have spoiled something
         self.special = "already_there"
         ended = goal.ends(within_s=1.0, breaks="already_there")
-        if "progress" not in self.lost:
-            _moves.require_no_jump(goal)
+        _moves.require_no_jump(goal, self.lost)
         self.judge(Move(self.at, self.at, goal, ended), "arrives")
 
     @step_rule("outside", at=draw_between(1.0, ARENA - 1.0))
@@ -129,7 +124,7 @@ class RobotModel(Model):
         with suppress(UnseenError):  # the last one may have come when the first was over, and be right
             while first.over_at is None and not clock.has_passed(allowed_s):  # who halts for one halts for each
                 self.reject_second(node, first, self.place_at(0.6, angle + 1.0))
-                _moves.wait_for_over(node.context, first, 0.2)
+                node.context.wait_until(lambda: first.over_at is not None, 0.2)
         then = self.at
         self.judge(self.finish(begin, target, first, max(allowed_s - clock.fair_s(), 1.0)))
         self.at = self.at if then == begin else then
@@ -171,7 +166,7 @@ class RobotModel(Model):
             evidence = Evidence(sent, expected, "accepted at once")
             with charge_to("succeeds" if "succeeds" in self.lost else "cancel"):
                 while not (second.wait_for_answer(expected) or clock.has_passed(A_SECOND)):
-                    if _moves.wait_for_over(node.context, first, 0.05):
+                    if node.context.wait_until(lambda goal=first: goal.over_at is not None, 0.05):
                         break
                     second = _moves.send_goal(node, other)
                 if second.accepted and not self._known.own:
@@ -218,7 +213,9 @@ class RobotModel(Model):
 
     def start(self, node: GradedNode, target: ArenaPoint, z: float = 0.0, breaks: str = "") -> GradedGoal:
         """Send a goal, which is accepted; what rejects just this one costs the check that is named."""
-        self._known.require_hope(self.lost)
+        for check, ever in (("accepted", self._known.accepted), ("succeeds", self._known.succeeded)):
+            if check in self.lost and not ever:  # nothing more can be seen of such goals
+                raise Failed(Evidence(), "", breaks=check)
         self.ways.append((self.at, target))
         goal = _moves.send_goal(node, target, z)
         with charge_to("succeeds" if self.ways[:-1] else "accepted"):  # it has accepted goals before, or not
@@ -235,9 +232,14 @@ class RobotModel(Model):
 
     def set_off(self, node: GradedNode, target: ArenaPoint, share: float, breaks: str = "") -> GradedGoal:
         """Begin a move, and wait until feedback says that a share of it is done, or for as long as that may take."""
-        begin, goal = self.at, self.start(node, target, breaks=breaks)
+        length, goal = math.dist(self.at, target), self.start(node, target, breaks=breaks)
         if share:
-            _moves.wait_for_share(node.context, goal, begin, target, share)
+            seconds = 1.3 * share * length / (1.0 if self._known.own else 10.0) + 0.05
+            node.context.wait_until(
+                lambda: goal.over_at is not None or _moves.metres_left(goal, target) <= (1.0 - share) * length,
+                seconds,
+                step_s=0.005,
+            )
         return goal
 
     def reject_second(self, node: GradedNode, first: GradedGoal, target: ArenaPoint) -> None:
@@ -260,7 +262,8 @@ class RobotModel(Model):
         place = _moves.place_of(move.ended.result.final_position)
         self.at = move.target if move.ended.status == SUCCEEDED else move.begin
         if move.ended.status == SUCCEEDED and "arrives" in self.lost:
-            move = replace(move, end=(place := _moves.last_place(move)))
+            place = _moves.place_of(move.goal.feedback[-1].feedback.position) if move.goal.feedback else move.target
+            move = replace(move, may_remain=_moves.TOLERANCE + math.dist(place, move.target))
         if all(-1.0 <= value <= ARENA + 1.0 for value in place):
             self.at = place
         return move
@@ -303,16 +306,12 @@ class RobotModel(Model):
             failed.diagnosis = failed.diagnosis or ("action.cancel_blocked" if driven > A_SECOND else None)
             # However busy the machine is: who has driven so far meanwhile has had this much time.
             explained = _moves.explain_refusal(failed, goal, target, max(clock.fair_s(), driven / A_SECOND), slow=slow)
-            refused = explained.diagnosis == "action.cancel_refused"
             if isinstance(explained, UnseenError):
                 self.start_afresh(node)
-            elif (refused or self.cancelled) and node.context.job.mode != "attach":
-                explained.breaks = "cancel" if self.refuses_first_cancel(node, share) else breaks
-            if refused and self._known.cancelled:
-                where = f"{min(length, _moves.metres_left(goal, target)):.2f} m before the target"
-                explained.diagnosis, explained.message = None, f"Your server refused to cancel {where}, but not others."
+            elif self.cancelled and node.context.job.mode != "attach" and self.refuses_first_cancel(node, share):
+                explained.breaks = "cancel"
             raise explained from None
-        self._known.cancelled, self.special, clock = True, breaks, node.context.clock()
+        self.special, clock = breaks, node.context.clock()
         left = _moves.metres_left(goal, target) if share else length
         with charge_to("succeeds"):  # a goal that never ends may be one of a server whose goals never end
             ended = goal.wait_for_end(_moves.allowed_s(length), "CANCELED within 1 s, before the target")
@@ -331,7 +330,6 @@ class RobotModel(Model):
             goal = self.set_off(node, self.place_at(2.0, 0.5), min(share, 0.8))
             with suppress(Failed):
                 goal.cancelled()
-                self._known.cancelled = True
                 return False
         return True
 
@@ -411,7 +409,7 @@ class RobotModel(Model):
 
     def place_at(self, length: float, angle: float) -> ArenaPoint:
         """A place so far from the robot; for a server that rejects places in the arena, near the middle."""
-        return place_inside(self.at, length, angle, _moves.MIDDLE if "accepted" in self.lost else 0.0)
+        return place_inside(self.at, length, angle, 3.0 if "accepted" in self.lost else 0.0)
 
 
 CHECKS = [
@@ -426,7 +424,7 @@ CHECKS = [
         CheckPart("arrives", "The robot is at the target when the goal has succeeded",
                   points=2.0, proves=["reaches", "final_position", "position"]),
         CheckPart("distance", "distance_travelled is the length of the goal's own move, not of all moves",
-                  points=1.0, proves=["distance_travelled"]),
+                  points=1.0, proves=["distance_travelled"], after=["arrives"]),
         CheckPart("any_z", "The z of a target is ignored, whatever it is", points=1.0, proves=["any_z"]),
         CheckPart("already_there", "A goal at the present position succeeds at once",
                   points=1.0, proves=["already_there", "progress_limits"]),
