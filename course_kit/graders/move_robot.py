@@ -166,7 +166,7 @@ class RobotModel(Model):
             evidence = Evidence(sent, expected, "accepted at once")
             with charge_to("succeeds" if "succeeds" in self.lost else "cancel"):
                 while not (second.wait_for_answer(expected) or clock.has_passed(A_SECOND)):
-                    if node.context.wait_until(lambda goal=first: goal.over_at is not None, 0.05):
+                    if node.context.wait_until(lambda: first.over_at is not None, 0.05):  # noqa: B023 - called here
                         break
                     second = _moves.send_goal(node, other)
                 if second.accepted and not self._known.own:
