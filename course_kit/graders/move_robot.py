@@ -290,9 +290,9 @@ class RobotModel(Model):
         self, node: GradedNode, target: ArenaPoint, share: float, *, disturbed: bool = False, breaks: str = ""
     ) -> None:
         """Set off, cancel after a share of the way, or just before it is too late, and see that the robot stops."""
-        slow, late, begin = self._known.own, share == 1.0, self.at
+        slow, late, begin = self._known.own, share == 1.0 and "arrives" not in self.lost, self.at
         length = math.dist(begin, target)
-        goal = self.set_off(node, target, 1.0 - 0.42 / length if late else share, breaks)
+        goal = self.set_off(node, target, 1.0 - 0.42 / length if late else min(share, 0.5), breaks)
         breaks = "after_cancel" if self.cancelled else "cancel"
         if disturbed and "second_goal" not in self.lost:
             self.reject_second(node, goal, self.place_at(0.6, target.x))
