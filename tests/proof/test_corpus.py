@@ -49,7 +49,7 @@ FACTS = [
     ("robot_parameters", "name.node", "The closest is /velocity_limit."),
     ("robot_parameters", "parameter.bad_callback", "in line 38: raise ValueError(reason)"),
     ("robot_parameters", "parameter.default", "wheel_diameter=0.2"),
-    ("robot_parameters", "parameter.not_atomic", "your node refused the change, but since then"),
+    ("robot_parameters", "parameter.not_atomic", "since your node refused an invalid change"),
     ("robot_parameters", "parameter.override_ignored", "the node acts on another"),
     ("robot_parameters", "parameter.read_once", "is the same as before"),
     ("robot_parameters", "parameter.type", "max_velocity is integer"),
