@@ -107,14 +107,15 @@ class Limiter(LimiterSteps):
         self.drive(node, fields)
 
     @step_rule("change_velocity", values=draw_one_of((0.01, 5.0), (1.0, 0.001)))
-    def set_numbers_apart(self, node: GradedNode, values: tuple[float, float]) -> None:
-        """Each number acts by itself, before the other one is set."""
+    def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
+        """Both numbers act, and the first of the two once before the other one is set."""
         if not self.settings.enabled and "change_enabled" not in self.lost:
             self.accept(node, {"enabled": True}, "change_enabled")
         for name, value in zip(("wheel_diameter", "max_velocity"), values, strict=True):
             for _ in range(2 if CHANGES[name] not in self.lost else 0):  # the value that it has already is valid, too
                 self.accept(node, {name: value}, CHANGES[name])
-            self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
+            if value != 1.0:
+                self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled")
     def switch_off(self, node: GradedNode) -> None:
@@ -153,7 +154,6 @@ class Limiter(LimiterSteps):
     @step_rule(
         "atomic",
         values=draw_one_of(
-            {"max_velocity": draw_between(0.2, 4.0), "wheel_diameter": draw_between(0.02, 0.9)},
             {"wheel_diameter": draw_between(0.02, 0.9), "robot_name": "both", "enabled": True},
             {"enabled": True, "max_velocity": draw_between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
         ),
