@@ -128,6 +128,7 @@ def format_progress_page(last: str) -> str:
     lines = ["# Where you are", "", f"You were at [{last}]({last})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
+    lines += ["The page was written when JupyterLab started; `./course list` in the terminal shows where you are now."]
     lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
     for lesson in lessons:
         steps = f"{lesson.done} of {lesson.steps}" if lesson.steps else ""

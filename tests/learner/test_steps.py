@@ -154,7 +154,7 @@ def test_a_slip_is_found(which: str, kernel: Kernel) -> None:
 def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel) -> None:
     assert kernel.run(f"lab.stop()\n{ADDER}\n{cells_of('01_services')['subtract'].solution}").ok
     assert kernel.run("%check subtract").result["text/plain"].splitlines()[:3] == [
-        "Right: `/subtract_two_ints` answers with `a - b`.",
+        "Right: /subtract_two_ints answers with a - b.",
         "  -> request /subtract_two_ints: a=5, b=3",
         "  <- response: sum=2",
     ]

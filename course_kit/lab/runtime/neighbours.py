@@ -40,7 +40,7 @@ _OF_EVERY_NODE = "/parameter_events"
 _LONGEST = 60  # bytes of a title
 _STOPPING = 8.0  # seconds another notebook is given: its scripts have 4 to end, and a callback may run
 _POLL = 0.02
-_DISCOVERY, _QUIET = 1.0, 0.1  # seconds until nodes of this machine are known, and from one look to the next
+_DISCOVERY, _QUIET = 1.0, 0.3  # seconds until nodes of this machine are known, and from one look to the next
 _REMEDY = "lab.stop_others() stops what other notebooks run."
 
 
