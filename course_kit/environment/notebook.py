@@ -21,9 +21,14 @@ def has_cell_with(name: str, failed: str) -> bool:
     return any(defines.search(source) for source in cells if source.strip() != failed.strip())
 
 
+def notebook_path() -> Path:
+    """Where this kernel's notebook lies, as Jupyter says it; empty where nobody says it."""
+    return Path(os.environ.get("JPY_SESSION_NAME", ""))
+
+
 def saved_cells() -> tuple[dict[str, str], float]:
     """Its code cells by their ids, and when it was saved; none if no such file is there, or one half written."""
-    path = Path(os.environ.get("JPY_SESSION_NAME", ""))
+    path = notebook_path()
     try:
         saved_s = path.stat().st_mtime
         return _read_cells(path, saved_s), saved_s

@@ -340,7 +340,7 @@ class LimiterSteps(Model):
         return False
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:
-        """What goes right on a fresh start without the changes that were refused is wrong because of them."""
+        """The fault of refused changes, or of a set of several, where it goes right on a fresh start without them."""
         past = [done for done, _ in self.past]
         refused = [done for done, was_refused in self.past if was_refused]
         plain = [done for done, was_refused in self.past if not was_refused]

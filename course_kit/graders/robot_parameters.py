@@ -34,7 +34,6 @@ _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
 _LINES = 4
 _LONGEST_GAP_S = 0.9  # a line that comes with each change makes up for no slow timer
-_ENDED = ("start.crash", "start.exit")
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
@@ -106,15 +105,16 @@ class Limiter(LimiterSteps):
         self.require_values(node)
         self.drive(node, fields)
 
-    @step_rule("change_velocity", values=draw_one_of((0.01, 5.0), (1.0, 0.001)))
-    def set_both(self, node: GradedNode, values: tuple[float, float]) -> None:
-        """Both numbers act, and the first of the two once before the other one is set."""
+    @step_rule("change_velocity", case=draw_one_of((0.01, 5.0, True), (1.0, 0.001, False)))
+    def set_both(self, node: GradedNode, case: tuple[float, float, bool]) -> None:
+        """Both numbers act, and the diameter once before the velocity is set."""
+        diameter, velocity, apart = case
         if not self.settings.enabled and "change_enabled" not in self.lost:
             self.accept(node, {"enabled": True}, "change_enabled")
-        for name, value in zip(("wheel_diameter", "max_velocity"), values, strict=True):
+        for name, value, drives in (("wheel_diameter", diameter, apart), ("max_velocity", velocity, True)):
             for _ in range(2 if CHANGES[name] not in self.lost else 0):  # the value that it has already is valid, too
                 self.accept(node, {name: value}, CHANGES[name])
-            if value != 1.0:
+            if drives:
                 self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
 
     @step_rule("change_enabled")
@@ -248,7 +248,7 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
     except Failed as failed:
         failed.evidence, process = replace(failed.evidence, sent=sent), context.program.status()
         last = [text.rstrip().rpartition("\n")[2] for text in (process.stderr, process.stdout)]
-        if failed.diagnosis in _ENDED and any(name in text for name in TYPES for text in last):
+        if failed.diagnosis in ("start.crash", "start.exit") and any(name in text for name in TYPES for text in last):
             why = f"The grader started your program with valid values. {failed.message}"
             failed.message, failed.diagnosis = why, "validation.overzealous"
         raise

@@ -20,7 +20,7 @@ from course_kit.grading.model.report import CheckReport, CheckResult, Report
 from course_kit.grading.reading import Reader, copy_file
 from course_kit.grading.sandbox import needs
 from course_kit.grading.workers import exercise_job
-from course_kit.grading.workers.worker import WarmProcess, Worker, side_by_side
+from course_kit.grading.workers.worker import WarmProcess, Worker, start_workers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -101,8 +101,8 @@ def grade(  # noqa: PLR0913 - the options of one verb
         name = submission.decode_name(str(path))
         try:
             with copy_file(Path(path), several=bool(exercise.files)) as copy, Reader() as reader, ExitStack() as stack:
-                number = 1 if only else max(1, min(len(exercise.parts), needs.side_by_side(exercise.limits)))
-                new = () if worker else side_by_side(number, [exercise])  # they get warm while the file is read
+                number = 1 if only else max(1, min(len(exercise.parts), needs.count_side_by_side(exercise.limits)))
+                new = () if worker else start_workers(number, [exercise])  # they get warm while the file is read
                 workers = [worker] if worker else [stack.enter_context(each) for each in new]
                 text = reader.read(copy, exercise)
                 seed = _make_seed(text) if seed is None else seed

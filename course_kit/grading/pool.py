@@ -16,7 +16,7 @@ from course_kit.grading import engine
 from course_kit.grading.errors import GradingError
 from course_kit.grading.model.report import Report
 from course_kit.grading.sandbox import machine, needs
-from course_kit.grading.workers.worker import Worker, side_by_side
+from course_kit.grading.workers.worker import Worker, start_workers
 from course_kit.process import Closable
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Pool(Graders):
     def __init__(self, slots: int, exercises: Sequence[Exercise] = ()) -> None:
         """Start workers for so many gradings at a time."""
         self.slots = slots
-        self._idle = side_by_side(slots, exercises)
+        self._idle = start_workers(slots, exercises)
         self._workers = [*self._idle]  # all there have been
         self._lock = threading.Lock()
         self._closed = False
@@ -110,7 +110,7 @@ def start_pool(exercises: Sequence[Exercise], workers: int | None = None) -> Poo
         raise GradingError(f"--workers is {workers}, but at least one grading has to be done at a time.")
     memory = machine.free_memory() // (_ROOM * _EACH)
     wanted = workers or max(1, min(_PER_CORE * len(os.sched_getaffinity(0)), memory))
-    return Pool(min([wanted, *(needs.side_by_side(exercise.limits) for exercise in exercises)]), exercises)
+    return Pool(min([wanted, *(needs.count_side_by_side(exercise.limits) for exercise in exercises)]), exercises)
 
 
 def grade_all(

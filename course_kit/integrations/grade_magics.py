@@ -22,6 +22,7 @@ from IPython.core.magic_arguments import MagicArgumentParser
 from IPython.display import display
 
 from course_kit import environment
+from course_kit.environment.notebook import notebook_path
 from course_kit.grading.errors import GradingError
 from course_kit.integrations.submission_cells import SubmissionCells
 from course_kit.reader.files import is_name
@@ -48,7 +49,7 @@ def _show_report(report: Report, following: str) -> None:
     """Show a card where there is HTML, with a link to the lesson that comes next, and plain text elsewhere."""
     from course_kit import grading
 
-    session = Path(os.environ.get("JPY_SESSION_NAME", ""))  # a learner may have changed the kernel's own folder
+    session = notebook_path()  # a learner may have changed the kernel's own folder
     card = grading.render_html(report, session.parent if session.is_absolute() else None)
     lesson = _LESSON.search(following)
     link = f'<p>Go on with <a href="../../{lesson[0]}">{lesson[0]}</a>.</p>' if lesson else ""
@@ -185,7 +186,7 @@ class GradeMagics(Magics):
             path = Path(folder) / "notebook.ipynb"
             nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
             report = grading.grade(exercise, path, seed=seed, only=only)
-        shown = Path(os.environ.get("JPY_SESSION_NAME", "")).name or "this notebook"
+        shown = notebook_path().name or "this notebook"
         return replace(report, submission=report.submission.replace(str(path), shown))
 
     def report(self, exercise: str, seed: int | None = None) -> Report | None:

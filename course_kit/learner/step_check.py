@@ -74,9 +74,7 @@ def check_step(step: LessonStep) -> StepResult:
             why = f"{type(problem).__name__}: {problem}"
             result = StepResult(passed=False, text=f"The check itself failed ({why}). This is not your fault.")
         else:
-            result = StepResult(
-                passed=True, text="\n".join([f"Right: {step.title.replace('`', '')}", *_exchange(context, Evidence())])
-            )
+            result = StepResult(passed=True, text="\n".join([f"Right: {step.title}", *_exchange(context, Evidence())]))
     finally:
         context.close()
     count = partial(progress.count_try, passed=result.passed)

@@ -64,7 +64,7 @@ def expect_feedback_and_cancel(node: GradedNode, goal: GradedGoal) -> None:
 
 
 def expect_robot_at(node: GradedNode, x: float, y: float, near: float) -> None:
-    """The robot is there within six seconds, give or take `near` metres."""
+    """The robot is there within six seconds, give or take near metres."""
     words = f"x={x:g}, y={y:g}"
     expect_soon(node, "/position", lambda here: math.dist((here.x, here.y), (x, y)) <= near, words, 6.0)
 
@@ -77,28 +77,28 @@ def drive(node: GradedNode) -> None:
 
 @step("00_welcome", f"subscription /distance {FLOAT}", "publisher /too_close std_msgs/msg/Bool")
 def bumper(node: GradedNode) -> None:
-    """`/too_close` is true for a distance below 0.5, and false for any other."""
+    """/too_close is true for a distance below 0.5, and false for any other."""
     for metres in (0.2, 3.0, 0.5):
         node.send("/distance", metres).expect("/too_close", metres < 0.5)  # noqa: PLR2004 - as the lesson says
 
 
 @step("00_welcome", f"publisher /ticks {FLOAT}", "node /clock")
 def clock(node: GradedNode) -> None:
-    """`/clock` publishes 1.0 on `/ticks`, twice a second."""
+    """/clock publishes 1.0 on /ticks, twice a second."""
     node.expect("/ticks", 1.0)
     expect_rate(node, "/ticks", 0.5, (0.3, 0.8))
 
 
 @step("01_services", f"service /subtract_two_ints {ADD}", f"service /add_two_ints {ADD}")
 def subtract(node: GradedNode) -> None:
-    """`/subtract_two_ints` answers with `a - b`."""
+    """/subtract_two_ints answers with a - b."""
     node.call("/subtract_two_ints", a=5, b=3).expect(sum=2)
     node.call("/subtract_two_ints", a=3, b=5).expect(sum=-2)
 
 
 @step("01_services", f"service /person_info {PERSON}")
 def greet(node: GradedNode) -> None:
-    """`/person_info` answers, because `greet` returns its response."""
+    """/person_info answers, because greet returns its response."""
     node.call("/person_info", name="Ada", age=36).expect(success=True)
 
 
@@ -112,7 +112,7 @@ def too_old(node: GradedNode) -> None:
 
 @step("01_services", "node /demo_robot", MOVE, POSITION, f"service /where {TRIGGER}")
 def where(node: GradedNode) -> None:
-    """`/where` says where the robot is, also when it has moved."""
+    """/where says where the robot is, also when it has moved."""
     for x in (0.5, 1.0):
         node.goal("/move_robot", target={"x": x, "y": 0.0}).accepted_by().ends()
         expect_robot_at(node, x, 0.0, near=0.01)
@@ -123,13 +123,13 @@ def where(node: GradedNode) -> None:
 
 @step("02_actions", f"action /forgetful {FIBONACCI}")
 def succeed(node: GradedNode) -> None:
-    """A goal of `/forgetful` ends SUCCEEDED, with its result."""
+    """A goal of /forgetful ends SUCCEEDED, with its result."""
     node.goal("/forgetful", order=3).accepted_by().ends(sequence=[0, 1, 1, 2])
 
 
 @step("02_actions", f"action /sequence {FIBONACCI}")
 def short_orders(node: GradedNode) -> None:
-    """`/sequence` accepts orders from 1 to 20, and rejects all others."""
+    """/sequence accepts orders from 1 to 20, and rejects all others."""
     for order in (21, 0, -5):
         node.goal("/sequence", order=order).rejected(what=f"an order of {order}")
     node.goal("/sequence", order=1).accepted_by().ends()
@@ -144,7 +144,7 @@ def corner(node: GradedNode) -> None:
 
 @step("02_actions", f"action /countdown {FIBONACCI}")
 def countdown(node: GradedNode) -> None:
-    """`/countdown` counts down to 0, and rejects an order below 0."""
+    """/countdown counts down to 0, and rejects an order below 0."""
     node.goal("/countdown", order=3).accepted_by().ends(sequence=[3, 2, 1, 0])
     node.goal("/countdown", order=0).accepted_by().ends(sequence=[0])
     node.goal("/countdown", order=-1).rejected(what="a negative order")
@@ -152,7 +152,7 @@ def countdown(node: GradedNode) -> None:
 
 @step("03_parameters", "node /radio")
 def radio(node: GradedNode) -> None:
-    """`frequency` takes values from 87.5 to 108.0, and no others."""
+    """Frequency takes values from 87.5 to 108.0, and no others."""
     node.set(frequency=101.0, of="/radio").accepted()
     node.set(frequency=87.0, of="/radio").refused()
     node.set(frequency=109.0, of="/radio").refused()
@@ -160,7 +160,7 @@ def radio(node: GradedNode) -> None:
 
 @step("03_parameters", "node /greeter", "publisher /greeting std_msgs/msg/String")
 def greeter(node: GradedNode) -> None:
-    """`/greeting` says the `word` five times a second, and a change of it takes effect."""
+    """/greeting says the word five times a second, and a change of it takes effect."""
     expect_rate(node, "/greeting", 0.2, (0.1, 0.5))
     for word in ("moin", "ciao"):
         node.set(word=word, of="/greeter").accepted()
@@ -169,14 +169,14 @@ def greeter(node: GradedNode) -> None:
 
 @step("03_parameters", "node /kettle")
 def kettle(node: GradedNode) -> None:
-    """`target` is refused above 100.0, because water boils there."""
+    """Target is refused above 100.0, because water boils there."""
     node.set(target=100.0, of="/kettle").accepted()
     expect_reason(node.set(target=101.0, of="/kettle"), "boil")  # which no range says
 
 
 @step("03_parameters", "node /lamp")
 def lamp(node: GradedNode) -> None:
-    """`brightness` takes 0 to 100, but not 13, which brings bad luck."""
+    """Brightness takes 0 to 100, but not 13, which brings bad luck."""
     node.set(brightness=100, of="/lamp").accepted()
     node.set(brightness=101, of="/lamp").refused()
     expect_reason(node.set(brightness=13, of="/lamp"), "luck")
@@ -184,26 +184,26 @@ def lamp(node: GradedNode) -> None:
 
 @step("04_choosing_a_pattern", f"action /unload {FIBONACCI}")
 def unload(node: GradedNode) -> None:
-    """An action: `/unload` says how far it is, and stops when it is cancelled."""
+    """An action: /unload says how far it is, and stops when it is cancelled."""
     expect_feedback_and_cancel(node, node.goal("/unload", order=100))
 
 
 @step("04_choosing_a_pattern", f"publisher /odometer {FLOAT}")
 def odometer(node: GradedNode) -> None:
-    """A topic: `/odometer` tells the metres by itself, five times a second."""
+    """A topic: /odometer tells the metres by itself, five times a second."""
     node.expect("/odometer")
     expect_rate(node, "/odometer", 0.2, (0.1, 0.5))
 
 
 @step("04_choosing_a_pattern", "node /conveyor")
 def belt(node: GradedNode) -> None:
-    """A parameter: `belt_speed` can be read and changed."""
+    """A parameter: belt_speed can be read and changed."""
     node.set(belt_speed=0.3, of="/conveyor").accepted()
 
 
 @step("04_choosing_a_pattern", f"service /honk {TRIGGER}")
 def honk(node: GradedNode) -> None:
-    """A service: `/honk` answers whether it worked."""
+    """A service: /honk answers whether it worked."""
     node.call("/honk").expect(success=True)
 
 
@@ -215,7 +215,7 @@ def home(node: GradedNode) -> None:
 
 @step("05_command_line", "node /robot")
 def quick(node: GradedNode) -> None:
-    """The speed limit of `/robot` is 2.5 m/s."""
+    """The speed limit of /robot is 2.5 m/s."""
     limit = node.get("max_velocity", of="/robot")["max_velocity"]
     if limit != 2.5:  # noqa: PLR2004 - as the lesson says
         raise Failed(Evidence("get max_velocity", "2.5", repr(limit)), f"max_velocity is {limit!r}; it has to be 2.5.")
@@ -223,7 +223,7 @@ def quick(node: GradedNode) -> None:
 
 @step("05_command_line", f"service /sum {ADD}", "node /second")
 def second(node: GradedNode) -> None:
-    """The node `second` adds numbers as `/sum`."""
+    """The node second adds numbers as /sum."""
     node.call("/sum", a=20, b=22).expect(sum=42)
 
 
@@ -236,7 +236,7 @@ def riddle(node: GradedNode) -> None:
 
 @step("06_best_practices", f"service /close_gripper {TRIGGER}")
 def close(node: GradedNode) -> None:
-    """`/close_gripper` succeeds, and says what was done."""
+    """/close_gripper succeeds, and says what was done."""
     node.call("/close_gripper").expect(success=True).expect(
         message=bool, why="The message is empty: say what was done."
     )
@@ -244,19 +244,19 @@ def close(node: GradedNode) -> None:
 
 @step("06_best_practices", f"action /rest {FIBONACCI}")
 def rest(node: GradedNode) -> None:
-    """`/rest` reports each step, and stops when it is cancelled."""
+    """/rest reports each step, and stops when it is cancelled."""
     node.goal("/rest", order=3).accepted_by().ends(sequence=[0, 1, 2])
     expect_feedback_and_cancel(node, node.goal("/rest", order=30))
 
 
 @step("06_best_practices", f"service /measure {TRIGGER}")
 def measure(node: GradedNode) -> None:
-    """`/measure` answers although its sensor fails, and says why."""
+    """/measure answers although its sensor fails, and says why."""
     node.call("/measure").refused(what="to measure without an echo")
 
 
 @step("06_best_practices", "node /guarded")
 def robot_name(node: GradedNode) -> None:
-    """`robot_name` takes a name, and refuses an empty one."""
+    """robot_name takes a name, and refuses an empty one."""
     node.set(robot_name="Ada", of="/guarded").accepted()
     node.set(robot_name="", of="/guarded").refused()

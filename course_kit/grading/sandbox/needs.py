@@ -49,7 +49,7 @@ def require_machine(promised: Limits) -> None:
         raise GradingError(problem)
 
 
-def side_by_side(promised: Limits) -> int:
+def count_side_by_side(promised: Limits) -> int:
     """How many submissions that are promised so much this machine has processes for at the same time, at least one."""
     rooms = _task_rooms(guest=False)  # each worker's submissions have their own user, where they have one
     return max(1, min(((allowed - used) // _tasks(promised) for allowed, used, _ in rooms), default=_FEW))

@@ -154,7 +154,7 @@ def isolation_status() -> Isolation:
         return Isolation(reason=f"trying it out failed ({problem})")
 
 
-def side_by_side(number: int, exercises: Iterable[Exercise] = ()) -> list[Worker]:
+def start_workers(number: int, exercises: Iterable[Exercise] = ()) -> list[Worker]:
     """Start several workers that share the cost of getting warm, and of loading what these exercises need of ROS."""
     interfaces = {end.type for exercise in exercises if not exercise.interfaces for end in exercise.endpoints}
     process = WarmProcess(number, interfaces)

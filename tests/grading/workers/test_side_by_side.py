@@ -15,7 +15,7 @@ import pytest
 
 from course_kit import grading
 from course_kit.grading.model.exercise import load_exercise
-from course_kit.grading.workers.worker import side_by_side
+from course_kit.grading.workers.worker import start_workers
 from tests.grading.conftest import EXERCISE, ROOT
 from tests.waiting import wait_until
 
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.answers
 
 @pytest.fixture
 def pair() -> Iterator[list[Worker]]:
-    workers = side_by_side(2, [load_exercise("robot_parameters")])
+    workers = start_workers(2, [load_exercise("robot_parameters")])
     yield workers
     for worker in workers:
         worker.close()
@@ -73,7 +73,7 @@ def test_one_that_is_killed_is_told_and_costs_the_other_nothing(pair: list[Worke
 
 def test_closing_them_leaves_no_process_and_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    pair = side_by_side(2)
+    pair = start_workers(2)
     processes = [warm_process(pair[0]), *(psutil.Process(worker.process_id) for worker in pair)]
     assert len(list(tmp_path.iterdir())) == 2
     for worker in pair:
