@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
-    """Called by `%load_ext course_kit`."""
+    """Called by `%load_ext course_kit`, which a learner runs again with the notebook's first cell."""
+    if "GradeMagics" in shell.magics_manager.registry:
+        return
     import os
     import sys
 
@@ -22,6 +24,8 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
     from course_kit.interfaces.sources import PATH_VARIABLE
 
     register_magics(shell)
+    # Of what is in `loaded`, IPython says at each later `%load_ext` that it is loaded already.
+    shell.events.register("post_run_cell", lambda _: shell.extension_manager.loaded.discard(__name__))
     environment.paths.put_scripts_first()  # !ros2, %%bash and subprocess find the programs of this Python
     if path := exercise_folders.interface_path():  # of exercises that bring their types
         os.environ[PATH_VARIABLE] = path

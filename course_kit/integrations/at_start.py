@@ -13,8 +13,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
-_MAGICS = ("check", "grade", "hint", "interface", "ros2", "ros_launch", "ros_script", "ros_stop", "submission")
+_MAGICS = ("check", "grade", "hint", "interface", "ros2", "ros_launch", "ros_script", "ros_stop", "solution", "submission")
 _NAMES = ("lab", "panels")
+RUN_AGAIN = "run the notebook's first code cell, then the cells down to this one (Run > Run All Above Selected Cell)."
+
+
+def is_new(shell: InteractiveShell) -> bool:
+    """Whether the notebook's first code cell has not run since the kernel started."""
+    return not any("load_ext course_kit" in source for source in shell.history_manager.input_hist_raw)
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
@@ -33,14 +39,13 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec
-        if not isinstance(error, NameError) or not error.name or "course_kit" in shell.extension_manager.loaded:
+        if not isinstance(error, NameError) or not error.name or not is_new(shell):
             return
         from course_kit.environment.notebook import has_cell_with
 
         if error.name in _NAMES or has_cell_with(error.name, result.info.raw_cell):
             sys.stderr.write(
-                f"The kernel has just been started and does not know {error.name} yet: run the notebook's first code "
-                "cell, then the cells down to this one (Run > Run All Above Selected Cell).\n"
+                f"The kernel has just been started and does not know {error.name} yet: {RUN_AGAIN}\n"
             )
 
     shell.events.register("pre_run_cell", before_cell)

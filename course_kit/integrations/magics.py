@@ -6,6 +6,8 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
+from IPython.core.getipython import get_ipython
+
 from course_kit import environment
 from course_kit.grading.errors import GradingError
 from course_kit.integrations.grade_magics import GradeMagics, complains, print_complaint, the_exercises
@@ -53,8 +55,6 @@ def register_magics(shell: InteractiveShell) -> None:
 def interface(line: str, cell: str) -> None:
     """Define a ROS interface: `%%interface my_interfaces/srv/PersonInfo`, its text in the cell."""
     __tracebackhide__ = True
-    from IPython.core.getipython import get_ipython
-
     from course_kit import interfaces
 
     words = line.split()
@@ -146,11 +146,14 @@ def hint_line(line: str) -> None:
 def check_line(line: str) -> StepResult:
     """Ask your running nodes about a step of the lesson: `%check subtract`."""
     __tracebackhide__ = True
-    from course_kit.learner.step_check import check_step
+    from course_kit.integrations.at_start import RUN_AGAIN, is_new
+    from course_kit.learner.step_check import StepResult, check_step
     from course_kit.learner.steps import STEPS
     from course_kit.ros.names import did_you_mean
 
     name = line.strip()
     if name not in STEPS:
         raise MagicError(f"There is no step {name!r}.{did_you_mean(name, STEPS)} Use it as %check STEP.")
+    if is_new(get_ipython()):
+        return StepResult(passed=False, text=f"The kernel has just been started and runs no node yet: {RUN_AGAIN}")
     return check_step(STEPS[name])
