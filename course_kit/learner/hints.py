@@ -30,7 +30,6 @@ class HintLadder:
     rungs: tuple[str, ...]
     about: str
     read_on: str = ""
-    in_report: int = 0
 
 
 def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Path | None = None) -> tuple[str, str]:
@@ -43,8 +42,8 @@ def next_hint(exercise_id: str, command: str, *, again: bool = False, folder: Pa
     found = hint_ladder(exercise, known)
     given = min(known.hints.get(found.key, 0), len(found.rungs))
     if again:
-        return _text(exercise, found, 0, max(given, found.in_report), command), trouble
-    last = min(max(given, found.in_report) + 1, len(found.rungs))  # the report has shown the first
+        return _text(exercise, found, 0, given, command), trouble
+    last = min(given + 1, len(found.rungs))  # a card folds the first as well
 
     def note_hint(old: ProgressRecord) -> ProgressRecord:
         return structs.replace(old, hints={**old.hints, found.key: max(last, old.hints.get(found.key, 0))})
@@ -63,17 +62,14 @@ def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     rungs = exercise.hints_for(failed.check, cause)
     read_on = cause.link if cause and environment.paths.lesson_path(cause.notebook) else ""
     key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
-    return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on, min(1, len(rungs)))
+    return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on)
 
 
 def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
     count = len(found.rungs)
     lines = _wrap(f"{exercise.title} ({exercise.id}): hints {found.about}")
-    if 0 < found.in_report == first:
-        lines += ["", f"Hint 1 of {count} is in the report."]
     for number in range(first + 1, last + 1):
-        where = ", as in the report" if number <= found.in_report else ""
-        lines += ["", *_wrap(f"Hint {number} of {count}{where}: {found.rungs[number - 1]}")]
+        lines += ["", *_wrap(f"Hint {number} of {count}: {found.rungs[number - 1]}")]
     lines.append("")
     if not count:
         lines += _wrap("There are no hints for this one. Read the report again.")

@@ -56,6 +56,7 @@ def check_step(step: LessonStep) -> StepResult:
     ends = [_endpoint(need) for need in step.needs if not need.startswith("node ")]
     job = Job("", "attach", seed=1, limits=Limits(start_s=_APPEARS_S), endpoints=tuple(ends))
     context = CheckContext(None, job)  # type: ignore[arg-type]  # nothing is started, so nobody starts it
+    lab.current().engine.failures.forget()
     try:
         context.begin(_MOST_S)
         context.launch()
@@ -66,10 +67,11 @@ def check_step(step: LessonStep) -> StepResult:
         except Failed as failed:
             seen = failed.evidence
             parts = (("expected", seen.expected), ("found", seen.got))
-            lines = _exchange(context, seen) or [f"  {what}: {words}" for what, words in parts if words]
-            result = StepResult(passed=False, text="\n".join([f"Not yet: {failed.message}", *lines]))
+            lines = _exchange(context, seen, failed.message) or [f"  {name}: {one}" for name, one in parts if one]
+            said = [f"Not yet: {failed.message}", *(f"  {crash}" for crash in _describe_crashes())]
+            result = StepResult(passed=False, text="\n".join([*said, *lines]))
         except lab.LabError as failed:  # the lab has seen why a callback of its nodes answers nothing
-            result = StepResult(passed=False, text=f"Not yet: {failed}")
+            result = StepResult(passed=False, text=f"Not yet: {' '.join(_describe_crashes()) or failed}")
         except Exception as problem:  # noqa: BLE001 - whatever it is, it is no fault of the learner's node
             why = f"{type(problem).__name__}: {problem}"
             result = StepResult(passed=False, text=f"The check itself failed ({why}). This is not your fault.")
@@ -80,6 +82,13 @@ def check_step(step: LessonStep) -> StepResult:
     count = partial(progress.count_try, passed=result.passed)
     trouble = progress.update_progress(f"{step.lesson}/{step.name}", count)
     return replace(result, text="\n".join(filter(None, (result.text, trouble))))
+
+
+def _describe_crashes() -> list[str]:
+    """Which callbacks of the lab's nodes have failed meanwhile; why, and in which line, stands above the result."""
+    lab.current().output.drain()
+    latest = lab.current().engine.failures.latest.values()
+    return [f"{crash.callback or 'a callback'} of {crash.node} failed; the lines above say why." for crash in latest]
 
 
 def _endpoint(need: str) -> WantedEndpoint:
@@ -128,13 +137,15 @@ def _await(
     wanted = {end.name for end in context.job.endpoints}  # no other of these is a misspelt one
     near = discovery.name_nearest(name, [one.partition(" ")[0] for one in there if one.partition(" ")[0] not in wanted])
     why = f"No {kind} {name}{of_type} is there.{near}"
-    raise Failed(Evidence("", f"the {kind} {name}{of_type}", found), why)
+    raise Failed(Evidence("", "", found), why)
 
 
-def _exchange(context: CheckContext, seen: Evidence) -> list[str]:
-    """What was sent and what came, one a line."""
+def _exchange(context: CheckContext, seen: Evidence, message: str = "") -> list[str]:
+    """What was sent and what came, one a line; not what the message above it has said."""
     lines = []
     for arrow in context.record.steps(seen):
+        if arrow.kind == "failure" and arrow.text in message:
+            continue
         mark = "  " if arrow.sender == arrow.receiver else "->" if arrow.sender == GRADER else "<-"
         lines.append(f"  {mark} {arrow.text.rstrip(': ')}")
     return lines

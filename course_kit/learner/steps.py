@@ -45,7 +45,7 @@ def expect_soon(node: GradedNode, topic: str, wanted: Callable[[Message], bool],
     last = in_one_line(messages[-1]) if messages else "nothing"
     node.context.record.begin_exchange().add_received(f"{topic}: {last}", "message")
     if not came:
-        raise Failed(Evidence("", words, last), f"{topic} has to say {words}. It said {last}.")
+        raise Failed(Evidence("", "", last), f"{topic} has to say {words}.")
 
 
 def expect_reason(change: Change, word: str) -> None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 EXERCISE = "pattern_choice"  # the one that is graded fastest
 MARK = f"%%submission {EXERCISE}\n"
 CELL = f"{MARK}class Answers:\n    pass\n\nanswers = {{}}"
+FORGET = """%load_ext course_kit
+get_ipython().magics_manager.registry["GradeMagics"]._submissions.__init__()"""
 NOTHING = f"run the cell that begins with %%submission {EXERCISE}"
 
 
@@ -33,7 +35,7 @@ def _one(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
 @pytest.fixture
 def kernel(_one: Kernel) -> Kernel:
     (_one.cwd / "notebook.ipynb").unlink(missing_ok=True)
-    assert _one.run("%reload_ext course_kit").ok  # forgets all cells
+    assert _one.run(FORGET).ok
     return _one
 
 

@@ -74,14 +74,14 @@ def test_without_a_grading_the_ladder_begins_at_its_foot(folder: Path) -> None:
     assert sum(progress.read_progress()[0]["walk"].hints.values()) == 4
 
 
-def test_after_a_grading_it_goes_on_from_the_reports_hint(folder: Path) -> None:
+def test_after_a_grading_it_begins_with_the_first_that_a_card_folds(folder: Path) -> None:
     failed("start")
-    assert ask(folder, again=True) == ["Hint 1 of 3, as in the report: A nudge."]
-    assert ask(folder) == ["Hint 1 of 3 is in the report.", "Hint 2 of 3: A push."]
+    assert ask(folder) == ["Hint 1 of 3: A nudge."]
+    assert ask(folder) == ["Hint 2 of 3: A push."]
     failed("start")  # the same again: the ladder does not begin anew
     assert ask(folder) == ["Hint 3 of 3: A shove."]
     failed("end")
-    assert ask(folder) == ["Hint 1 of 1, as in the report: The end."]
+    assert ask(folder) == ["Hint 1 of 1: The end."]
     failed("start")
     assert ask(folder) == ["Hint 3 of 3: A shove."]
 

@@ -166,6 +166,20 @@ def test_a_check_shows_what_was_sent_and_what_came_and_is_counted(kernel: Kernel
     assert counted.result["text/plain"] == "True"
 
 
+def test_a_new_kernel_is_said_to_be_new_and_its_first_cell_runs_again_without_a_word(
+    domain: int, tmp_path: Path
+) -> None:
+    assert domain
+    with Kernel(cwd=tmp_path) as new:
+        for _ in range(2):
+            said = new.run("%check subtract").result["text/plain"]
+            assert said.startswith("The kernel has just been started and runs no node yet: run the notebook's first")
+            assert "does not know lab yet: run the notebook's first" in new.run("lab.nodes()").stderr
+        for _ in range(2):
+            assert new.run("%load_ext course_kit\nfrom course_kit import lab").stdout == ""
+        assert new.run("%check subtract").result["text/plain"].startswith("Not yet: No service")
+
+
 def test_what_is_not_there_is_named(kernel: Kernel) -> None:
     robot = "from course_kit.panels.demo_robot import DemoRobot\nlab.start(DemoRobot)"  # its action has hidden services
     honk = cells_of("04_choosing_a_pattern")["honk"].solution
@@ -183,8 +197,16 @@ def test_why_a_callback_answers_nothing_is_the_learners_to_read(kernel: Kernel) 
     for one in PERSON:
         assert kernel.run(cells[one]).ok
     assert kernel.run(cells_of("01_services")["greet"].solution.replace("return response", "pass")).ok
-    said = kernel.run("%check greet").result["text/plain"]
-    assert said.startswith("Not yet: receptionist sent no response: greet returned nothing.")
+    for _ in range(4):  # at each check, although the lab says the same three times at most
+        checked = kernel.run("%check greet")
+        assert checked.result["text/plain"] == "Not yet: greet of receptionist failed; the lines above say why."
+        assert checked.stderr.startswith("receptionist: greet returned nothing. End it with `return response`.\n")
+    assert kernel.run(cells_of("00_welcome")["clock"].solution.replace("1.0", "1")).ok
+    assert kernel.run("%check clock").result["text/plain"].splitlines() == [
+        "Not yet: Your node published nothing on /ticks within 3 s.",
+        "  tick of clock failed; the lines above say why.",
+        "     expected: a message on /ticks",
+    ]
 
 
 def test_a_second_node_that_answers_is_named(kernel: Kernel) -> None:
