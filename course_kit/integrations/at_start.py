@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult, InteractiveShell
 
-_MAGICS = ("check", "grade", "hint", "interface", "ros2", "ros_launch", "ros_script", "ros_stop", "solution", "submission")
+_ROS_MAGICS = ("interface", "ros2", "ros_launch", "ros_script", "ros_stop")
+_MAGICS = ("check", "grade", "hint", "solution", "submission", *_ROS_MAGICS)
 _NAMES = ("lab", "panels")
 RUN_AGAIN = "run the notebook's first code cell, then the cells down to this one (Run > Run All Above Selected Cell)."
 
