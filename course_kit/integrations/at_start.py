@@ -45,9 +45,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         from course_kit.environment.notebook import has_cell_with
 
         if error.name in _NAMES or has_cell_with(error.name, result.info.raw_cell):
-            sys.stderr.write(
-                f"The kernel has just been started and does not know {error.name} yet: {RUN_AGAIN}\n"
-            )
+            sys.stderr.write(f"The kernel has just been started and does not know {error.name} yet: {RUN_AGAIN}\n")
 
     shell.events.register("pre_run_cell", before_cell)
     shell.events.register("post_run_cell", after_cell)
