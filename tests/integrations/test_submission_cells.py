@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 EXERCISE = "pattern_choice"  # the one that is graded fastest
 MARK = f"%%submission {EXERCISE}\n"
 CELL = f"{MARK}class Answers:\n    pass\n\nanswers = {{}}"
-FORGET = """%load_ext course_kit
-get_ipython().magics_manager.registry["GradeMagics"]._submissions.__init__()"""
+FORGET = "%load_ext course_kit\nget_ipython().magics_manager.registry['GradeMagics']._submissions.__init__()"
 NOTHING = f"run the cell that begins with %%submission {EXERCISE}"
 
 
