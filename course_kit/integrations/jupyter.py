@@ -64,7 +64,9 @@ def run_lab(arguments: Sequence[str]) -> int:
             webbrowser.open(address)
         return 0
     last = last_notebook(folder)
-    opens = PROGRESS_PAGE if (page := course_list.format_progress_page(last)) and folder.resolve() != root else last
+    opens = (
+        PROGRESS_PAGE if (page := course_list.format_progress_page(folder, last)) and folder.resolve() != root else last
+    )
     command, environ = lab_command(folder, f"/lab/tree/{quote(opens)}", arguments)
     make_ready(root, folder)  # only where JupyterLab can start
     if opens == PROGRESS_PAGE:

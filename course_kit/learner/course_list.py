@@ -8,8 +8,10 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from course_kit import environment
 from course_kit.grading.errors import GradingError
@@ -119,13 +121,29 @@ def _lessons() -> list[LessonProgress]:
     return found
 
 
-def format_progress_page(last: str) -> str:
+def _last_heading(notebook: Path) -> str:
+    """The heading above the cell with the highest number, which a learner ran last; "" where no cell has run."""
+    heading = reached = ""
+    number = 0
+    with suppress(OSError, ValueError, LookupError, TypeError):
+        for cell in json.loads(notebook.read_bytes())["cells"]:
+            text = re.sub("```.*?```", "", "".join(cell["source"]), flags=re.DOTALL)
+            if cell["cell_type"] == "markdown":
+                heading = [heading, *re.findall(r"^#+ (.+)$", text, re.MULTILINE)][-1]
+            elif (cell.get("execution_count") or 0) > number:
+                reached, number = heading, cell["execution_count"]
+    return re.sub("[`*_]", "", reached).strip()
+
+
+def format_progress_page(folder: Path, last: str) -> str:
     """The page that a learner sees first on their second day; "" before anything is done."""
     lessons, (exercises, _), (drills, _) = _lessons(), list_rows(), list_rows(practice=True)
     if not any(lesson.tried for lesson in lessons) and not any(row.known.tries for row in (*exercises, *drills)):
         return ""
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
-    lines = ["# Where you are", "", f"You were at [{last}]({last})."]
+    heading = _last_heading(folder / last)
+    place = f"#{quote(heading.replace(' ', '-'))}" if heading else ""
+    lines = ["# Where you are", "", f"You were at [{', '.join(filter(None, (last, heading)))}]({last}{place})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
     lines += ["The page was written when JupyterLab started; `./course list` in the terminal shows where you are now."]

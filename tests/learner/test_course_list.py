@@ -55,17 +55,21 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
 ) -> None:
     monkeypatch.setenv(progress.VARIABLE, str(tmp_path / "progress.json"))
     last = "notebooks/01_services.ipynb"
-    assert course_list.format_progress_page(last) == ""
+    assert course_list.format_progress_page(tmp_path, last) == ""
     for step in ("drive", "bumper", "clock"):
         progress.update_progress(f"00_welcome/{step}", lambda old: replace(old, tries=1, first_passed="2026-11-26"))
     progress.update_progress(
         "temperature_service", lambda old: replace(old, tries=2, best=8.0, first_passed="2026-11-26")
     )
-    page = course_list.format_progress_page(last)
+    page = course_list.format_progress_page(tmp_path, last)
     assert f"You were at [{last}]({last})." in page
+    page = course_list.format_progress_page(REPOSITORY, last)
+    assert (
+        f"You were at [{last}, 8. Check yourself]({last}#8.-Check-yourself)." in page
+    )  # the stored one has run to its end
     assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
     assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page
     assert re.search(r"\(exercises/temperature_service/temperature_service.ipynb\) \| 8 of 10 \| 2 \| done \|", page)
     assert "  00_welcome: 3 of 3" in course_list.format_list(course_list.list_rows()[0])
     for link in re.findall(r"\]\(([^)]+)\)", page):
-        assert (REPOSITORY / link).is_file(), link
+        assert (REPOSITORY / link.partition("#")[0]).is_file(), link
