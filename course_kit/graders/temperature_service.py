@@ -47,7 +47,9 @@ _RELATIVE, _ABSOLUTE = 1e-6, 1e-9  # the right formula, whatever has become of t
 _EXACT = 1e-12  # every digit, relative or absolute: each usual formula keeps to it, the route over Kelvin too
 _FEW_DIGITS, _ROUNDED = 3, 0.05  # behind the point, and what is lost at most where one of them is left
 _SAME = 1e-9  # how well a mistaken formula has to fit, relative: much better than the tolerance of a right answer
+_is_close = partial(math.isclose, rel_tol=_SAME, abs_tol=_ABSOLUTE)
 _CALCULATED = 1e-3  # what a way through the other unit and back, or a rounding, costs at most
+_CUT_OFF = 2.0  # // before a factor of 9/5 loses almost two degrees
 _DENORMAL = 1e-300  # an integer written into a float field arrives as one of the smallest numbers there are
 _COMPARED = (0.0, 37.0, -40.0, 123.457, 212.0)  # that are asked for beside a wrong answer, to find its cause
 _USUAL = draw_between(-200.0, 500.0)
@@ -383,10 +385,12 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool, ro
         if off < _CALCULATED:
             lost = f"One answer is off by {off:.2g}: a value that needs no conversion was calculated or rounded."
             return formula, lost if off else "The sign of zero was lost: -0.0 and 0.0 are equal, but not the same bits."
+        if off >= _CUT_OFF:
+            return formula, "Where from_unit and to_unit are the same, set response.value to the value that was sent."
     elif all(_is_close(got, sample.value) for sample, got in answers):
         return formula, "They are the values we sent: nothing was converted."
     hint = "They match none of the usual mistakes; check the factor, the offset and the order by hand."
-    digits_lost = off < (2.0 if floors else 1.0)  # // before a factor of 9/5 loses almost two degrees
+    digits_lost = off < (_CUT_OFF if floors else 1.0)
     if all(got == 0.0 for _, got in answers):
         why = "a small number divided by a larger one with // is 0." if floors else "was response.value filled in?"
         hint, digits_lost = f"Every value came back as 0: {why}", floors
@@ -395,7 +399,3 @@ def explain_answers(answers: Sequence[tuple[Sample, float]], *, floors: bool, ro
         why = f" in the calculation ({found})." if found else ". Has each constant of your formula enough of them?"
         hint, digits_lost = f"They are off by at most {off:.2g} degrees: digits were lost{why}", bool(found)
     return (integer if digits_lost else formula), hint
-
-
-def _is_close(number: float, other: float) -> bool:
-    return math.isclose(number, other, rel_tol=_SAME, abs_tol=_ABSOLUTE)

@@ -258,6 +258,8 @@ def test_link_leads_from_the_notebooks_folder_to_the_lesson() -> None:
     assert f'href="../../notebooks/01_services.ipynb#{section}"' in html
     assert catalogue()["service.no_return"].explanation.replace("'", "&#39;") in html
     assert 'href="notebooks/01_services.ipynb#' in render_html(replace(REPORT, checks=(taught,)), root)
+    named = "diagnosis The callback does not return the response (service.no_return)"
+    assert named in " ".join(render_text(replace(REPORT, checks=(taught,))).split())
 
 
 def test_catalogue_has_all_for_each_code() -> None:

@@ -59,7 +59,8 @@ def check_lines(check: CheckReport, width: int, *, practice: bool = False) -> li
         return [*head, *_wrap(check.message, width, indent=len(begin))]
     rows = [("why", check.message), ("we sent", check.sent), ("expected", check.expected), ("we got", check.got)]
     rows += [*_steps(check), *_name_first_line("graph", in_sentences(check.graph) if check.graph else [])]
-    rows += [("hint", check.hint or ""), ("diagnosis", check.diagnosis or "")]
+    named = f"{check.known.title} ({check.diagnosis})" if check.known else check.diagnosis
+    rows += [("hint", check.hint or ""), ("diagnosis", named or "")]
     body = [line for name, text in rows if text for line in _wrap(f"{name:<9} {text}", width, indent=6, hanging=10)]
     return [*head, *body, ""]
 
