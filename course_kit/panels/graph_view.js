@@ -12,6 +12,8 @@ function render({ model, el }) {
   const text = make("pre", { tabindex: "0", "aria-label": "The graph as text" });
   const news = make("span", { class: "ck-quiet", role: "status", "aria-live": "polite" });
   const scale = make("span", { class: "ck-quiet ck-scale" });
+  const legend = make("div", { class: "ck-quiet" },
+    "Dashed arrow: the node listens, calls or sends goals. Solid: it publishes, answers or runs the action.");
   const button = (label, name, act) => {
     const made = make("button", { type: "button", "aria-label": name, title: name }, label);
     made.addEventListener("click", act);
@@ -27,6 +29,7 @@ function render({ model, el }) {
       button("+", "Larger", () => zoomTo(zoom * ZOOM_STEP)),
       button("Fit", "Fit all of it into the frame", () => zoomTo(fitting(true))), docking.button),
     picture,
+    legend,
     make("label", { class: "ck-plumbing" }, plumbing,
       make("span", {}, "Show ROS's own plumbing too (parameter services, /rosout, parts of actions)")),
     make("details", {}, make("summary", {}, "The same as text"), text),
@@ -45,6 +48,7 @@ function render({ model, el }) {
     drawing = picture.querySelector("svg");
     if (!drawing) picture.append(make("p", { class: "ck-quiet" }, "No node is on the graph."));
     for (const box of picture.querySelectorAll(".ck-box")) listen(box);
+    legend.hidden = !picture.querySelector(".ck-uses");
     text.textContent = model.get("text");
     if (own) zoomTo(zoom);
     else fit();

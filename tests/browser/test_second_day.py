@@ -133,6 +133,9 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     lab.run_cell_that_begins("from rclpy.node import Node")
     expect(docked.locator("[data-node='battery']").first).to_be_visible()
     expect(docked.locator(".ck-dot").first).to_be_attached()
+    expect(docked.get_by_text("Dashed arrow: the node listens")).to_be_visible(
+        visible=docked.locator(".ck-uses").count() > 0
+    )
     lab.picture("graph_docked")
     drive_and_guess(lab)
     require_room(docked)
