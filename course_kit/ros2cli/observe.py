@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import time
+from collections import Counter
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from course_kit.environment.visitor import visit_graph
 from course_kit.ros import graph
 from course_kit.ros.graph import quiet_node
-from course_kit.ros.names import full_name
+from course_kit.ros.names import full_name, is_hidden
 from course_kit.ros2cli.graph import Graph, TopicEndpoints, is_local_only, participant_sockets
 
 if TYPE_CHECKING:
@@ -128,7 +129,13 @@ class Observer:
         node = self._node
         seen = graph.read_graph(node, plumbing=True)
         topics = dict(node.get_topic_names_and_types())
-        services = dict(node.get_service_names_and_types())
+        hidden = [name for name in graph.node_names(node) if is_hidden(name)]  # a lab's has clients of all it has asked
+        asked = Counter(use.channel for name in hidden for use in graph.uses_of(node, name, graph.CALLS))
+        known = dict(node.get_service_names_and_types())
+        counts = {name: (node.count_clients(name), node.count_services(name)) for name in known}
+        services = {
+            name: known[name] for name, (clients, servers) in counts.items() if servers or clients > asked[name]
+        }
         return Graph(
             graph.Overview(
                 tuple(node for node in seen.nodes if node != self.name),
@@ -137,7 +144,7 @@ class Observer:
             topics=topics,
             services=services,
             endpoints={topic: self._ends(topic) for topic in topics},
-            counts={name: (node.count_clients(name), node.count_services(name)) for name in services},
+            counts=counts,
         )
 
     def _ends(self, topic: str) -> TopicEndpoints:

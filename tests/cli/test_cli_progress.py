@@ -120,9 +120,8 @@ def test_a_file_that_cannot_be_used_is_one_line_beside_the_grade(course: Course,
 @pytest.mark.parametrize("verb", ["grade", "watch"])
 def test_a_misspelt_exercise_gets_the_nearest_name(course: Course, verb: str) -> None:
     done = course.run(verb, "temprature_service", *(["file.py"] if verb == "grade" else []))
-    assert done.returncode == 2
+    assert (done.returncode, done.stdout) == (2, "")
     assert "Did you mean temperature_service?" in done.stderr
-    assert done.stdout == ""
 
 
 @pytest.mark.parametrize("arguments", [["list"], ["hint", "robot_parameters"]])
@@ -156,7 +155,6 @@ def test_in_a_notebook_grades_are_recorded_and_hints_given(course: Course, tmp_p
             slip = kernel.run(f"%hint {line}")
             assert slip.ok
             assert "Use it as %hint EXERCISE" in slip.stderr
-        assert "Did you mean" in kernel.run("%hint temprature_service").stderr
         course.progress.write_text("damaged")
         graded = kernel.run(f"%grade {TEMPERATURE} {starter(tmp_path)}")
         assert "damaged" in graded.stderr

@@ -61,8 +61,6 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
     progress.update_progress(
         "temperature_service", lambda old: replace(old, tries=2, best=8.0, first_passed="2026-11-26")
     )
-    page = course_list.format_progress_page(tmp_path, last)
-    assert f"You were at [{last}]({last})." in page
     page = course_list.format_progress_page(REPOSITORY, last)
     assert (
         f"You were at [{last}, 8. Check yourself]({last}#8.-Check-yourself)." in page

@@ -65,6 +65,7 @@ def kernel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
 
 
 def test_the_magic_lists_and_calls_and_the_nodes_log_lands_in_the_cell(kernel: Kernel) -> None:
+    kernel.run("from course_kit import lab\nawait lab.call('/nobody', SetBool, timeout=0.1)")  # keeps its client
     assert kernel.run("%ros2 service list").stdout.splitlines()[0] == "/power"
     called = kernel.run(f"%ros2 {CALL}")
     assert "response:\nstd_srvs.srv.SetBool_Response(success=True, message='')" in called.stdout
