@@ -24,6 +24,7 @@ from IPython.display import display
 from course_kit import environment
 from course_kit.environment.notebook import notebook_path
 from course_kit.grading.errors import GradingError
+from course_kit.integrations.at_start import is_new
 from course_kit.integrations.submission_cells import SubmissionCells
 from course_kit.reader.files import is_name
 from course_kit.reader.text import PROGRAM, UnreadableTextError, join_cells
@@ -133,8 +134,9 @@ class GradeMagics(Magics):
             print_complaint(f"{advice[:1].upper()}{advice[1:]}")
         report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
         if report is None:
+            why = "The kernel has just been started" if is_new(self.shell) else "Nothing to grade yet"
             raise GradingError(
-                f"Nothing to grade yet: run the cell that begins with %%submission {exercise}, then grade again. "
+                f"{why}: run the cell that begins with %%submission {exercise}, then grade again. "
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
         if not file:

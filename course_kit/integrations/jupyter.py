@@ -148,6 +148,7 @@ def lab_command(
     """The words and the environment that start JupyterLab here."""
     as_root = root_arguments(arguments, os.geteuid(), environment.paths.sign_of_container(), verb)
     environ = environment.child_environment(**{**server_variables(root), **variables})
+    environ[_CONFIG_PATH] += f"{os.pathsep}{_CONFIG / 'alone'}"  # nbgrader's menu is for a hub
     note(environment.middleware.explain_middleware())
     command = [
         *environment.trusted_python("jupyterlab.labapp", "main"),

@@ -117,13 +117,6 @@ def test_a_file_that_cannot_be_used_is_one_line_beside_the_grade(course: Course,
     assert len(done.stderr.splitlines()) == 1 + bool(grading.advice_for_root())
 
 
-@pytest.mark.parametrize("verb", ["grade", "watch"])
-def test_a_misspelt_exercise_gets_the_nearest_name(course: Course, verb: str) -> None:
-    done = course.run(verb, "temprature_service", *(["file.py"] if verb == "grade" else []))
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "Did you mean temperature_service?" in done.stderr
-
-
 @pytest.mark.parametrize("arguments", [["list"], ["hint", "robot_parameters"]])
 def test_80_columns_are_enough(course: Course, arguments: list[str]) -> None:
     assert max(map(len, course.run(*arguments).stdout.splitlines())) <= 80

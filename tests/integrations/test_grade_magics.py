@@ -137,6 +137,8 @@ def test_below_the_pass_mark_the_command_ends_with_1_and_shows_the_first_hint(
     ("arguments", "sentence"),
     [
         (["grade", "temperature_service", str(SOLUTION), "--attach"], "Name one thing to grade"),
+        (["grade", "temprature_service", "file.py"], "Did you mean temperature_service?"),
+        (["watch", "temprature_service"], "Did you mean temperature_service?"),
         ([], "COMMAND"),
     ],
 )

@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 import pytest
+from jupyterlab_server.config import get_static_page_config
 
 from course_kit import environment
 from course_kit.cli.main import main
@@ -36,3 +37,9 @@ def test_the_refusal_is_one_line_and_ends_with_2_and_nothing_is_made(
     said = capsys.readouterr().err
     assert said.startswith("course-kit: JupyterLab does not run as root")
     assert len(said.splitlines()) == 1
+
+
+def test_a_learners_lab_has_no_menu_of_nbgrader(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    environ = jupyter.lab_command(tmp_path, "", ["--allow-root"])[1]
+    monkeypatch.setenv("JUPYTER_CONFIG_PATH", environ["JUPYTER_CONFIG_PATH"])
+    assert get_static_page_config()["disabledExtensions"] == {"@jupyter/nbgrader": True}

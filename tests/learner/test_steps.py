@@ -173,6 +173,7 @@ def test_a_new_kernel_is_named_and_its_first_cell_may_run_twice(domain: int, tmp
             said = new.run("%check subtract").result["text/plain"]
             assert said.startswith("The kernel has just been started and runs no node yet: run the notebook's first")
             assert "does not know lab yet: run the notebook's first" in new.run("lab.nodes()").stderr
+            assert new.run("%grade move_robot").stderr.startswith("The kernel has just been started: run the cell that")
         for _ in range(2):
             assert new.run("%load_ext course_kit\nfrom course_kit import lab").stdout == ""
         assert new.run("%check subtract").result["text/plain"].startswith("Not yet: No service")
