@@ -86,7 +86,7 @@ def test_a_drill_is_graded_hinted_and_recorded_like_an_exercise(course: Course) 
     graded = course.run("grade", DRILL, str(program))
     assert graded.returncode == 1, graded.stderr
     assert "Float32, expected std_msgs/msg/Float64" in " ".join(graded.stdout.split())
-    assert "Hint 2 of" in course.run("hint", DRILL).stdout
+    assert "Hint 1 of" in course.run("hint", DRILL).stdout
     fixed = program.read_text().replace("Float32", "Float64")
     program.write_text(fixed)
     assert course.run("grade", DRILL, str(program)).returncode == 0
