@@ -77,7 +77,7 @@ def test_in_a_copy_all_commands_work_on_the_learners_files(learner: Learner) -> 
     learner.write(mine / PROGRAM, MINE)
     assert f"Next: {TEMPERATURE}, in ros2-course/exercises/{TEMPERATURE}" in learner.run("list").stdout
     assert learner.run("grade", TEMPERATURE, str(mine / PROGRAM)).returncode == 1
-    assert "Hint 2 of" in learner.run("hint", TEMPERATURE).stdout
+    assert "Hint 1 of" in learner.run("hint", TEMPERATURE).stdout
     done = learner.run("reset", TEMPERATURE, cwd=learner.home / "ros2-course" / "notebooks")
     assert done.returncode == 0, done.stderr
     assert (mine / PROGRAM).read_bytes() == starter
