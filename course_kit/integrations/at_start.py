@@ -19,18 +19,25 @@ _NAMES = ("lab", "panels")
 RUN_AGAIN = "run the notebook's first code cell, then the cells down to this one (Run > Run All Above Selected Cell)."
 
 
-def is_new(shell: InteractiveShell) -> bool:
+class _Kernel:
+    is_new = False
+
+
+def is_new() -> bool:
     """Whether the notebook's first code cell has not run since the kernel started."""
-    return not any("load_ext course_kit" in source for source in shell.history_manager.input_hist_raw)
+    return _Kernel.is_new
 
 
 def load_ipython_extension(shell: InteractiveShell) -> None:
     """Called when a kernel starts."""
     shell.magics_manager.lazy_magics.update(dict.fromkeys(_MAGICS, "course_kit"))
+    _Kernel.is_new = True
 
     def before_cell(info: ExecutionInfo) -> None:
         from course_kit.environment import DomainError
 
+        if "load_ext course_kit" in info.raw_cell:
+            _Kernel.is_new = False
         if "rclpy.spin(" in info.raw_cell and not info.raw_cell.startswith(("%%", "# %%")):
             with suppress(DomainError):  # what the cell itself asks of ROS says so
                 shell.extension_manager.load_extension("course_kit")
@@ -40,7 +47,7 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
 
     def after_cell(result: ExecutionResult) -> None:
         error = result.error_in_exec
-        if not isinstance(error, NameError) or not error.name or not is_new(shell):
+        if not isinstance(error, NameError) or not error.name or not is_new():
             return
         from course_kit.environment.notebook import has_cell_with
 

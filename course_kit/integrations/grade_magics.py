@@ -134,7 +134,7 @@ class GradeMagics(Magics):
             print_complaint(f"{advice[:1].upper()}{advice[1:]}")
         report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
         if report is None:
-            why = "The kernel has just been started" if is_new(self.shell) else "Nothing to grade yet"
+            why = "The kernel has just been started" if is_new() else "Nothing to grade yet"
             raise GradingError(
                 f"{why}: run the cell that begins with %%submission {exercise}, then grade again. "
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"

@@ -154,6 +154,6 @@ def check_line(line: str) -> StepResult:
     name = line.strip()
     if name not in STEPS:
         raise MagicError(f"There is no step {name!r}.{did_you_mean(name, STEPS)} Use it as %check STEP.")
-    if is_new(get_ipython()):
+    if is_new():
         return StepResult(passed=False, text=f"The kernel has just been started and runs no node yet: {RUN_AGAIN}")
     return check_step(STEPS[name])
