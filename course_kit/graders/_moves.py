@@ -240,7 +240,7 @@ def require_distance(move: Move) -> None:
     travelled, arrived = move.ended.result.distance_travelled, move.ended.status == SUCCEEDED
     end = move.target if arrived else place_of(move.ended.result.final_position)
     length = math.dist(move.begin, end)
-    tolerance = max(TOLERANCE, 0.05 * length)
+    tolerance = max(TOLERANCE, 0.05 * length) + min(move.may_remain, SHORT_M) - TOLERANCE
     if abs(travelled - length) <= tolerance:
         return
     expected = f"distance_travelled within {tolerance:.3g} m of {length:.3g} m, the way from {move.begin}"
