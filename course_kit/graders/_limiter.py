@@ -269,7 +269,7 @@ class LimiterSteps(Model):
         if self.settings.enabled and fields != _PLAIN and Reaction not in node.context.conversations:
             self.drive(node, _PLAIN)  # first, so that who does not react to a special command loses only that
         if "limits" in self.lost:
-            fields = [min(abs(fields[0]), BEYOND) % self.settings.max_velocity, *[0.0] * 5]
+            fields = [0.4 * self.settings.max_velocity, *[0.0] * 5]
         node.context.wait_until(lambda: time.monotonic() >= self.quiet_until, 2.0)
         # Only what has come already: what comes later is one too many for the next command, or at the end.
         self.require_quiet(node, 0.0, enabled=self.settings.enabled)

@@ -68,7 +68,7 @@ class RobotModel(Model):
         self.move_rightly(node, ArenaPoint(x, y + length if y < CENTRE.y else y - length))
         self.move_rightly(node, ArenaPoint(x + 1.23 if x < CENTRE.x else x - 1.23, self.at.y))
 
-    @step_rule("any_z", way=_moves.MOVES)
+    @step_rule("any_z", way=_moves.LONG_MOVES)
     def ignore_z(self, node: GradedNode, way: Way) -> None:
         """Whatever stands in z changes nothing."""
         self.make_plain_move(node)
