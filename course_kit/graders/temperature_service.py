@@ -116,7 +116,7 @@ def _change_word(change: Callable[[str], str], rng: random.Random) -> str:
     return "".join(change(letter) if place in places else letter for place, letter in enumerate(word))
 
 
-_NO_UNITS = (*_ODD, *(draw_by(lambda rng, text=text: text.format(rng.choice(UNITS))) for text in _AROUND),
+_NO_UNITS = (*_ODD, *(text.format(unit) for text, unit in zip(_AROUND, 3 * UNITS, strict=True)),
              *(draw_by(partial(_change_word, change)) for change in _CHANGES))  # fmt: skip
 
 
