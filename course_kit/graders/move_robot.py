@@ -91,7 +91,7 @@ class RobotModel(Model):
     def reach_edges(self, node: GradedNode, at: float) -> None:
         """The edges belong to the arena, and so do its corners, between which the way is the longest."""
         corners = sorted((ORIGIN, _moves.CORNER), key=lambda corner: math.dist(corner, self.at))
-        for target in (ArenaPoint(*place) for place in ((at, 0.0), (at, ARENA), (0.0, at), (ARENA, at), *corners)):
+        for target in (ArenaPoint(*place) for place in ((at, -0.0), (at, ARENA), (0.0, at), (ARENA, at), *corners)):
             driven = (target in corners and not self._known.own) or math.dist(self.at, target) <= _moves.SHORT_M
             if not driven and "cancel" not in self.lost and node.context.job.mode != "attach":
                 self.cancel(node, target, 0.0, breaks="outside")

@@ -56,9 +56,7 @@ class _Sheet:
         entries = _read(context)
         self._result = quiz.mark(self.scenarios, entries)
         if not self._result.is_final:
-            why = (
-                "your instructor marks the scenarios of this seed: their answers are not in this edition of the course."
-            )
+            why = "your instructor marks the scenarios of this seed: this edition of the course lacks their answers."
             raise GradingError(f"{why} {self._result.describe_state()} To practise, leave the seed out.")
         return Evidence("", _SHAPE, f"a dictionary with {len(entries)} entries")
 

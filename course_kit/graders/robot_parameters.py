@@ -65,7 +65,7 @@ _WITH_NAMES = (
 )
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _SMALL = [0.004, *[0.0] * 5]  # no dead zone
-_COMMANDS = ([0.0] * 6, _SMALL, [_INF, *[0.0] * 5], [-8.0, 0.5, -_INF, 0.5, 1e-12, -0.5])
+_COMMANDS = ([0.0] * 6, _SMALL, [_INF, *[0.0] * 5], [-8.0, _NAN, -_INF, 0.5, 1e-12, _NAN])
 _ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.NAMES[1:])])
 
 
@@ -85,7 +85,6 @@ class Limiter(LimiterSteps):
             self.accept(node, {"enabled": False}, "change_enabled")
             self.set_several(node, given)
             self.drive(node, [BEYOND, *[0.1] * 5])
-        self.drive(node, _SMALL)
         self.refuse_each(node)
         self.lines = node.inbox(STATUS).count
         if "change_status" not in self.lost:
@@ -103,14 +102,14 @@ class Limiter(LimiterSteps):
     def look_at_command(self, node: GradedNode, fields: list[float]) -> None:
         """A command, when all changes act; and the parameters have their values."""
         self.require_values(node)
+        self.have_enabled(node)
         self.drive(node, fields)
 
     @step_rule("change_velocity", case=draw_one_of((0.01, 5.0, True), (1.0, 0.001, False)))
     def set_both(self, node: GradedNode, case: tuple[float, float, bool]) -> None:
         """Both numbers act, and the diameter once before the velocity is set."""
         diameter, velocity, apart = case
-        if not self.settings.enabled and "change_enabled" not in self.lost:
-            self.accept(node, {"enabled": True}, "change_enabled")
+        self.have_enabled(node)
         for name, value, drives in (("wheel_diameter", diameter, apart), ("max_velocity", velocity, True)):
             for _ in range(2 if CHANGES[name] not in self.lost else 0):  # the value that it has already is valid, too
                 self.accept(node, {name: value}, CHANGES[name])
@@ -167,6 +166,11 @@ class Limiter(LimiterSteps):
         """An invalid value."""
         self.refuse(node, values)
 
+    def have_enabled(self, node: GradedNode) -> None:
+        """What a command brings is seen with the robot on alone."""
+        if not self.settings.enabled and "change_enabled" not in self.lost:
+            self.accept(node, {"enabled": True}, "change_enabled")
+
     def refuse_each(self, node: GradedNode) -> None:
         """What is refused neither stops the robot nor lets it drive again, as is seen afterwards."""
         for values in _EACH if not self.lost & {"refuses", "reason"} else ():
@@ -176,8 +180,7 @@ class Limiter(LimiterSteps):
     @step_rule("atomic", sets=draw_one_of(*(_TOGETHER[place::3] for place in range(3))))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Valid and invalid values at once; what is refused does not act."""
-        if not self.settings.enabled and "change_enabled" not in self.lost:
-            self.accept(node, {"enabled": True}, "change_enabled")
+        self.have_enabled(node)
         for values in sets:
             self.refuse(node, values)
         for _ in range(2):  # the same command twice running
