@@ -183,8 +183,8 @@ class Limiter(LimiterSteps):
         self.have_enabled(node)
         for values in sets:
             self.refuse(node, values)
-        for _ in range(2):  # the same command twice running
-            self.drive(node, [BEYOND, -0.1, -0.2, -0.3, -0.4, -0.5])
+        for speed in (BEYOND, BEYOND, 0.01, 0.01):  # the same command twice running
+            self.drive(node, [speed, -0.1, -0.2, -0.3, -0.4, -0.5])
 
     @step_rule(
         "wrong_type",
@@ -393,7 +393,7 @@ CHECKS = [
         CheckPart("undeclared", "An undeclared parameter is refused", points=0.5, proves=["undeclared"]),
         CheckPart("atomic", "When a valid and an invalid value are set atomically, nothing changes",
                   points=1.5, proves=["atomic"]),
-        steps=1, after=["types", "topics"],
+        steps=1, after=["types", "topics"], deadline_s=90.0,
     ),
     status_rate,
     replace(start_arguments_count, id="start_arguments"),

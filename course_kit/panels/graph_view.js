@@ -32,7 +32,7 @@ function render({ model, el }) {
     legend,
     make("label", { class: "ck-plumbing" }, plumbing,
       make("span", {}, "Show ROS's own plumbing too (parameter services, /rosout, parts of actions)")),
-    make("details", {}, make("summary", {}, "The same as text"), text),
+    make("details", {}, make("summary", {}, "The same in words"), text),
   );
   el.replaceChildren(panel);
 

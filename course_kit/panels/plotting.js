@@ -105,10 +105,11 @@ function render({ model, el }) {
   function drawAxes(toX, toY) {
     const bottom = SIZE.height - SIZE.bottom;
     axes.replaceChildren();
+    const differ = new Set(range.marks.map(short)).size === range.marks.length;
     for (const mark of range.marks) {
       const y = toY(mark);
       axes.append(draw("line", { x1: SIZE.left, x2: SIZE.width - SIZE.right, y1: y, y2: y }));
-      axes.append(draw("text", { x: SIZE.left - 8, y: y + 4, "text-anchor": "end" }, short(mark)));
+      axes.append(draw("text", { x: SIZE.left - 8, y: y + 4, "text-anchor": "end" }, differ ? short(mark) : String(mark)));
     }
     for (const mark of ticks(-span, 0, 5).filter((one) => one >= -span - 1e-9)) {
       const x = toX(mark);

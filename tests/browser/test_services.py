@@ -150,7 +150,7 @@ def test_lesson_zero_shows_nodes_and_messages_come_and_go(lab: JupyterLab) -> No
     expect(graph.locator(".ck-use[data-of=battery]")).to_have_count(1)
     graph.locator("[data-node=dashboard]").focus()
     expect(graph.locator(".ck-use.ck-on")).to_have_attribute("data-of", "dashboard")
-    graph.get_by_text("The same as text").click()
+    graph.get_by_text("The same in words").click()
     expect(graph.get_by_label("The graph as text")).to_contain_text(
         "listens to /battery_voltage [std_msgs/msg/Float64]"
     )
