@@ -37,7 +37,8 @@ FORGET = """async panel => {
     manager.kernel._comms.delete(model_id);
     shown.textContent = 'Error displaying widget: model not found';
 }"""
-WAKE = "Run this cell to bring it to life"
+HAS_ROOM = "one => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight"
+WAKE = "Run the cells down to this panel to bring it to life"
 
 
 def open_again(lab: JupyterLab) -> None:
@@ -45,10 +46,9 @@ def open_again(lab: JupyterLab) -> None:
     expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
 
 
-def restart_kernel(page: Page) -> None:
+def choose_of_kernel_menu(page: Page, name: str) -> None:
     page.get_by_role("menuitem", name="Kernel", exact=True).click()
-    page.get_by_role("menuitem", name=re.compile("^Restart Kernel…")).first.click()
-    page.get_by_role("button", name="Confirm Kernel Restart").click()
+    page.get_by_role("menuitem", name=re.compile(f"^{name}")).first.click()
 
 
 def require_no_dead_widget(lab: JupyterLab) -> None:
@@ -86,7 +86,9 @@ def require_room(docked: Locator) -> None:
     for verb in ("listens to", "sends goals to"):
         expect(docked.locator(f"[data-of=lab][data-verb='{verb}']").first).to_be_attached()
     expect(docked.get_by_text("Dashed arrow: the node listens")).to_be_visible()
-    assert docked.locator(".ck-picture").evaluate("frame => frame.scrollWidth <= frame.clientWidth")
+    docked.page.set_viewport_size({"width": 1366, "height": 500})  # what is around it scrolls, and only that
+    assert docked.locator(".ck-picture").evaluate(HAS_ROOM)
+    docked.page.set_viewport_size({"width": 1366, "height": 1000})
 
 
 def drive_and_guess(lab: JupyterLab) -> None:
@@ -101,24 +103,41 @@ def drive_and_guess(lab: JupyterLab) -> None:
 
 
 def wake_below(lab: JupyterLab, docked: Locator) -> None:
-    """Wake a second panel: the cells between the two run first, and the button says so."""
-    graph = lab.cell_that_begins(GRAPH)
-    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
+    """Wake a second panel: the cells above it run first, and the button says so."""
     below = lab.scroll_to(lab.cell_that_begins('panels.guess("00_welcome/misspelt_stop")'))
     below.get_by_role("button", name=WAKE).click()
     expect(below.get_by_role("button", name="Running the cells above")).to_be_disabled()
     expect(docked.locator("[data-node='dashboard']").first).to_be_visible()
+    graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
+    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
 
 
 def require_two_columns(lab: JupyterLab) -> None:
     """Another graph that is docked stands where the first one does."""
-    lab.scroll_to(lab.cell_that_begins("# Or send it from here."))
-    lab.replace_cell_that_begins("# Or send it from here.", "panels.graph()  # again")
+    lab.scroll_to(lab.cell_that_begins("# You may send it from here"))
+    lab.replace_cell_that_begins("# You may send it from here", "panels.graph()  # again")
     lab.page.keyboard.press("Control+Enter")
     again = lab.cell_that_begins("panels.graph()  # again")
     again.get_by_role("button", name="Dock beside the notebook").click()
     expect(lab.page.locator(".lm-TabBar-tabLabel", has_text="ROS graph")).to_have_count(2)
     expect(lab.page.locator(".lm-TabBar-content", has_text="ROS graph")).to_have_count(1)
+
+
+def restart_then_shut_down(lab: JupyterLab, docked: Locator) -> None:
+    choose_of_kernel_menu(lab.page, "Restart Kernel…")
+    lab.page.get_by_role("button", name="Confirm Kernel Restart").click()
+    for place in (lab.scroll_to(lab.cell_that_begins(GRAPH)), docked):
+        expect(place.get_by_role("button", name=WAKE)).to_be_visible()
+        expect(place.locator("svg").get_by_text("battery", exact=True).filter(visible=True).first).to_be_visible()
+        # Nothing in it can be pressed: it is the panel itself, or, where JupyterLab was first, its stored picture.
+        expect(place.locator("[inert], .ck-still").first).to_be_attached()
+    docked.get_by_role("button", name=WAKE).click()
+    expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
+    lab.wait_until_run()
+    choose_of_kernel_menu(lab.page, "Shut Down Kernel")
+    expect(lab.page.locator("#jp-main-statusbar")).to_contain_text("No Kernel")
+    wake_below(lab, docked)
+    lab.wait_until_run()
 
 
 def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupyter: OpenServer) -> None:
@@ -150,16 +169,7 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     require_no_dead_widget(lab)
     require_map_found_later(lab)
 
-    restart_kernel(page)
-    for place in (lab.scroll_to(lab.cell_that_begins(GRAPH)), docked):
-        expect(place.get_by_role("button", name=WAKE)).to_be_visible()
-        expect(place.locator("svg").get_by_text("battery", exact=True).filter(visible=True).first).to_be_visible()
-        # Nothing in it can be pressed: it is the panel itself, or, where JupyterLab was first, its stored picture.
-        expect(place.locator("[inert], .ck-still").first).to_be_attached()
-    docked.get_by_role("button", name=WAKE).click()
-    expect(docked.get_by_text("The ROS graph", exact=True)).to_be_visible()
-    lab.wait_until_run()
-
+    restart_then_shut_down(lab, docked)
     expect(page.locator("#jp-main-statusbar")).to_contain_text("| Idle")
     jupyter.server.end_kernels()
     with page.expect_request("**/course-kit/guesses") as asked:

@@ -114,7 +114,7 @@
   const LOADING = 'Loading widget...';
   const LOOKS = 8; // before the kernel is asked whether it still has the panel
   const JUDGES = /^%(check|grade|hint)\b/; // no panel needs it, and its answer would replace the one that is there
-  const WAKE = 'Run this cell to bring it to life';
+  const WAKE = 'Run the cells down to this panel to bring it to life';
   const pause = () => new Promise(done => setTimeout(done, KEEP_MS));
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
@@ -130,6 +130,7 @@
     .ck-asleep > [inert] { opacity: .6; }
     .ck-asleep .jupyter-widgets-disconnected::before, .ck-asleep .ck-dock { display: none; }
     .ck-asleep .ck-still figcaption { display: none; }
+    .jp-LinkedOutputView .ck-asleep .ck-still .ck-flow { min-width: calc(.85 * var(--ck-readable)); }
     .ck-asleep .jp-RenderedHTMLCommon { padding-right: 0; }
     .ck-asleep-chosen { font-weight: bold; }`;
 
@@ -327,7 +328,7 @@
       const button = document.createElement('button');
       const show = (disabled, textContent) => Object.assign(button, { disabled, textContent });
       show(false, WAKE);
-      button.title = 'Runs first the cells above that this kernel has not run yet.';
+      button.title = 'Runs the cells above that this kernel has not run yet, then the cell of the panel.';
       button.addEventListener('click', () => {
         show(true, 'Running the cells above, then this one ...');
         void this.wake(cell).finally(() => show(false, WAKE));
@@ -337,10 +338,12 @@
     }
 
     async wake(cell) {
-      const { content } = this.panel;
+      const { content, sessionContext } = this.panel;
       this.app.shell.activateById(this.panel.id);
+      // Of several cells without a kernel JupyterLab would start one for the first, and lose the others.
+      if (!sessionContext.session?.kernel) await sessionContext.startKernel();
       const question = { code: '', silent: true, store_history: false, user_expressions: HISTORY };
-      const asked = await this.panel.sessionContext.session?.kernel?.requestExecute(question).done;
+      const asked = await sessionContext.session?.kernel?.requestExecute(question).done;
       const ran = new Set(asked?.content.user_expressions?.ran?.data?.['application/json']);
       const sourceOf = ({ model }) => model.sharedModel.getSource().replace(/\n+$/, ''); // as IPython keeps it
       const above = content.widgets.slice(0, content.widgets.indexOf(cell));
