@@ -121,6 +121,7 @@ _RIGHT = _LEFT + _LENGTH
 _LANE, _BAR, _TOP = 60, 20, 4
 _CHARACTER = 7.3  # width of a character of 12 px monospace
 _LEAST_BAR = 3
+_ROW, _ROWS = 16, 2  # of texts below the bars of a thread: their height, and how many there are at most
 _AFTER = 2_000_000_000  # nanoseconds for which what has not ended is drawn at most, after the last thing that happened
 _TICKS = 4
 _MILLISECOND = 1_000_000
@@ -138,6 +139,7 @@ class TimelineBar(NamedTuple):
     text_x: int
     words: str
     is_open: bool
+    row: int = 0  # of the text: above the bar, or in a row below
 
 
 class Timeline:
@@ -177,9 +179,12 @@ class Timeline:
 
     def html(self) -> str:
         """The drawing as HTML, with the words and times below it."""
-        bars = [bar for number, lane in enumerate(self.lanes) for bar in self._bars(number, lane)]
-        names = [(name, _TOP + _LANE * number) for number, name in enumerate(self.lanes)]
-        top = _TOP + _LANE * len(self.lanes)
+        bars: list[TimelineBar] = []
+        names, top = [], _TOP
+        for lane in self.lanes:
+            names.append((lane, top))
+            bars += (of_lane := self._bars(lane, top))
+            top += _LANE + _ROW * max(bar.row for bar in of_lane)
         if self.waiting:
             names.append(("waiting", top))
         for number, wait in enumerate(self.waiting):
@@ -190,20 +195,20 @@ class Timeline:
         ticks = [(self._x(self._begin + int(step * number)), _time(int(step * number))) for number in range(_TICKS + 1)]
         words = str(self).splitlines()
         drawing = {"bars": bars, "names": names, "ticks": ticks, "height": height, "width": _RIGHT}
-        return str(render_template(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, lane=_LANE, **drawing))
+        return str(render_template(_TEMPLATE, words=words, summary=self._summary(), bar=_BAR, row=_ROW, **drawing))
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
         if not self.busy:
             return {"text/plain": _EMPTY}
         return {"text/html": self.html(), "text/plain": str(self)}
 
-    def _bars(self, number: int, lane: str) -> list[TimelineBar]:
+    def _bars(self, lane: str, top: int) -> list[TimelineBar]:
         found = []
         for span in self.busy:
             if span.lane == lane:
                 kind = "failed" if span.failed else "busy"
                 text = self._words(_describe_callback(span), span)
-                found.append(self._bar(kind, span, _label_callback(span), _TOP + _LANE * number, text))
+                found.append(self._bar(kind, span, _label_callback(span), top, text))
         return _keep_texts_apart(found)
 
     def _bar(self, kind: str, span: CallbackSpan | MessageWait, text: str, y: int, words: str) -> TimelineBar:
@@ -231,17 +236,28 @@ class Timeline:
 
 
 def _keep_texts_apart(bars: list[TimelineBar]) -> list[TimelineBar]:
-    """The bars of a thread; a text that would lie on a longer bar's is left to its tooltip."""
-    taken: list[tuple[float, float]] = []
-    texts: dict[TimelineBar, str] = {}
-    for bar in sorted(bars, key=lambda bar: -bar.width):
+    """The bars of a thread; a text that would lie over another bar goes below, or only into its bar's tooltip."""
+    above = [(bar.x, bar.x + bar.width) for bar in bars]
+    rows: list[list[tuple[float, float]]] = [[] for _ in range(_ROWS + 1)]
+    placed: dict[TimelineBar, int] = {}
+    # From the right, and those that end at their bars from the left: so a line to a lower row crosses no text.
+    for bar in sorted(bars, key=lambda bar: -bar.text_x if bar.anchor == "start" else bar.text_x):
         room = len(bar.text) * _CHARACTER
         begin = bar.text_x if bar.anchor == "start" else bar.text_x - room
-        end = begin + room + _CHARACTER
-        if all(end <= before or begin >= after for before, after in taken):
-            taken.append((begin, end))
-            texts[bar] = bar.text
-    return [bar._replace(text=texts.get(bar, "")) for bar in bars]
+        for row, taken in enumerate(rows):
+            others = [*taken, *(one for one in above if one != (bar.x, bar.x + bar.width) and not row)]
+            way = [one for higher in rows[1:row] for one in higher]
+            if _is_free(begin, begin + room, others) and _is_free(bar.text_x, bar.text_x, way):
+                taken.append((begin, begin + room + _CHARACTER))
+                for higher in rows[1:row]:
+                    higher.append((bar.text_x, bar.text_x))
+                placed[bar] = row
+                break
+    return [bar._replace(row=placed[bar]) if bar in placed else bar._replace(text="") for bar in bars]
+
+
+def _is_free(begin: float, end: float, taken: Iterable[tuple[float, float]]) -> bool:
+    return all(end <= before or begin >= after for before, after in taken)
 
 
 def _label_callback(span: CallbackSpan) -> str:

@@ -178,17 +178,23 @@ def test_nothing_recorded_is_said_and_a_new_recording_forgets() -> None:
     assert "text/html" not in timeline()._repr_mimebundle_()
 
 
-def drawn(milliseconds: float) -> str:
-    """A program whose callback has taken so long."""
+def drawn(*spans: tuple[str, float, float]) -> str:
+    """A program whose thread was in callbacks: of which node, and from when to when, in milliseconds."""
     what = {"what": "service", "thread": "MainThread", "ident": 1, "process": 1, "failed": False}
-    begun = Event("callback_begun", "/slow", "/slow", "std_srvs/srv/Trigger", what, 1, 0)
-    ended = Event("callback_ended", "/slow", "/slow", "std_srvs/srv/Trigger", what, 1, int(milliseconds * 1_000_000))
-    return Timeline([], [begun, ended]).html()
+    seen = []
+    for number, (node, *times) in enumerate(spans):
+        for kind, at in zip(("callback_begun", "callback_ended"), times, strict=True):
+            seen.append(Event(kind, node, "/x", "std_srvs/srv/Trigger", what, number, int(at * 1_000_000)))
+    return Timeline([], seen).html()
 
 
-def test_a_long_name_of_a_thread_takes_no_room_from_its_time_line() -> None:
-    html = drawn(100.0)
-    assert re.search(r'class="ck-lane" x="0"[^>]*>[^<]*main thread<', html)
-    bar = re.search(r'<rect x="(\d+)"[^>]*width="(\d+)"', html)
-    assert bar is not None
-    assert (int(bar[1]), int(bar[2])) == (1, 540)
+def test_the_text_of_a_short_bar_lies_over_no_other_bar() -> None:
+    html = drawn(*((f"/{one}", one, one + 0.1) for one in (0.0, 0.2, 5.3, 5.7)), ("/long", 0.4, 5.2))
+    assert re.search(r'class="ck-lane" x="0"[^>]*>[^<]*main thread<', html)  # it takes no room from the bars
+    bar = r'(?s)<rect x="(\d+)" y="(\d+)" width="(\d+)".*?<text x="(\d+)".*? y="(\d+)" .*?>(\S+) '
+    found = re.findall(bar, html)
+    assert [int(x) for x, *_ in found][:2] == [1, 1 + round(540 * 0.2 / 5.8)]
+    for x, y, width, text_x, text_y, node in found:
+        assert int(text_x) in (int(x), int(x) + int(width))
+        assert (int(text_y) < int(y)) is (node == "long")  # the others stand below, each beside a line from its bar
+    assert len({text_y for *_, text_y, node in found if node != "long"}) == 2
