@@ -104,8 +104,7 @@ function render({ model, el }) {
     const view = model.get("view");
     things.track.setAttribute("points", view.track.map((corner) => corner.join(",")).join(" "));
     place(things.target, view.target);
-    place(things.robot, view.track.at(-1) ?? [0, 0]);
-    things.robot.classList.toggle("guessed", !view.track.length); // where a new robot stands
+    place(things.robot, view.track.at(-1));
     if (view.track.length > 1) things.body.setAttribute("transform", `rotate(${heading(view.track)})`);
     outcome.textContent = MARKS[view.tone] ? `${MARKS[view.tone]} ${view.line}` : view.line;
     if (said.textContent !== view.said) said.textContent = view.said;

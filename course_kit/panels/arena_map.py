@@ -10,6 +10,7 @@ import anywidget
 import traitlets
 
 from course_kit import lab
+from course_kit.lab.runtime.describe import actions_of
 from course_kit.panels import goal_panel
 from course_kit.panels.base import draw, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
@@ -17,7 +18,10 @@ from course_kit.robot import SimulatedRobot
 from course_kit.ros import graph
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from course_kit.panels.goal_panel import GoalState
+    from course_kit.robot import Position
     from course_kit.ros.messages import Message
 
 LONGEST = 1000  # places; the oldest go first
@@ -48,6 +52,8 @@ class RobotMap(GoalFollower):
 
         self._type = MoveRobot
         self._track: deque[Place] = deque(maxlen=LONGEST)
+        if (robot := self._find_robot()) is not None:
+            self._drive_to(robot.position)
         self.widget = _MapWidget()
         self._follow_goals(MoveRobot)
 
@@ -88,7 +94,13 @@ class RobotMap(GoalFollower):
     def _take_feedback(self, feedback: Message) -> None:
         self._drive_to(feedback.position)
 
-    def _drive_to(self, point: Message) -> None:
+    def _find_robot(self) -> SimulatedRobot | None:
+        """The robot that the action drives, where its node runs in this lab."""
+        nodes = [live.node for live in lab.current().live_nodes() if self._action in actions_of(live.node)]
+        found = [one for node in nodes for one in vars(node).values() if isinstance(one, SimulatedRobot)]
+        return found[0] if len(found) == 1 else None
+
+    def _drive_to(self, point: Message | Position) -> None:
         """Go on to a point, to the centimetre, which is more than the map can show."""
         if math.isfinite(point.x) and math.isfinite(point.y):
             place = Place(round(point.x, 2), round(point.y, 2))
@@ -101,7 +113,7 @@ class RobotMap(GoalFollower):
         self.widget.view = {
             "track": [list(place) for place in list(self._track)],
             "target": [] if standing.asked is None else [standing.asked.target.x, standing.asked.target.y],
-            "line": goal_panel.ENDED if self._ended else _line(self._action, standing),
+            "line": goal_panel.ENDED if self._ended else _line(self._action, standing, self._track),
             "said": _describe_goal(standing),  # when something has happened
             "running": standing.is_running and not self._ended,
             "tone": standing.tone,
@@ -109,13 +121,12 @@ class RobotMap(GoalFollower):
         }
 
 
-def _line(action: str, standing: GoalState) -> str:
+def _line(action: str, standing: GoalState, track: Sequence[Place]) -> str:
     """Position, distance left and status, for those who see the map and those who do not."""
     if standing.asked is None and not standing.note:
-        return (
-            f"Click on the map, or type x and y and press Go: that sends a goal to {action}. "
-            "A new robot starts at (0.0, 0.0). The map shows where this one is as soon as it sends feedback."
-        )
+        unknown = "The map shows where the robot is as soon as it sends feedback."
+        where = f"The robot stands at {_place(track[-1])}." if track else unknown
+        return f"Click on the map, or type x and y and press Go: that sends a goal to {action}. {where}"
     parts = [_describe_goal(standing)]
     if standing.result is not None:
         parts.append(f"The robot stands at {_place(standing.result.final_position)}.")
@@ -147,5 +158,5 @@ def _refusal(standing: GoalState) -> str:
     return f"{begin} {why}".strip()
 
 
-def _place(point: Message) -> str:
+def _place(point: Message | Place) -> str:
     return f"({point.x:.1f}, {point.y:.1f})"
