@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 _LESSON = re.compile(r"notebooks/[\w-]+\.ipynb")
 NBGRADER = "NBGRADER_EXECUTION"  # set by it for the kernels it starts
+_PAGE = "flex: 1 1 32em; min-width: 0"  # of two programs; where both do not fit, one stands below the other
+_LISTING = "white-space: pre; overflow-x: auto"  # JupyterLab would break lines within words
 _EXPLORE = (
     "Not done yet. Look at the symptom again, ask the graph what is there, and say the cause in one sentence. "
     "The next %grade says what the grader saw, and why."
@@ -165,12 +167,13 @@ class GradeMagics(Magics):
             raise GradingError(sentence)
         yours = "\n\n".join(cell.source for cell in self._submissions.cells_of(line.strip()))
         programs = {"Yours": yours or "(No cell of yours was run since the kernel started.)", "Ours": ours}
-        columns = [
-            f'<td style="vertical-align: top; text-align: left"><b>{title}</b><pre>{html.escape(text)}</pre></td>'
+        pages = [
+            f'<div style="{_PAGE}"><b>{title}</b><pre style="{_LISTING}">{html.escape(text)}</pre></div>'
             for title, text in programs.items()
         ]
         plain = "\n\n".join(f"{title}:\n\n{text}" for title, text in programs.items())
-        display({"text/plain": plain, "text/html": f"<table><tr>{''.join(columns)}</tr></table>"}, raw=True)
+        row = f'<div style="display: flex; flex-wrap: wrap; gap: 1em">{"".join(pages)}</div>'
+        display({"text/plain": plain, "text/html": row}, raw=True)
 
     def grade_cells(self, exercise: str, seed: int | None = None, only: str = "") -> Report | None:
         """Grade what was last run in the exercise's `%%submission` cells; None when there were none."""

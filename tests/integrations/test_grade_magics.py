@@ -78,7 +78,7 @@ def test_a_drill_names_its_fault_at_the_second_try_and_shows_the_solution_once_i
     assert "PASS  The lamp hears the slider" in kernel.run("%grade dark_lamp").result["text/plain"]
     shown = kernel.run("%solution dark_lamp").result
     assert shown["text/plain"].startswith("Yours:\n\n%%submission dark_lamp\n")
-    assert "<b>Ours</b>" in shown["text/html"]
+    assert '<b>Ours</b><pre style="white-space: pre;' in shown["text/html"]
     kernel.run(f"os.environ['{progress.VARIABLE}'] = 'off'")
 
 
