@@ -5,6 +5,7 @@ const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
 const READABLE = 0.75; // below this its smallest text is under 9 pixels; a wider picture is cut off
 const READABLE_DOCKED = 0.64; // beside a notebook there is less room: 8 pixels
+const AROUND = 230; // pixels that a docked picture leaves to what stands above and below it
 
 function render({ model, el }) {
   const picture = make("div", { class: "ck-picture", tabindex: "0", role: "group", "aria-label": "The picture" });
@@ -48,6 +49,7 @@ function render({ model, el }) {
     drawing = picture.querySelector("svg");
     if (!drawing) picture.append(make("p", { class: "ck-quiet" }, "No node is on the graph."));
     for (const box of picture.querySelectorAll(".ck-box")) listen(box);
+    mark(null); // what was pointed at may be gone; the browser says anew where the pointer is
     legend.hidden = !picture.querySelector(".ck-uses");
     text.textContent = model.get("text");
     if (own) zoomTo(zoom);
@@ -84,7 +86,7 @@ function render({ model, el }) {
     return whole ? Math.min(1, wide, frameHeight() / height) : Math.max(least, Math.min(1, wide));
   }
 
-  const frameHeight = () => parseFloat(getComputedStyle(picture).maxHeight) || picture.clientHeight;
+  const frameHeight = () => parseFloat(getComputedStyle(picture).maxHeight) || window.innerHeight - AROUND;
 
   function fit() {
     if (!drawing || !picture.clientWidth) return;

@@ -234,7 +234,9 @@ def write_settings(folder: Path) -> None:
 def chromium() -> Iterator[Browser]:
     """A new Chromium."""
     with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=suite.find_browser(), args=CHROMIUM_FLAGS)
+        # Scroll bars take room, as they do for learners; a test's browser hides them.
+        shown = {"args": CHROMIUM_FLAGS, "ignore_default_args": ["--hide-scrollbars"]}
+        started = playwright.chromium.launch(executable_path=suite.find_browser(), **shown)
         yield started
         started.close()
 
