@@ -158,8 +158,11 @@ def test_lesson_zero_shows_nodes_and_messages_come_and_go(lab: JupyterLab) -> No
 
     graph.get_by_label("Show ROS's own plumbing too").check()
     expect(graph.locator("[data-channel='/rosout']")).to_be_visible()
-    graph.get_by_label("Show ROS's own plumbing too").uncheck()
+    graph.locator("[data-channel='/rosout']").hover()
+    expect(graph.locator(".ck-use.ck-on")).to_have_count(2)
+    graph.get_by_label("Show ROS's own plumbing too").press("Space")
     expect(graph.locator("[data-channel='/rosout']")).to_have_count(0)
+    expect(lab.page.locator(".ck-marking:not(:has(.ck-on))")).to_have_count(0)  # what was pointed at is gone
     see_messages_run_along_the_arrows(lab, graph)
 
 

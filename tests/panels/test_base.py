@@ -43,17 +43,13 @@ def test_a_panel_is_a_widget_for_a_notebook_a_sentence_and_a_picture_for_the_res
     assert "application/vnd.jupyter.widget-view+json" in bundle
 
 
-def test_the_same_panel_again_replaces_the_one_before_and_another_one_does_not() -> None:
+def test_the_same_panel_again_replaces_the_one_before_and_all_end_with_the_lab_once(own_lab: Lab) -> None:
     first, other = Lamp("red"), Lamp("green")
     again = Lamp("red")
     assert (first.ended, other.ended, again.ended) == (1, 0, 0)
-
-
-def test_panels_end_with_the_lab_and_once(own_lab: Lab) -> None:
-    lamp = Lamp("red")
     own_lab.close()
-    lamp.close()
-    assert lamp.ended == 1
+    again.close()
+    assert (first.ended, other.ended, again.ended) == (1, 1, 1)
 
 
 def test_the_last_value_is_shown_and_the_burst_before_it_is_not() -> None:
