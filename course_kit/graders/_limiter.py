@@ -229,8 +229,8 @@ class LimiterSteps(Model):
             invalid = {name: values[name] for name in wrong}
             node.set(invalid, of=NODE).refused(breaks="refused")
             why = f"Your node refuses {describe_value(invalid)} by itself, and accepts it beside others: judge all."
-            change.fail(why, expected="refused, and nothing changed", diagnosis="validation.missing")
-        change.refused(expected=f"refused{', and nothing changed' * several}: {RANGES[name]}")
+            change.fail(why, expected="refused, and nothing changed", breaks="atomic", diagnosis="validation.missing")
+        change.refused(expected=f"refused: {RANGES[name]}", breaks="refused")
         self.past.append((values, True))
         if "change_status" not in self.lost:
             change.within(ANSWER_S, breaks="change_answered")
@@ -266,6 +266,8 @@ class LimiterSteps(Model):
 
     def drive(self, node: GradedNode, fields: list[float], sent: str = "") -> None:
         """A command brings exactly one right message on each topic."""
+        if "reacts" in self.lost:
+            return
         if self.settings.enabled and fields != _PLAIN and Reaction not in node.context.conversations:
             self.drive(node, _PLAIN)  # first, so that who does not react to a special command loses only that
         if "limits" in self.lost:
@@ -301,8 +303,6 @@ class LimiterSteps(Model):
 
     def blame_silence(self, node: GradedNode, silence: Failed, fields: list[float]) -> None:
         """Say whose fault it is that a command brought nothing, unless it is that of a check that is lost."""
-        if "reacts" in self.lost:
-            raise silence
         if not self.settings.enabled and node.context.job.mode != "attach":
             on = [done if isinstance(done, list) else {**done, "enabled": True} for done, _ in self.past]
             if not self._goes_right(node, lambda model: model.drive(node, fields), on):

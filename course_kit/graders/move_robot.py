@@ -185,7 +185,8 @@ class RobotModel(Model):
     def stop(self, node: GradedNode, way: Way, share: float, disturbed: bool, then: Way | None) -> None:
         """A goal is cancelled in time, and ends short of the target; the next one, or the same again, starts there."""
         self.make_plain_move(node)
-        target = self.target_of(Way(_moves.FAR_M, way.angle) if self._known.own else way)
+        length = (_moves.FAR_M if self._known.own else way.length) if share else 0.8  # at once, a short way, too
+        target = self.target_of(Way(length, way.angle))
         self.cancel(node, target, share, disturbed=disturbed and share < 1.0)
         target = target if then is None else self.target_of(then)
         if math.dist(self.at, target) > _moves.TOLERANCE:

@@ -13,7 +13,6 @@ from typing import Any
 from course_kit.graders import _limiter
 from course_kit.graders._limiter import BEYOND, CHANGES, DEFAULTS, NODE, STATUS, TYPES, LimiterSettings, LimiterSteps
 from course_kit.grading.checks.answers import describe_value
-from course_kit.grading.checks.evidence import charge_to
 from course_kit.grading.checks.parameters import start_arguments
 from course_kit.grading.checks.ready_made import expect_rate, make_check
 from course_kit.grading.checks.vocabulary import (
@@ -45,17 +44,17 @@ _WRONG = {
 }
 _EACH = ({"max_velocity": 8.0}, {"wheel_diameter": 2.0}, {"robot_name": ""})
 _INVALID = tuple({name: value} for name, values in _WRONG.items() for value in values)
-_TOGETHER = (
-    {"max_velocity": 2.5, "wheel_diameter": 2.0},
+_TOGETHER = (  # by what is wrong
     {"wheel_diameter": 0.5, "max_velocity": 6.0},
     {"wheel_diameter": 0.5, "max_velocity": 0.0},
-    {"wheel_diameter": _NAN, "max_velocity": 0.7},
-    {"max_velocity": 1.5, "robot_name": ""},
     {"enabled": False, "max_velocity": -1.0},
     {"enabled": False, "max_velocity": 0.0},
-    {"enabled": False, "robot_name": ""},
     {"enabled": False, "wheel_diameter": 0.3, "max_velocity": 8.0},
     {"max_velocity": 8.0, "enabled": False},
+    {"max_velocity": 2.5, "wheel_diameter": 2.0},
+    {"wheel_diameter": _NAN, "max_velocity": 0.7},
+    {"max_velocity": 1.5, "robot_name": ""},
+    {"enabled": False, "robot_name": ""},
     {"robot_name": "", "wheel_diameter": 0.4},
 )
 _WITH_NAMES = (
@@ -71,6 +70,8 @@ _ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.
 
 class Limiter(LimiterSteps):
     """A velocity limiter, and what may be asked of it, in any order."""
+
+    refuse = step_rule("reason", values=draw_one_of(*_EACH))(LimiterSteps.refuse)
 
     def end(self, node: GradedNode) -> None:
         """After all of it the node does what it did; and nothing comes late."""
@@ -145,13 +146,12 @@ class Limiter(LimiterSteps):
         """A name, in any language, shows, and those that are refused do not."""
         self.accept(node, {"robot_name": value}, "change_status")
         for values in _WITH_NAMES if not self.lost & {"atomic", "refuses", "reason"} else ():
-            with charge_to("atomic"):
-                self.refuse(node, values)
+            self.refuse(node, values)
         if value != " ":
             self.lines = node.inbox(STATUS).count
 
     @step_rule(
-        "atomic",
+        "change_status",
         values=draw_one_of(
             {"wheel_diameter": draw_between(0.02, 0.9), "robot_name": "both", "enabled": True},
             {"enabled": True, "max_velocity": draw_between(0.2, 4.0), "robot_name": "all", "wheel_diameter": 0.25},
@@ -174,10 +174,9 @@ class Limiter(LimiterSteps):
     def refuse_each(self, node: GradedNode) -> None:
         """What is refused neither stops the robot nor lets it drive again, as is seen afterwards."""
         for values in _EACH if not self.lost & {"refuses", "reason"} else ():
-            with charge_to("refuses"):
-                self.refuse(node, values)
+            self.refuse(node, values)
 
-    @step_rule("atomic", sets=draw_one_of(*(_TOGETHER[place::3] for place in range(3))))
+    @step_rule("atomic", sets=draw_one_of(_TOGETHER[:6], _TOGETHER[6:8], _TOGETHER[8:]))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Valid and invalid values at once; what is refused does not act."""
         self.have_enabled(node)
@@ -373,14 +372,14 @@ CHECKS = [
         CheckPart("limits", "linear.x is limited in both directions, and nothing else is changed",
                   points=1.5, proves=["limited", "sign_and_rest"], after=["reacts"]),
         CheckPart("wheel_speed", "/wheel_speed is the wheel's speed in rad/s for the published velocity",
-                  points=1.0, proves=["wheels"]),
+                  points=1.0, proves=["wheels"], after=["reacts"]),
         CheckPart("one_each", "Each command brings exactly one message on each topic",
                   points=0.5, proves=["one_each"], after=["reacts"]),
         CheckPart("status", "/status shows name and velocity", points=1.0, proves=["status_line", "topic_status"]),
         CheckPart("change_velocity", "A change of max_velocity affects the next command",
-                  points=1.0, proves=["next_message", "ends_valid", "max_velocity"]),
+                  points=1.0, proves=["next_message", "ends_valid", "max_velocity"], after=["reacts"]),
         CheckPart("change_diameter", "A change of wheel_diameter affects the next command",
-                  points=1.0, proves=["next_message", "ends_valid", "wheel_diameter"]),
+                  points=1.0, proves=["next_message", "ends_valid", "wheel_diameter"], after=["reacts"]),
         CheckPart("change_enabled", "With enabled=False the robot stands still, with enabled=True it drives again",
                   points=1.0, proves=["next_message", "disabled", "one_each_disabled"], after=["reacts"]),
         CheckPart("change_status", "A change of robot_name and max_velocity shows in the next /status",
