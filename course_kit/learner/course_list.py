@@ -91,9 +91,11 @@ def format_list(found: list[Row]) -> str:
         where = (
             f"after: {environment.course_command()} copy" if folder is None else f"in {workspace.shorten_path(folder)}"
         )
-        lines.append(f"Next: {following.id}, {where}")
-    steps = [f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in _lessons() if lesson.tried]
-    return "\n".join([*lines, *(["", "Steps of the lessons:", *steps] if steps else [])])
+        lines.append(f"Next exercise: {following.id}, {where}")
+    lessons = _lessons()
+    steps = [f"  {lesson.name}: {lesson.done} of {lesson.steps}" for lesson in lessons if lesson.steps]
+    tried = any(lesson.tried for lesson in lessons)
+    return "\n".join([*lines, *(["", "Steps of the lessons:", *steps] if tried else [])])
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,7 @@ def format_progress_page(folder: Path, last: str) -> str:
     lines = ["# Where you are", "", f"You were at [{', '.join(filter(None, (last, heading)))}]({last}{place})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
-    lines += ["The page was written when JupyterLab started; `./course list` in the terminal shows where you are now."]
+    lines += ["The page was written when JupyterLab started; `./course list` in the terminal counts what you have done since."]
     lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
     for lesson in lessons:
         steps = f"{lesson.done} of {lesson.steps}" if lesson.steps else ""

@@ -49,7 +49,7 @@ def test_before_the_first_try_the_course_is_listed_in_its_order(course: Course) 
     assert places == sorted(places)
     assert done.stdout.count("[ ]") == done.stdout.count("not tried yet") == len(names)
     assert f"0 of {len(names)} passed" in done.stdout
-    assert f"Next: {names[0]}" in done.stdout
+    assert f"Next exercise: {names[0]}" in done.stdout
     assert not course.progress.exists()
     assert course.run("progress").stdout == done.stdout
 
@@ -79,7 +79,7 @@ def test_a_pass_is_ticked_and_said_in_words_and_stays(course: Course) -> None:
     assert "[x]  1 temperature_service" in shown
     assert " passed\n" in shown
     assert f"1 of {len(list_exercise_ids(course.root / 'exercises'))} passed" in shown
-    assert "Next: move_robot" in shown
+    assert "Next exercise: move_robot" in shown
 
 
 @pytest.mark.answers

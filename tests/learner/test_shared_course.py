@@ -62,7 +62,7 @@ def learner(course: Course) -> Iterator[Learner]:
 
 
 def test_before_there_is_a_copy_list_watch_and_reset_say_how_to_get_one(learner: Learner) -> None:
-    assert f"Next: {TEMPERATURE}, after: course-kit copy" in learner.run("list").stdout
+    assert f"Next exercise: {TEMPERATURE}, after: course-kit copy" in learner.run("list").stdout
     for verb in ("watch", "reset"):
         refused = learner.run(verb, TEMPERATURE)
         assert (refused.returncode, refused.stdout) == (2, "")
@@ -75,7 +75,7 @@ def test_in_a_copy_all_commands_work_on_the_learners_files(learner: Learner) -> 
     mine = learner.home / "ros2-course" / "exercises" / TEMPERATURE
     starter = (mine / PROGRAM).read_bytes()
     learner.write(mine / PROGRAM, MINE)
-    assert f"Next: {TEMPERATURE}, in ros2-course/exercises/{TEMPERATURE}" in learner.run("list").stdout
+    assert f"Next exercise: {TEMPERATURE}, in ros2-course/exercises/{TEMPERATURE}" in learner.run("list").stdout
     assert learner.run("grade", TEMPERATURE, str(mine / PROGRAM)).returncode == 1
     assert "Hint 1 of" in learner.run("hint", TEMPERATURE).stdout
     done = learner.run("reset", TEMPERATURE, cwd=learner.home / "ros2-course" / "notebooks")
@@ -90,7 +90,7 @@ def test_the_door_of_a_copy_leads_to_the_course(learner: Learner) -> None:
         as_somebody("./course", "list"), cwd=learner.home / "here", env=learner.environ(), capture_output=True,
         text=True, timeout=60, check=False,
     )  # fmt: skip
-    assert f"Next: {TEMPERATURE}, in exercises/{TEMPERATURE}" in listed.stdout, listed.stderr
+    assert f"Next exercise: {TEMPERATURE}, in exercises/{TEMPERATURE}" in listed.stdout, listed.stderr
 
 
 def test_files_anywhere_are_found_from_where_one_stands_or_by_their_name(learner: Learner) -> None:
