@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 # end itself wrong loses no points here.
 _NEAR = 0.15
 _PLAIN = [0.4, 0.0, 0.0, 0.0, 0.0, 0.2]  # the first command, below each limit
-_UNIT = "m/s"
 BEYOND = 9.0  # m/s, above every valid limit
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
@@ -140,9 +139,9 @@ def cause_of(
 def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
     line = text.rstrip()
-    name, colon, number = line.removesuffix(_UNIT).rpartition(":")
+    name, colon, number = line.removesuffix("m/s").rpartition(":")
     with suppress(ValueError):
-        if colon and line.endswith(_UNIT):
+        if colon and line.endswith("m/s"):
             return name, float(number)
     return None
 
@@ -321,7 +320,8 @@ class LimiterSteps(Model):
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
                 why = "Your node accepted the change, but the output is the same as before."
                 if self.is_control or not self._acts_later(node, fields):
-                    return Failed(evidence, why, "parameter.read_once", breaks=CHANGES[names[0]])
+                    is_unread = node.context.job.text.source.count(names[0]) == 1  # where it is declared
+                    return Failed(evidence, why, None if is_unread else "parameter.read_once", breaks=CHANGES[names[0]])
                 why = f"{why} A second later it is right: a change has to act within {_ACTS_S:g} s."
                 return Failed(evidence, why, breaks=CHANGES[names[0]])
         others = [done for done, _ in self.past if isinstance(done, list) or "enabled" not in done]

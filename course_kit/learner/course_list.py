@@ -148,7 +148,7 @@ def format_progress_page(folder: Path, last: str) -> str:
     lines = ["# Where you are", "", f"You were at [{', '.join(filter(None, (last, heading)))}]({last}{place})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
-    lines += ["The page was written when JupyterLab started; `./course list` in the terminal counts what you have done since."]
+    lines += ["The page is as old as this start of JupyterLab; `./course list` in the terminal counts what came later."]
     lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
     for lesson in lessons:
         steps = f"{lesson.done} of {lesson.steps}" if lesson.steps else ""
