@@ -16,10 +16,12 @@ from course_kit.panels.base import draw, of_files, still
 from course_kit.panels.goal_panel import GoalFollower
 from course_kit.robot import SimulatedRobot
 from course_kit.ros import graph
+from course_kit.ros.messages import type_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from course_kit.lab.recording.events import Event
     from course_kit.panels.goal_panel import GoalState
     from course_kit.robot import Position
     from course_kit.ros.messages import Message
@@ -56,6 +58,9 @@ class RobotMap(GoalFollower):
             self._drive_to(robot.position)
         self.widget = _MapWidget()
         self._follow_goals(MoveRobot)
+        events = lab.current().events
+        events.listen(self._observe)
+        self.at_close(lambda: events.ignore(self._observe))
 
     def describe(self) -> str:
         """The panel in words."""
@@ -94,13 +99,21 @@ class RobotMap(GoalFollower):
     def _take_feedback(self, feedback: Message) -> None:
         self._drive_to(feedback.position)
 
+    def _observe(self, event: Event) -> None:
+        """Draw where a goal that was not sent from here takes a robot of this lab."""
+        sent = (event.kind, event.channel, event.type_name) == ("feedback_sent", self._action, type_name(self._type))
+        with self._lock:
+            if sent and not self._standing.is_running:
+                self._drive_to(Place(event.value["position"]["x"], event.value["position"]["y"]))
+                self._put(self._standing)
+
     def _find_robot(self) -> SimulatedRobot | None:
         """The robot that the action drives, where its node runs in this lab."""
         nodes = [live.node for live in lab.current().live_nodes() if self._action in actions_of(live.node)]
         found = [one for node in nodes for one in vars(node).values() if isinstance(one, SimulatedRobot)]
         return found[0] if len(found) == 1 else None
 
-    def _drive_to(self, point: Message | Position) -> None:
+    def _drive_to(self, point: Message | Position | Place) -> None:
         """Go on to a point, to the centimetre, which is more than the map can show."""
         if math.isfinite(point.x) and math.isfinite(point.y):
             place = Place(round(point.x, 2), round(point.y, 2))

@@ -4,7 +4,8 @@ const ZOOM_STEP = 1.25;
 const LEAST_ZOOM = 0.1;
 const MOST_ZOOM = 2.5;
 const READABLE = 0.75; // below this its smallest text is under 9 pixels; a wider picture is cut off
-const READABLE_DOCKED = 0.64; // beside a notebook there is less room: 8 pixels
+const READABLE_DOCKED = 0.64; // beside a notebook, and in one beside a panel, there is less room: 8 pixels
+const NARROW_CELL = 640;
 const AROUND = 230; // pixels that a docked picture leaves to what stands above and below it
 
 function render({ model, el }) {
@@ -82,7 +83,8 @@ function render({ model, el }) {
   function fitting(whole) {
     const { width, height } = drawing.viewBox.baseVal;
     const wide = (picture.clientWidth - 2) / width;
-    const least = picture.closest(".jp-LinkedOutputView") ? READABLE_DOCKED : READABLE;
+    const isNarrow = picture.closest(".jp-LinkedOutputView") || picture.clientWidth < NARROW_CELL;
+    const least = isNarrow ? READABLE_DOCKED : READABLE;
     return whole ? Math.min(1, wide, frameHeight() / height) : Math.max(least, Math.min(1, wide));
   }
 

@@ -103,13 +103,12 @@ def drive_and_guess(lab: JupyterLab) -> None:
 
 
 def wake_below(lab: JupyterLab, docked: Locator) -> None:
-    """Wake a second panel: the cells above it run first, and the button says so."""
+    """Wake a second panel: the cells above it run first, but no %check, and the button says so."""
     below = lab.scroll_to(lab.cell_that_begins('panels.guess("00_welcome/misspelt_stop")'))
     below.get_by_role("button", name=WAKE).click()
     expect(below.get_by_role("button", name="Running the cells above")).to_be_disabled()
     expect(docked.locator("[data-node='dashboard']").first).to_be_visible()
-    graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
-    expect(graph.locator(".jp-InputPrompt").first).to_have_text("[4]:")  # %check, above it, has not run again
+    expect(lab.scroll_to(lab.cell_that_begins(GRAPH)).locator(".jp-InputPrompt").first).to_have_text("[4]:")
 
 
 def require_two_columns(lab: JupyterLab) -> None:
@@ -180,9 +179,8 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     graph = lab.scroll_to(lab.cell_that_begins(GRAPH))
     for place in (graph, docked):
         expect(place.get_by_role("button", name=WAKE)).to_be_visible()
-        expect(
-            place.locator("svg").get_by_text("battery", exact=True)
-        ).to_be_visible()  # the last picture, not the first
+        # The last picture, not the first.
+        expect(place.locator("svg").get_by_text("battery", exact=True)).to_be_visible()
     require_no_dead_widget(lab)
     lab.picture("second_day")
     graph.get_by_role("button", name=WAKE).click()

@@ -42,10 +42,12 @@ def expect(drawn: RobotMap, words: str) -> dict[str, Any]:
 def test_it_shows_a_robot_only_where_the_robot_is(robot: DemoRobot) -> None:
     goal = lab.send_goal_blocking("/move_robot", robot._type, target={"x": 1.0, "y": 0.5})
     assert goal.result_blocking().distance_travelled == pytest.approx(1.5)
-    shown = view(panels.robot_map())
+    drawn = panels.robot_map()
+    shown = view(drawn)
     assert (shown["track"], shown["target"], shown["running"]) == ([[1.0, 0.5]], [], False)
-    assert "Click on the map" in shown["line"]
-    assert "The robot stands at (1.0, 0.5)." in shown["line"]
+    assert shown["line"].endswith("that sends a goal to /move_robot. The robot stands at (1.0, 0.5).")
+    lab.send_goal_blocking("/move_robot", robot._type, target={"x": 0.5, "y": 0.0}).result_blocking()
+    expect(drawn, "The robot stands at (0.5, 0.0).")
     lab.stop()  # it may run elsewhere, and anywhere
     unknown = view(panels.robot_map())
     assert unknown["track"] == []
