@@ -56,8 +56,8 @@ class SampleGradings(Gradings):
 
 
 def is_compared_in_short(one: corpus.ProofSubmission) -> bool:
-    """What can hang on what a conversation drew, or on which program is late, is for `--all`; that it costs is not."""
-    return one.exercise in CONVERSATIONS and one.kind in ("broken", "slip")
+    """What can hang on what a conversation drew, or on which program is late, is for `--all`; what a stub earns is not."""
+    return one.exercise in CONVERSATIONS and one.kind in ("broken", "slip") and not one.name.startswith("stub_")
 
 
 def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
