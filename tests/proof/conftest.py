@@ -56,7 +56,7 @@ class SampleGradings(Gradings):
 
 
 def is_compared_in_short(one: corpus.ProofSubmission) -> bool:
-    """What can hang on what a conversation drew, or on which program is late, is for `--all`; what a stub earns is not."""
+    """What hangs on what a conversation drew, or on which program is late, is for `--all`; what a stub earns is not."""
     return one.exercise in CONVERSATIONS and one.kind in ("broken", "slip") and not one.name.startswith("stub_")
 
 
