@@ -29,7 +29,7 @@ goals to accept, and how to stop when a client wants that.
   `distance_travelled` what it drove. If the robot reaches its target at that very moment, the goal may end SUCCEEDED.
   The robot drives no further; the next goal works, and starts from there.
 - Be quick. A move may take 3 s per metre, plus 2 s. All times here are seconds on the clock, also in the grader,
-  although its robot drives twelve times as fast.
+  although its robot drives sixteen times as fast.
 - If your answer only defines the class, the grader calls `MoveRobotServer()`, without arguments, and spins it on a
   `MultiThreadedExecutor` with four threads or more. If there are several node classes, it takes the one with this
   name.
