@@ -86,7 +86,7 @@ def require_room(docked: Locator) -> None:
     for verb in ("listens to", "sends goals to"):
         expect(docked.locator(f"[data-of=lab][data-verb='{verb}']").first).to_be_attached()
     expect(docked.get_by_text("Dashed arrow: the node listens")).to_be_visible()
-    docked.page.set_viewport_size({"width": 1366, "height": 500})  # what is around it scrolls, and only that
+    docked.page.set_viewport_size({"width": 1366, "height": 300})  # what is around it scrolls, and only that
     assert docked.locator(".ck-picture").evaluate(HAS_ROOM)
     docked.page.set_viewport_size({"width": 1366, "height": 1000})
 
