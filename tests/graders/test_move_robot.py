@@ -76,7 +76,7 @@ def test_what_is_wrong_with_some_goals_costs_one_check(worker: grading.Worker, t
     place = "goal.target.x, goal.target.y)"
     for lost, old, new in (
         ({"accepted"}, f"in ({place})", f"in ({place[:-1]}, math.hypot({place}))"),  # a quarter of a circle
-        ({"arrives", "distance"}, "TOLERANCE = 0.01", "TOLERANCE = 0.08"),  # the second hangs on the first
+        ({"arrives"}, "TOLERANCE = 0.01", "TOLERANCE = 0.08"),
     ):
         path = tmp_path / f"{min(lost)}.py"
         path.write_text(SOLUTION.read_text().replace(old, new))
