@@ -7,7 +7,6 @@ import os
 import re
 import secrets
 import signal
-import socket
 import subprocess
 import time
 import urllib.request
@@ -86,8 +85,7 @@ def started(
         cwd: where it is started.
         environ: its environment; what is None is left out.
     """
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = secrets.choice(range(20_000, 32_000))  # the system gives kernels of others only higher ones
     token, log = secrets.token_hex(16), folder / "jupyter.log"
     with log.open("w") as written:
         process = subprocess.Popen(
