@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 PROGRAMS = Path(__file__).parent.parent / "lesson_programs"
 SERVER = (PROGRAMS / "minimal_service.py").read_text()
 CLIENT = (PROGRAMS / "minimal_client.py").read_text()
+DEAF = "import rclpy, time\nrclpy.init()\ntry:\n    rclpy.spin(rclpy.create_node('d'))\nfinally:\n    time.sleep(600)\n"
 EXCHANGE = (
     "1. minimal_client -> minimal_service  /add_two_ints request: a=1, b=2\n"
     "2. minimal_service -> minimal_client  /add_two_ints response: sum=3"
@@ -169,9 +170,9 @@ def test_interrupting_a_cell_stops_its_script(kernel: Kernel) -> None:
     assert psutil.Process(kernel.pid).children() == []
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
-def test_scripts_die_with_the_kernel(how: signal.Signals, fresh_kernel: Kernel) -> None:
-    fresh_kernel.run(f"%%ros_script server\n{SERVER}")
+@pytest.mark.parametrize(("how", "text"), [(signal.SIGKILL, SERVER), (signal.SIGTERM, SERVER), (signal.SIGKILL, DEAF)])
+def test_scripts_die_with_the_kernel(how: signal.Signals, text: str, fresh_kernel: Kernel) -> None:
+    fresh_kernel.run(f"%%ros_script server\n{text}")
     below = psutil.Process(fresh_kernel.pid).children(recursive=True)
     children = [child for child in below if "child_main" in " ".join(child.cmdline())]
     assert len(children) == 1
