@@ -370,6 +370,7 @@ def test_the_first_message_is_not_lost_where_both_ends_are_on_the_graph(own_lab:
     lab.publish("/there", String, data="there")
     far.spin_until(lambda: bool(heard))
     lab.subscribe("/back", String, lambda message: heard.append(message.data))
+    far.spin_until(lambda: publisher.get_subscription_count() == 1)  # its side may hear of it a moment later
     publisher.publish(String(data="back"))
     far.spin_until(lambda: heard == ["there", "back"])
     far.close()

@@ -210,7 +210,7 @@ def own_traceback(error: BaseException, path: str) -> str:
 def _end_with_kernel(descriptor: int) -> None:
     """Once nobody reads its reports, a program that SIGTERM has not ended in 3 s is ended."""
     reader = select.poll()
-    reader.register(descriptor, 0)  # an error is told in any case
+    reader.register(descriptor, 0)  # errors come in any case
     reader.poll()
     threading.Event().wait(3.0)
     os.kill(os.getpid(), signal.SIGKILL)
