@@ -65,11 +65,7 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     __tracebackhide__ = True  # IPython: the learner's own lines are what matters
     lab = current()
     lab.engine.not_in_callback("lab.start()")
-    before = lab.neighbours.own_offers()
-    try:
-        node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
-    finally:
-        lab.neighbours.tell_lost(before, node_class)
+    node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
     lab.neighbours.node_started()
     lab.output.drain()
     return node

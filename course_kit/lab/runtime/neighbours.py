@@ -144,22 +144,6 @@ class Neighbours:
         """What each node of this notebook offers."""
         return {live: list(_offered_by(live)) for live in self._lab.nodes.live}
 
-    def tell_lost(self, before: dict[LiveNode, list[tuple[str, graph.Role]]], started: type) -> None:
-        """A class was started: say which node of a class that was called so, or which offer, is gone since before."""
-        now = self.own_offers()
-        there, names = {offer for offers in now.values() for offer in offers}, {live.name for live in now}
-        for old in before.keys() - now.keys():
-            if any(live.name == old.name and live.same_class(old.node_class) for live in now):
-                continue  # the same cell again, edited
-            lost = [offer[0] for offer in before[old] if offer not in there]
-            if old.name not in names and old.same_class(started) and old.node_class is not started:
-                lost = [short_name(old.name)]
-            if lost:
-                self._lab.note(
-                    f"{', '.join(lost)}: gone. lab.start({started.__name__}) first ends the node that has the same "
-                    "class name or node name. Other names keep both."
-                )
-
     def node_started(self) -> None:
         """A node was started: say what another notebook, or a script of this one, offers as well."""
         for name, role in list(self._find_doubled()):
