@@ -140,10 +140,6 @@ class Neighbours:
                 f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
-    def own_offers(self) -> dict[LiveNode, list[tuple[str, graph.Role]]]:
-        """What each node of this notebook offers."""
-        return {live: list(_offered_by(live)) for live in self._lab.nodes.live}
-
     def node_started(self) -> None:
         """A node was started: say what another notebook, or a script of this one, offers as well."""
         for name, role in list(self._find_doubled()):
@@ -159,7 +155,7 @@ class Neighbours:
             self._lab.note_once(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
-        for (name, role), count in Counter(itertools.chain(*self.own_offers().values())).items():
+        for (name, role), count in Counter(itertools.chain(*map(_offered_by, self._lab.nodes.live))).items():
             if graph.count_servers(self._node, role.kind, name) > count:
                 yield name, role
 
