@@ -61,7 +61,7 @@ def is_compared_in_short(one: corpus.ProofSubmission) -> bool:
 
 
 def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
-    """A starter and the solution of each, other right programs, each diagnosis once, and a failure of each check."""
+    """A starter, the solution and stubs of each, other right programs, each diagnosis once, a failure of each check."""
     every = [one for each in whole for one in sorted(each.submissions, key=lambda one: zlib.crc32(one.name.encode()))]
     right = [one for one in every if one.kind == "variant" or (one.kind == "slip" and not one.failed)]
     told: set[str] = set()
@@ -79,6 +79,7 @@ def sample(whole: list[corpus.Corpus]) -> list[corpus.Corpus]:
             if not checks <= seen:
                 here.add(each)
                 seen |= checks
+        here.update(each for each in one.of_kind("slip") if each.name.startswith("stub_"))
         chosen.append(corpus.Corpus(one.exercise, tuple(each for each in one.submissions if each in here)))
     return chosen
 
