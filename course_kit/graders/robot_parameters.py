@@ -283,9 +283,8 @@ def _start(node: GradedNode, given: dict[str, Any], sent: str, **start: Any) -> 
 @check(points=1.0, after=["reacts"], deadline_s=25.0, proves=["start_arguments", "init_sees_arguments"])
 def start_arguments_count(node: GradedNode) -> Evidence:
     """Values given at the start with -p take effect."""
-    rng = node.context.random
     highest = 4.9 if "change_velocity" in node.context.conversations[Limiter].lost_checks else 5.0
-    given = {"max_velocity": highest, "wheel_diameter": round(rng.uniform(0.2, 0.9), 1)}
+    given = {"max_velocity": highest, "wheel_diameter": round(node.context.random.uniform(0.2, 0.9), 1)}
     return _start(node, given, " ".join(start_arguments(given)), parameters=given)
 
 
