@@ -375,7 +375,7 @@
       const text = chosen[question.querySelector('strong').textContent];
       const choice = [...question.querySelectorAll('li')].find(one => one.textContent === text);
       choice?.classList.add('ck-asleep-chosen');
-      choice?.append(' (your guess)');
+      choice?.append(questions.length > 1 ? ' (your answer)' : ' (your guess)'); // as the panel says it
     }
   }
 
