@@ -77,7 +77,7 @@ class GradedProgram:
     def status(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
-            return ProcessStatus(running=True)
+            return ProcessStatus(running=True, waited_s=machine.somebody_waited())  # it may be who has
         status = self._ask_status("facts" if fresh else "state")
         self.stderr = status.stderr
         return status

@@ -238,8 +238,7 @@ def bind(source: str, target: str) -> None:
 def mount_memory(target: str, megabytes: int, *, mode: int = 0o755, user: int = 0) -> None:
     """Mount an empty file system in memory, gone with the last process that sees it."""
     owner = f",uid={user},gid={user}" if user else ""
-    options = f"size={megabytes}m,nr_inodes=4096,mode={mode:o}{owner}"
-    _mount("tmpfs", target, "tmpfs", _MS_NOSUID | _MS_NODEV, options)
+    _mount("tmpfs", target, "tmpfs", _MS_NOSUID | _MS_NODEV, f"size={megabytes}m,nr_inodes=4096,mode={mode:o}{owner}")
 
 
 def _make_read_only(folder: str, *, devices: bool = False) -> None:

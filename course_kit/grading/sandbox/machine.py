@@ -89,6 +89,11 @@ def count_oom_kills() -> int:
     return _read_number(Path("/proc/vmstat"), "oom_kill ")
 
 
+def somebody_waited() -> float:
+    """Seconds in which anybody on this machine was ready to run and got no processor (psi.rst); 0 if unknown."""
+    return _read_number(Path("/proc/pressure/cpu"), "total=") / 1e6
+
+
 def _read_number(path: Path, words: str = "", unknown: int = 0) -> int:
     """The number behind these words in a file of the kernel's."""
     with suppress(OSError, ValueError, IndexError):

@@ -113,5 +113,4 @@ def forbid_new_privileges() -> None:
 def drop_privileges() -> None:
     """Give up every capability for good, and the chance to gain one by running a set-uid program."""
     forbid_new_privileges()
-    header = struct.pack("Ii", _CAPABILITY_VERSION_3, 0)
-    libc.call_libc("capset", header, bytes(24))
+    libc.call_libc("capset", struct.pack("Ii", _CAPABILITY_VERSION_3, 0), bytes(24))
