@@ -74,7 +74,7 @@ function render({ model, el }) {
   svg.append(axes, line, cursor, dot);
   const spoken = make("p", { class: "ck-plot-spoken", role: "status", "aria-live": "polite" });
   const words = make("p", {});
-  const summary = make("details", {}, make("summary", {}, "In words"), words);
+  const summary = make("details", {}, make("summary", {}, "The same in words"), words);
   const panel = make(
     "figure",
     { class: "ck-plot", "aria-label": `${field} of ${topic} against time` },

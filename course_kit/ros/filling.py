@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import math
 import re
-import textwrap
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -31,6 +30,7 @@ _HINTS = {
     "octet": "one byte such as b'a'",
     **{f"{sign}int{bits}": "a whole number in its range" for sign in ("", "u") for bits in (8, 16, 32, 64)},
 }
+_SHOWN = 40  # characters of a value that does not fit
 _KINDS = {bool: "a boolean", int: "an integer", float: "a float", str: "a string", list: "a list", dict: "a mapping"}
 
 
@@ -94,7 +94,8 @@ def explain_refusal(field: object, value: object, field_type: str, owner: str) -
         elif "/" in field_type:
             example = _example(value, field_type)
         wanted = f"a value of that type, such as {example}"
-    text = textwrap.shorten(repr(value), 40, placeholder="...")
+    whole = " ".join(repr(value).split())
+    text = whole if len(whole) <= _SHOWN else f"{whole[:_SHOWN]}..."
     comma = "," if ", " in owner else ""  # after "position, a geometry_msgs/Point"
     return (
         f"The field {field!r} in {owner}{comma} has the type {ros_word(field_type)} and takes {wanted}; "

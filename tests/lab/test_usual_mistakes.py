@@ -294,6 +294,7 @@ RANGE = "ParameterDescriptor(floating_point_range=[FloatingPointRange(from_value
         (node("").replace('"learner"', '"my node"'), 3, "must not contain characters other than alphanumerics"),
         ("point = Point()\npoint.x = 1", 2, "takes a float: write 1.0; it was given 1, an int"),
         ("THING = Thing()\nTHING.total = 'x'", 2, "has the type int64 and takes a whole number in its range"),
+        ("ParameterDescriptor(floating_point_range=FloatingPointRange())", 1, "given rcl_interfaces.msg.Fl"),
         ("Point(1.0, 2.0)", 1, "A message takes its values by name: Point(x=..., y=..., z=...)."),
         ("SetBool.Request(True)", 1, "A message takes its values by name: SetBool.Request(data=...)."),
         ("Node('p').create_publisher(Point, 'p', 1).publish(1.0)", 1, "Make a message of it: Point(...)."),
