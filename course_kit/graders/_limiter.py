@@ -34,25 +34,17 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
 SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
-ANSWER_S = 1.0  # of a change
-_LINE_S = 1.0  # in which a change shows on /status
+ANSWER_S, _LINE_S = 1.0, 1.0  # of a change; in which it shows on /status
 _ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.05  # how long what nobody asked for is waited for; the last at the end
 NAMES = [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
 _fields_of = attrgetter(*NAMES)
 TYPES = {"robot_name": "string", "max_velocity": "double", "wheel_diameter": "double", "enabled": "bool"}
 BOUNDS = {"max_velocity": (0.0, 5.0), "wheel_diameter": (0.01, 1.0)}
-RANGES = {
-    "robot_name": "not empty",
-    "max_velocity": "0.0 < max_velocity <= 5.0",
-    "wheel_diameter": "0.01 <= wheel_diameter <= 1.0",
-}
-CHANGES = {
-    "max_velocity": "change_velocity",
-    "wheel_diameter": "change_diameter",
-    "enabled": "change_enabled",
-    "robot_name": "change_status",
-}
+RANGES = {"robot_name": "not empty", "max_velocity": "0.0 < max_velocity <= 5.0",
+          "wheel_diameter": "0.01 <= wheel_diameter <= 1.0"}  # fmt: skip
+CHANGES = {"max_velocity": "change_velocity", "wheel_diameter": "change_diameter", "enabled": "change_enabled",
+           "robot_name": "change_status"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -102,24 +94,24 @@ def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reacti
 def cause_of(
     settings: LimiterSettings, fields: Sequence[float], got: Reaction, *, floors: bool
 ) -> tuple[str, str | None, str]:
-    """What is wrong with a reaction to a command: the sentence that is broken, the diagnosis, and what to say."""
+    """What is wrong with a reaction to a command: the check that it costs, the diagnosis, and what to say."""
     right = right_reaction(settings, fields)
     names = [name for name, mine, two in zip(NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
     if not settings.enabled:
         if names:
             why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
-            return "disabled", None, why
-        return "disabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
+            return "change_enabled", None, why
+        return "change_enabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     if others := [name for name in names if name != NAMES[0]]:
         hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
-        return "limited", None, hint
+        return "limits", None, hint
     if names:
         hint = f"linear.x has to be {right.fields[0]:g} here, with max_velocity={settings.max_velocity:g}."
         if are_same(got.fields[0], fields[0]):
             hint = f"linear.x passed unchanged, although it is beyond max_velocity={settings.max_velocity:g}."
         elif are_same(got.fields[0], -right.fields[0]):
             hint = "The size is right but the sign is wrong: a command to drive backwards must still drive backwards."
-        return "limited", "math.formula", hint
+        return "limits", "math.formula", hint
     speed, diameter, asked = got.fields[0], settings.wheel_diameter, fields[0]
     slips = (
         (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
@@ -131,9 +123,9 @@ def cause_of(
     )
     usual = [hint for value, hint in slips if are_same(got.wheel, value)]
     if not usual and abs(got.wheel - right.wheel) <= 1.0 and (got.wheel == round(got.wheel) or floors):
-        return "wheels", "math.integer_division", "Digits were lost in the calculation: look for //, int() and round()."
+        return "wheel_speed", "math.integer_division", "Digits were lost: look for //, int() and round()."
     none = "It matches none of the usual mistakes; work it out by hand: rad/s = (m/s) / radius in m."
-    return "wheels", "math.formula", (usual or [none])[0]
+    return "wheel_speed", "math.formula", (usual or [none])[0]
 
 
 def read_status(text: str) -> tuple[str, float] | None:
@@ -257,6 +249,18 @@ class LimiterSteps(Model):
         breaks, why = ("one_each", _ONCE) if on else ("one_each_disabled", f"{_ONCE} With enabled=False, too.")
         node.expect_nothing(LIMITED, WHEEL, seconds=seconds, why=why, breaks=breaks)
 
+    def require_effect(self, node: GradedNode, name: str, *values: float) -> None:
+        """Whoever calculates wrongly calculates something else after a change; else no change of it can be seen."""
+        came = []
+        for value in values:
+            self.accept(node, {name: value}, CHANGES[name])
+            self.require_quiet(node, _ACTS_S, enabled=True)
+            came.append("; ".join(str(_react(node, [speed, *[0.0] * 5])) for speed in (BEYOND, -BEYOND)))
+        if came[0] == came[1]:
+            sent = f"set {name}={values[0]}, then {values[1]}; after each {COMMAND}: linear.x={BEYOND}, then {-BEYOND}"
+            why = "Your node accepted the change, but the output is the same as before."
+            raise Failed(Evidence(sent, "something else after the change", came[1]), why, breaks=CHANGES[name])
+
     def require_values(self, node: GradedNode, sent: str = "") -> None:
         """The parameters have the values that the model has."""
         read, wanted = node.get(*TYPES, of=NODE), vars(self.settings)
@@ -301,7 +305,8 @@ class LimiterSteps(Model):
         text = "; ".join(filter(None, (sent, f"{COMMAND}: {describe_fields(fields)}")))
         evidence = Evidence(text, str(right), str(got))
         failed = self.explain_reaction(node, evidence, fields, got)
-        raise self.blame(node, failed, lambda model: model.drive(node, fields))
+        if self.is_control or failed.breaks not in self.lost:
+            raise self.blame(node, failed, lambda model: model.drive(node, fields))
 
     def blame_silence(self, node: GradedNode, silence: Failed, fields: list[float]) -> None:
         """Say whose fault it is that a command brought nothing, unless it is that of a check that is lost."""

@@ -265,9 +265,7 @@ def require_enough(move: Move) -> None:
     enough = math.floor(_A_METRE * move.length + _ROUNDING)
     expected = f"at least {enough} feedback messages, spread over the move of {move.length:.2g} m"
     try:
-        move.goal.require_feedback(
-            enough, expected, part_left=lambda feedback: feedback.distance_remaining / move.length
-        )
+        move.goal.require_feedback(enough, expected, part_left=lambda said: said.distance_remaining / move.length)
     except Failed as failed:
         raise HastyError(failed.evidence, failed.message, failed.diagnosis) from None
 
@@ -396,9 +394,8 @@ def require_stop(move: Move, breaks: str, took_s: float, *, short: bool) -> None
         raise Failed(evidence, why, breaks=breaks)
     if took_s > A_SECOND:
         evidence = replace(evidence, got=f"CANCELED after {took_s:.1f} s")
-        raise HastyError(
-            evidence, f"The goal ended {took_s:.1f} s after your server agreed to cancel it.", breaks=breaks
-        )
+        why = f"The goal ended {took_s:.1f} s after your server agreed to cancel it."
+        raise HastyError(evidence, why, breaks=breaks)
     if not distance_beside(move.begin, target, stopped) <= BESIDE:
         why = f"That place is not on the way from {move.begin} to {target}."
         raise Failed(evidence, why, breaks="progress")

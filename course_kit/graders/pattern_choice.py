@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from course_kit.quiz import MarkedAnswers, Scenario
 
 _SHAPE = 'a dictionary: answers = {"<scenario id>": ("<pattern>", "<reason id>"), ...}'
-_DEADLINE_S = 5.0
+_MARK_S = 5.0
 _PROVES = {"pattern": ("pattern", "others_count"), "reason": ("reason", "decides", "own_reason", "others_count")}
 _MOST_NAMED = 20  # entries that belong to no scenario
 _FOUND = ("too_large", "value", "entries")  # what is said of a variable that is set
@@ -34,14 +34,12 @@ def checks_for(job: Job) -> list[Check]:
     # Worth nothing by themselves: all points go to the halves.
     checks = [
         Check("answers", "There is a dictionary of answers", 0.0, (), job.limits.wall_s, sheet.read, ("dictionary",)),
-        Check(
-            "known_ids", "Every entry belongs to a scenario", 0.0, after, _DEADLINE_S, sheet.known_ids, ("no_scenario",)
-        ),
+        Check("known_ids", "Every entry belongs to a scenario", 0.0, after, _MARK_S, sheet.known_ids, ("no_scenario",)),
     ]
     for place, scenario in enumerate(sheet.scenarios):
         for half, proves in _PROVES.items():
             title, mark = f"{half.capitalize()}: {scenario.title}", partial(sheet.mark, place, half)
-            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, after, _DEADLINE_S, mark, proves))
+            checks.append(Check(f"{scenario.id}_{half}", title, 0.5, after, _MARK_S, mark, proves))
     return checks
 
 

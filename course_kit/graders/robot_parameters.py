@@ -31,8 +31,7 @@ from course_kit.grading.checks.vocabulary import (
 
 _TOLD_S = 1.0  # what a program has printed arrives within milliseconds
 _RATE = (0.42, 0.6)  # seconds between two lines, on average
-_LINES = 4
-_LONGEST_GAP_S = 0.9  # a line that comes with each change makes up for no slow timer
+_LINES, _LONGEST_GAP_S = 4, 0.9  # a line that comes with each change makes up for no slow timer
 _SAID_BY_RCLPY = re.compile(r"^.*\]: Failed to (?:describe|get|set) parameter.*$", re.MULTILINE)
 _WARNINGS = ("[WARN]", "[ERROR]", "[FATAL]")
 _NAN, _INF = math.nan, math.inf
@@ -45,25 +44,20 @@ _WRONG = {
 _EACH = ({"max_velocity": 8.0}, {"wheel_diameter": 2.0}, {"robot_name": ""})
 _INVALID = tuple({name: value} for name, values in _WRONG.items() for value in values)
 _TOGETHER = (  # by what is wrong
-    {"wheel_diameter": 0.5, "max_velocity": 6.0},
-    {"wheel_diameter": 0.5, "max_velocity": 0.0},
-    {"enabled": False, "max_velocity": -1.0},
-    {"enabled": False, "max_velocity": 0.0},
-    {"enabled": False, "wheel_diameter": 0.3, "max_velocity": 8.0},
-    {"max_velocity": 8.0, "enabled": False},
-    {"max_velocity": 2.5, "wheel_diameter": 2.0},
-    {"wheel_diameter": _NAN, "max_velocity": 0.7},
-    {"max_velocity": 1.5, "robot_name": ""},
-    {"enabled": False, "robot_name": ""},
-    {"robot_name": "", "wheel_diameter": 0.4},
-)
-_WITH_NAMES = (
-    {"robot_name": "half", "max_velocity": 0.0},
-    {"robot_name": "half_2", "wheel_diameter": 0.0},
-    {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0},
-)
+    ({"wheel_diameter": 0.5, "max_velocity": 6.0}, {"wheel_diameter": 0.5, "max_velocity": 0.0},
+     {"enabled": False, "max_velocity": -1.0}, {"enabled": False, "max_velocity": 0.0},
+     {"enabled": False, "wheel_diameter": 0.3, "max_velocity": 8.0}, {"max_velocity": 8.0, "enabled": False}),
+    ({"max_velocity": 2.5, "wheel_diameter": 2.0}, {"wheel_diameter": _NAN, "max_velocity": 0.7}),
+    ({"max_velocity": 1.5, "robot_name": ""}, {"enabled": False, "robot_name": ""},
+     {"robot_name": "", "wheel_diameter": 0.4}),
+)  # fmt: skip
+_WITH_NAMES = ({"robot_name": "half", "max_velocity": 0.0}, {"robot_name": "half_2", "wheel_diameter": 0.0},
+               {"enabled": False, "robot_name": "half_3", "wheel_diameter": 0.3, "max_velocity": 8.0})  # fmt: skip
+_OTHER_TYPES = ({"max_velocity": "fast"}, {"max_velocity": 2}, {"enabled": 1}, {"enabled": "yes"},
+                {"robot_name": 7}, {"wheel_diameter": 1})  # fmt: skip
 _SHARES = (0.5, 1.0, -1.0, 1.01, -1.01)  # of the limit: the limit itself passes, and nothing beyond
 _SMALL = [0.004, *[0.0] * 5]  # no dead zone
+_BACKWARDS = [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1]
 _COMMANDS = ([0.0] * 6, _SMALL, [_INF, *[0.0] * 5], [-8.0, _NAN, -_INF, 0.5, 1e-12, _NAN])
 _ANY = draw_by(lambda rng: [rng.uniform(-BEYOND, BEYOND), *(rng.uniform(-3.0, 3.0) for _ in _limiter.NAMES[1:])])
 
@@ -94,6 +88,9 @@ class Limiter(LimiterSteps):
         self.require_quiet(node, self.sent_at + _limiter.LATE_S - time.monotonic(), enabled=True)
         if "reacts" not in self.lost:
             self.drive(node, _SMALL)  # after a while without commands
+        if "change_velocity" in self.lost and node.set(max_velocity=0.7, of=NODE).result.successful:
+            self.keep_values({"max_velocity": 0.7})  # /status tells it, whatever commands show
+            self.lines = node.inbox(STATUS).count
         self.require_status(node)
         self.heard_at = list(node.inbox(STATUS).times)
         if node.context.job.mode == "attach":
@@ -106,16 +103,25 @@ class Limiter(LimiterSteps):
         self.have_enabled(node)
         self.drive(node, fields)
 
-    @step_rule("change_velocity", case=draw_one_of((0.01, 5.0, True), (1.0, 0.001, False)))
-    def set_both(self, node: GradedNode, case: tuple[float, float, bool]) -> None:
-        """Both numbers act, and the diameter once before the velocity is set."""
-        diameter, velocity, apart = case
+    @step_rule("change_velocity", case=draw_one_of((0.01, 5.0), (1.0, 0.001)))
+    def set_both(self, node: GradedNode, case: tuple[float, float]) -> None:
+        """Both numbers act."""
         self.have_enabled(node)
-        for name, value, drives in (("wheel_diameter", diameter, apart), ("max_velocity", velocity, True)):
+        for name, value in zip(("wheel_diameter", "max_velocity"), case, strict=True):
             for _ in range(2 if CHANGES[name] not in self.lost else 0):  # the value that it has already is valid, too
                 self.accept(node, {name: value}, CHANGES[name])
-            if drives:
-                self.drive(node, [-BEYOND, 0.4, 0.3, 0.2, 0.1, -0.1])
+        self.drive(node, _BACKWARDS)
+        if "limits" in self.lost:
+            self.require_effect(node, "max_velocity", 1.0, 3.0)
+
+    @step_rule("change_diameter", value=draw_between(0.011, 0.9))
+    def set_diameter(self, node: GradedNode, value: float) -> None:
+        """So does the diameter alone."""
+        self.have_enabled(node)
+        self.accept(node, {"wheel_diameter": value}, "change_diameter")
+        self.drive(node, _BACKWARDS)
+        if "wheel_speed" in self.lost:
+            self.require_effect(node, "wheel_diameter", 0.2, 0.6)
 
     @step_rule("change_enabled")
     def switch_off(self, node: GradedNode) -> None:
@@ -176,7 +182,7 @@ class Limiter(LimiterSteps):
         for values in _EACH if not self.lost & {"refuses", "reason"} else ():
             self.refuse(node, values)
 
-    @step_rule("atomic", sets=draw_one_of(_TOGETHER[:6], _TOGETHER[6:8], _TOGETHER[8:]))
+    @step_rule("atomic", sets=draw_one_of(*_TOGETHER))
     def refuse_together(self, node: GradedNode, sets: tuple[dict[str, Any], ...]) -> None:
         """Valid and invalid values at once; what is refused does not act."""
         self.have_enabled(node)
@@ -185,14 +191,7 @@ class Limiter(LimiterSteps):
         for speed in (BEYOND, BEYOND, 0.01, 0.01):  # the same command twice running
             self.drive(node, [speed, -0.1, -0.2, -0.3, -0.4, -0.5])
 
-    @step_rule(
-        "wrong_type",
-        values=draw_one_of(
-            *({"max_velocity": value} for value in ("fast", 2)),
-            *({"enabled": value} for value in (1, "yes")),
-            *({"robot_name": 7}, {"wheel_diameter": 1}),
-        ),
-    )
+    @step_rule("wrong_type", values=draw_one_of(*_OTHER_TYPES))
     def set_other_type(self, node: GradedNode, values: dict[str, Any]) -> None:
         """A value of another type."""
         name = next(iter(values))

@@ -292,17 +292,19 @@ class Conversation:
         if silent := isinstance(failed, UnansweredError):
             self._strikes[last.rule.name] = _STRIKES
             self._silent.add(last.rule.name)
-        self._credit(last, lost, again=not (fails_alone and (known or silent)))
+        self._credit(failed, last, lost, again=not (fails_alone and (known or silent)))
 
-    def _credit(self, last: Step, lost: CheckPart, *, again: bool) -> None:
+    def _credit(self, failed: Failed, last: Step, lost: CheckPart, *, again: bool) -> None:
         """A rule that fails for another check is right for its own where the step passes, once that check is lost."""
         own = self._part_of(last.rule, "")
         if own == lost or self._done[own.id] or self.context.job.first_failure:
             return
-        if again and self.context.job.mode != "attach" and self._find_failure([last]) is None:
+        found = self._find_failure([last]) if again and self.context.job.mode != "attach" else (failed, last)
+        if found is None:
             self._done[own.id] += 1
-        else:
-            self._strikes[last.rule.name] += 1  # what else is drawn for it may go right
+        else:  # what else is drawn for it may go right; and another failure is seen when it is drawn next
+            is_lost = self._part_of(last.rule, found[0].breaks).id in self._failed
+            self._strikes[last.rule.name] = max(self._strikes[last.rule.name], int(is_lost))
             self._hindered[own.id] = lost.title
 
     def _shrink(self, failed: Failed, done: list[Step], lost: CheckPart) -> tuple[Failed, CheckPart, int]:

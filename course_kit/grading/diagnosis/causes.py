@@ -307,8 +307,7 @@ def _suggest_module(raised: TracebackException) -> str:
 
 
 def _known_modules() -> set[str]:
-    modules = {module.name for module in pkgutil.iter_modules()}
-    return modules.union(sys.stdlib_module_names, _INTERFACE_PACKAGES)
+    return {module.name for module in pkgutil.iter_modules()}.union(sys.stdlib_module_names, _INTERFACE_PACKAGES)
 
 
 def _names_in(module: str) -> set[str]:

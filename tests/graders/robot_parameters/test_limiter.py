@@ -47,7 +47,7 @@ def test_the_right_reaction_is_what_the_exercise_asks_for(values: LimiterSetting
 def test_a_wrong_wheel_speed_is_explained(wheel: float, code: str, said: str) -> None:
     got = Reaction((1.0, 0.0, 0.0, 0.0, 0.0, 0.0), wheel)
     breaks, diagnosis, message = _limiter.cause_of(LimiterSettings(), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0], got, floors=False)
-    assert (breaks, diagnosis, said in message) == ("wheels", code, True)
+    assert (breaks, diagnosis, said in message) == ("wheel_speed", code, True)
 
 
 @pytest.mark.parametrize(
