@@ -145,10 +145,11 @@ def format_progress_page(folder: Path, last: str) -> str:
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
     heading = _last_heading(folder / last)
     place = f"#{quote(heading.replace(' ', '-'))}" if heading else ""
-    lines = ["# Where you are", "", f"You were at [{', '.join(filter(None, (last, heading)))}]({last}{place})."]
+    words = ", ".join(filter(None, (last, heading)))
+    lines = ["# Where you are", "", f"The cell that ran last is in [{words}]({last}{place})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
-    lines += ["The page is as old as this start of JupyterLab; `./course list` in the terminal counts what came later."]
+    lines += ["The page is as old as this start of JupyterLab; later steps and tries: `./course list` in the terminal."]
     lines += ["", "| lesson | steps done | guesses right at once | questions right at once |", "|---|---|---|---|"]
     for lesson in lessons:
         steps = f"{lesson.done} of {lesson.steps}" if lesson.steps else ""

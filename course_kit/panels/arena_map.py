@@ -138,7 +138,7 @@ def _line(action: str, standing: GoalState, track: Sequence[Place]) -> str:
     """Position, distance left and status, for those who see the map and those who do not."""
     if standing.asked is None and not standing.note:
         unknown = "The map shows where the robot is as soon as it sends feedback."
-        where = f"The robot stands at {_place(track[-1])}." if track else unknown
+        where = f"The robot was last seen at {_place(track[-1])}." if track else unknown
         return f"Click on the map, or type x and y and press Go: that sends a goal to {action}. {where}"
     parts = [_describe_goal(standing)]
     if standing.result is not None:

@@ -130,6 +130,7 @@ function render({ model, el }) {
 
   function words(outcome, value) {
     if (outcome.state === "refused") return `✗ refused: ${outcome.text.replace(/\.$/, "")}. It stays ${value}.`;
+    if (outcome.state === "failed") return `✗ not set: ${outcome.text}`;
     if (outcome.state === "set") return "✓ set";
     return outcome.state === "elsewhere" ? "↻ changed elsewhere" : "";
   }

@@ -168,17 +168,19 @@ class ParameterSliders(Panel):
         """Set a parameter to what was typed, as the page does."""
         with self._lock:
             heard, kind = self._heard.get(name, 0), self._descriptors[name].type
+        state = "refused"
         try:
             value = convert_typed(kind, text)
             outcome = lab.set_parameters_blocking(self.node, {name: value})
             reason = outcome.reasons.get(name, "")
-        except (BadFieldError, LabError) as error:
+        except BadFieldError as error:
             reason = str(error)
+        except LabError as error:  # nobody has answered
+            reason, state = str(error), "failed"
         with self._lock:
             if not reason and self._heard.get(name, 0) == heard:  # otherwise the node has sent its value already
                 self._values[name] = value
-            state = "refused" if reason else "set"
-            self._outcomes[name] = {"state": state, "text": reason, "token": token}
+            self._outcomes[name] = {"state": state if reason else "set", "text": reason, "token": token}
         self._show()
         return not reason
 

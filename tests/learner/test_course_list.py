@@ -63,7 +63,7 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
     )
     page = course_list.format_progress_page(REPOSITORY, last)
     assert (
-        f"You were at [{last}, 8. Check yourself]({last}#8.-Check-yourself)." in page
+        f"The cell that ran last is in [{last}, 8. Check yourself]({last}#8.-Check-yourself)." in page
     )  # the stored one has run to its end
     assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
     assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page

@@ -45,9 +45,9 @@ def test_it_shows_a_robot_only_where_the_robot_is(robot: DemoRobot) -> None:
     drawn = panels.robot_map()
     shown = view(drawn)
     assert (shown["track"], shown["target"], shown["running"]) == ([[1.0, 0.5]], [], False)
-    assert shown["line"].endswith("that sends a goal to /move_robot. The robot stands at (1.0, 0.5).")
+    assert shown["line"].endswith("that sends a goal to /move_robot. The robot was last seen at (1.0, 0.5).")
     lab.send_goal_blocking("/move_robot", robot._type, target={"x": 0.5, "y": 0.0}).result_blocking()
-    expect(drawn, "The robot stands at (0.5, 0.0).")
+    expect(drawn, "The robot was last seen at (0.5, 0.0).")
     lab.stop()  # it may run elsewhere, and anywhere
     unknown = view(panels.robot_map())
     assert unknown["track"] == []

@@ -128,7 +128,8 @@ def test_a_node_that_has_gone_is_said_beside_the_widget() -> None:
     panel = panels.parameter_sliders("/robot")
     lab.stop("robot")
     assert panel.set("speed", "2.0") is False
-    assert "There is no node /robot" in panel.widget.outcomes["speed"]["text"]
+    outcome = panel.widget.outcomes["speed"]
+    assert (outcome["state"], "There is no node /robot" in outcome["text"]) == ("failed", True)
 
 
 def test_a_change_made_elsewhere_is_shown_and_one_of_another_node_is_not() -> None:

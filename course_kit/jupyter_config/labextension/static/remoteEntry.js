@@ -113,7 +113,8 @@
   const NOT_FOUND = 'Error displaying widget: model not found';
   const LOADING = 'Loading widget...';
   const LOOKS = 8; // before the kernel is asked whether it still has the panel
-  const JUDGES = /^%(check|grade|hint)\b/; // no panel needs it, and its answer would replace the one that is there
+  // No panel needs it; its answer would replace the one that is there, or another notebook would lose its nodes.
+  const UNNEEDED = /^(%(check|grade|hint)\b|lab\.stop_others\b)/;
   const WAKE = 'Run the cells down to this panel to bring it to life';
   const pause = () => new Promise(done => setTimeout(done, KEEP_MS));
   // What the kernel's panels look like now; see Panel in panels/base.py.
@@ -347,7 +348,7 @@
       const ran = new Set(asked?.content.user_expressions?.ran?.data?.['application/json']);
       const sourceOf = ({ model }) => model.sharedModel.getSource().replace(/\n+$/, ''); // as IPython keeps it
       const above = content.widgets.slice(0, content.widgets.indexOf(cell));
-      const isNeeded = code => code.trim() && !ran.has(code) && !JUDGES.test(code);
+      const isNeeded = code => code.trim() && !ran.has(code) && !UNNEEDED.test(code);
       const missing = above.filter(one => one.model.type === 'code' && isNeeded(sourceOf(one)));
       for (const cells of [missing, [cell]]) {
         content.deselectAll();
