@@ -255,8 +255,7 @@ def _program_name(name: str) -> str:
     stem = name
     while kind_of_file(stem):  # `a.py` of `a.py.txt`, then `a`
         stem = stem.rpartition(".")[0]
-    plain = "".join(letter if letter.isprintable() and letter not in '"\\/' else "_" for letter in stem)
-    return f"{plain}.py"
+    return "".join(letter if letter.isprintable() and letter not in '"\\/' else "_" for letter in stem) + ".py"
 
 
 def starter_identities(exercise: Exercise) -> frozenset[str]:

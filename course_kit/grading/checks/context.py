@@ -77,7 +77,7 @@ class GradedProgram:
     def status(self, *, fresh: bool = False) -> ProcessStatus:
         """What is known of it; `fresh` has it counted now instead of up to 50 ms ago."""
         if self.job.mode == "attach":
-            return ProcessStatus(running=True, waited_s=machine.somebody_waited())  # it may be who has
+            return ProcessStatus(running=True)
         status = self._ask_status("facts" if fresh else "state")
         self.stderr = status.stderr
         return status
@@ -107,7 +107,8 @@ class GradedProgram:
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
         process = self.status(fresh=True)
-        seconds = (process.cpu_s, process.waited_s, process.hidden_s)
+        waited_s = machine.somebody_waited() if self.job.mode == "attach" else process.waited_s  # it may be who has
+        seconds = (process.cpu_s, waited_s, process.hidden_s)
         self._used = ProcessorUse(*map(sum, zip(self.used_before, seconds, strict=True)))
         return self._used
 
