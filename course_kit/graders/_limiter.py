@@ -36,6 +36,7 @@ SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
 ANSWER_S, _LINE_S = 1.0, 1.0  # of a change; in which it shows on /status
 _ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
+_NO_EFFECT = "Your node accepted the change, but the output is the same as before."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.05  # how long what nobody asked for is waited for; the last at the end
 NAMES = [f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz"]
 _fields_of = attrgetter(*NAMES)
@@ -258,8 +259,7 @@ class LimiterSteps(Model):
             came.append("; ".join(str(_react(node, [speed, *[0.0] * 5])) for speed in (BEYOND, -BEYOND)))
         if came[0] == came[1]:
             sent = f"set {name}={values[0]}, then {values[1]}; after each {COMMAND}: linear.x={BEYOND}, then {-BEYOND}"
-            why = "Your node accepted the change, but the output is the same as before."
-            raise Failed(Evidence(sent, "something else after the change", came[1]), why, breaks=CHANGES[name])
+            raise Failed(Evidence(sent, "something else after the change", came[1]), _NO_EFFECT, breaks=CHANGES[name])
 
     def require_values(self, node: GradedNode, sent: str = "") -> None:
         """The parameters have the values that the model has."""
@@ -326,7 +326,7 @@ class LimiterSteps(Model):
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
             if names and are_same(right_reaction(old, fields), got):
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
-                why = "Your node accepted the change, but the output is the same as before."
+                why = _NO_EFFECT
                 if self.is_control or not self._acts_later(node, fields):
                     is_unread = node.context.job.text.source.count(names[0]) == 1  # where it is declared
                     return Failed(evidence, why, None if is_unread else "parameter.read_once", breaks=CHANGES[names[0]])
