@@ -124,16 +124,15 @@ def _lessons() -> list[LessonProgress]:
 
 
 def _last_heading(notebook: Path) -> str:
-    """The heading above the cell with the highest number, which a learner ran last; "" where no cell has run."""
+    """The heading above the last of the cells that have run; "" where none has."""
     heading = reached = ""
-    number = 0
     with suppress(OSError, ValueError, LookupError, TypeError):
         for cell in json.loads(notebook.read_bytes())["cells"]:
             text = re.sub("```.*?```", "", "".join(cell["source"]), flags=re.DOTALL)
             if cell["cell_type"] == "markdown":
                 heading = [heading, *re.findall(r"^#+ (.+)$", text, re.MULTILINE)][-1]
-            elif (cell.get("execution_count") or 0) > number:
-                reached, number = heading, cell["execution_count"]
+            elif cell.get("execution_count"):
+                reached = heading
     return re.sub("[`*_]", "", reached).strip()
 
 
@@ -144,9 +143,10 @@ def format_progress_page(folder: Path, last: str) -> str:
         return ""
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
     heading = _last_heading(folder / last)
-    place = f"#{quote(heading.replace(' ', '-'))}" if heading else ""
-    words = ", ".join(filter(None, (last, heading)))
-    lines = ["# Where you are", "", f"The cell that ran last is in [{words}]({last}{place})."]
+    lines = ["# Where you are", "", f"The notebook that was saved last is [{last}]({last})."]
+    if heading:
+        place = quote(heading.replace(" ", "-"))
+        lines += [f"The furthest of its cells that ran is under [{heading}]({last}#{place})."]
     if following := next((lesson for lesson in lessons if lesson.done < lesson.steps), None):
         lines += [f"The first lesson with open steps is [{following.title}](notebooks/{following.name}.ipynb)."]
     lines += ["The page is as old as this start of JupyterLab; later steps and tries: `./course list` in the terminal."]

@@ -76,7 +76,7 @@ def expect_robot_at(node: GradedNode, x: float, y: float, near: float) -> None:
         return list(messages)[-_AT_REST:] == _AT_REST * [messages[-1]]
 
     node.context.wait_until(lambda: bool(messages) and (is_there(messages[-1]) or rests()), 6.0)
-    expect_soon(node, "/position", is_there, f"x={x:g}, y={y:g}", 0.0)
+    expect_soon(node, "/position", is_there, f"x={x:g}, y={y:g}, give or take {near:g} m", 0.0)
 
 
 @step("00_welcome", POSITION)

@@ -142,7 +142,7 @@ def _line(action: str, standing: GoalState, track: Sequence[Place]) -> str:
         return f"Click on the map, or type x and y and press Go: that sends a goal to {action}. {where}"
     parts = [_describe_goal(standing)]
     if standing.result is not None:
-        parts.append(f"The robot stands at {_place(standing.result.final_position)}.")
+        parts.append(f"The robot came to {_place(standing.result.final_position)}.")
         if standing.result.message:
             parts.append(f"Its message: {standing.result.message}.")
     elif standing.is_running and standing.feedback is not None:

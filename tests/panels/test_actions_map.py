@@ -62,7 +62,7 @@ def test_a_click_drives_the_robot_and_draws_its_way(robot: DemoRobot) -> None:
     assert shown["track"][-1] == [2.0, 1.5] == list(robot._robot.position)
     assert len(shown["track"]) > 2  # around the corner
     assert shown["tone"] == "good"
-    assert "The robot stands at (2.0, 1.5). Its message: arrived." in shown["line"]
+    assert "The robot came to (2.0, 1.5). Its message: arrived." in shown["line"]
     wish(drawn, do="go", x=1, y=1.5)
     wait_until(lambda: view(drawn)["track"][-1] == [1.0, 1.5], lambda: view(drawn))
 

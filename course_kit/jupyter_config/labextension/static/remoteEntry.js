@@ -329,7 +329,7 @@
       const button = document.createElement('button');
       const show = (disabled, textContent) => Object.assign(button, { disabled, textContent });
       show(false, WAKE);
-      button.title = 'Runs the cells above that this kernel has not run yet, then the cell of the panel.';
+      button.title = 'Runs the cells above that this kernel has not run yet, but for %check, %grade and %hint, then the cell of the panel.';
       button.addEventListener('click', () => {
         show(true, 'Running the cells above, then this one ...');
         void this.wake(cell).finally(() => show(false, WAKE));
