@@ -207,10 +207,11 @@ class LimiterSteps(Model):
 
     def require_quick(self, node: GradedNode, change: Change) -> None:
         """The answer to a change came in time, or comes when it is asked for again, the first time that one is late."""
+        if "change_status" in self.lost:
+            return
         if change.latency_s > ANSWER_S and not self.was_late:  # a busy machine may have kept one waiting
             self.was_late, change = True, node.set(change.values, of=NODE)
-        if "change_status" not in self.lost:
-            change.within(ANSWER_S, breaks="change_answered")
+        change.within(ANSWER_S, breaks="change_answered")
 
     def keep_values(self, values: dict[str, Any]) -> None:
         """The node has accepted these values."""
