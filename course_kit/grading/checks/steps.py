@@ -161,7 +161,7 @@ class Steps:
 
         `apart`, all of a rule come one after the other.
         """
-        kinds = [None, *(step.kind for step in done)][-2:]  # those before were the last two at the draws before
+        kinds = [None, *(step.kind for step in done[-2:])][-2:]  # those before were the last two at the draws before
         self._met.update(pairwise(kinds))
         values = {name: getattr(model, name) for name in dir(model) if not name.startswith("_")}
         state = repr({name: value for name, value in values.items() if not callable(value)})

@@ -125,7 +125,7 @@ def _filter(machine: str, *, processes: bool, files: bool) -> Iterator[bytes]:
     yield from _test_value(_AT_LEAST, _X32, unknown)
     yield from _test_value(_EQUAL, _CLONE3, unknown)
     yield from _test_any(() if files else _OF_FILES[machine], _DONE)
-    yield from _test_any((numbers[tuple(_AUDIT).index(machine)] for numbers in _REFUSED.values()), refuse)
+    yield from _test_any(list(zip(*_REFUSED.values(), strict=True))[tuple(_AUDIT).index(machine)], refuse)
     for number, tests in _by_arguments(machine, processes):
         yield _instruction(_EQUAL, number, 0, len(tests) + 1)
         yield from tests
