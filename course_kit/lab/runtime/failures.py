@@ -115,10 +115,12 @@ def examine(error: BaseException, entity: Any, node: Node | None, locate: Locate
     frames = list(traceback.walk_tb(error.__traceback__))
     own = [(frame, number) for frame, number in frames if is_own(frame.f_code.co_filename)]
     callback = getattr(entity, "callback", None)
-    function = getattr(callback, "__name__", "") or (own[0][0].f_code.co_name if own else "")
+    code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
+    function = getattr(callback, "__name__", "")
+    if own and (not function or (code and not is_own(code.co_filename))):
+        function = own[0][0].f_code.co_name  # as rclpy calls it for a parameter that is set
     owner = node if node is not None else node_in(error)
     name = owner.get_name() if owner is not None else ""
-    code = getattr(inspect.unwrap(callback), "__code__", None) if callback else None
     if own and not isinstance(error, WrongResponseError):
         place, source = own_line(own[-1][0].f_code.co_filename, own[-1][1], locate)
     else:  # it has not run, or what it returned is wrong
