@@ -32,9 +32,8 @@ _PLAIN = [0.4, 0.0, 0.0, 0.0, 0.0, 0.2]  # the first command, below each limit
 BEYOND = 9.0  # m/s, above every valid limit
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NODE, COMMAND, LIMITED, WHEEL, STATUS = "/velocity_limiter", "/cmd_vel_in", "/cmd_vel", "/wheel_speed", "/status"
-SILENT_S = 2.0  # four periods
 _ACTS_S = 0.2  # after a change was confirmed it acts on every command that is sent
-ANSWER_S, _LINE_S = 1.0, 1.0  # of a change; in which it shows on /status
+ANSWER_S, _LINE_S, SILENT_S = 1.0, 1.0, 2.0  # of a change; in which it shows on /status; four periods of that
 _ONCE = "Publish once for each command, in the callback that receives the command, and at no other time."
 _NO_EFFECT = "Your node accepted the change, but the output is the same as before."
 _SOON_S, _AT_ONCE_S, LATE_S = 0.15, 0.06, 1.05  # how long what nobody asked for is waited for; the last at the end
@@ -100,8 +99,7 @@ def cause_of(
     names = [name for name, mine, two in zip(NAMES, right.fields, got.fields, strict=True) if not are_same(mine, two)]
     if not settings.enabled:
         if names:
-            why = "With enabled=False every field of /cmd_vel has to be 0, so that the robot stands still."
-            return "change_enabled", None, why
+            return "change_enabled", None, "With enabled=False all of /cmd_vel has to be 0: the robot stands still."
         return "change_enabled", "math.formula", "With enabled=False the robot stands still, and so do its wheels."
     if others := [name for name in names if name != NAMES[0]]:
         hint = f"Only linear.x has to be limited; the other fields pass unchanged. Look at {' and '.join(others)}."
@@ -117,6 +115,7 @@ def cause_of(
     slips = (
         (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
+        (_ratio(speed, diameter) / 2.0, "Python divides from left to right: speed / diameter / 2 needs brackets."),
         (_ratio(speed, math.pi * diameter), "These are turns per second; the topic wants rad/s."),
         (_ratio(asked, diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
         (_ratio(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
@@ -131,10 +130,9 @@ def cause_of(
 
 def read_status(text: str) -> tuple[str, float] | None:
     """Name and velocity of a status line, or None when it is none."""
-    line = text.rstrip()
-    name, colon, number = line.removesuffix("m/s").rpartition(":")
+    name, colon, number = text.rstrip().removesuffix("m/s").rpartition(":")
     with suppress(ValueError):
-        if colon and line.endswith("m/s"):
+        if colon and text.rstrip().endswith("m/s"):
             return name, float(number)
     return None
 
@@ -168,8 +166,7 @@ def twist_of(fields: list[float]) -> Twist:
 def _react(node: GradedNode, fields: list[float]) -> Reaction:
     """What comes out for a command."""
     node.send(COMMAND, twist_of(fields))
-    twist = node.expect(LIMITED)
-    return Reaction(_fields_of(twist), node.expect(WHEEL).data)
+    return Reaction(_fields_of(node.expect(LIMITED)), node.expect(WHEEL).data)
 
 
 class LimiterSteps(Model):
@@ -296,18 +293,22 @@ class LimiterSteps(Model):
             self.blame_silence(node, silence, fields)
             return
         self.answered_at, node.context.conversations[Reaction] = time.monotonic(), True
-        got, right = Reaction(_fields_of(twist), wheel.data), right_reaction(self.settings, fields)
-        if are_same(right, got) or ("wheel_speed" in self.lost and are_same(right.fields, got.fields)):
+        got = Reaction(_fields_of(twist), wheel.data)
+        if self.is_right(self.settings, fields, got):
             self.seen = self.settings
             self.past.append((fields, False))
             return
         if "one_each" not in self.lost:
             node.expect_nothing(LIMITED, WHEEL, seconds=_SOON_S, why=_ONCE, breaks="one_each")
         text = "; ".join(filter(None, (sent, f"{COMMAND}: {describe_fields(fields)}")))
-        evidence = Evidence(text, str(right), str(got))
+        evidence = Evidence(text, str(right_reaction(self.settings, fields)), str(got))
         failed = self.explain_reaction(node, evidence, fields, got)
         if self.is_control or failed.breaks not in self.lost:
             raise self.blame(node, failed, lambda model: model.drive(node, fields))
+
+    def is_right(self, settings: LimiterSettings, fields: list[float], got: Reaction, *, wheel: bool = True) -> bool:
+        judged = slice(2 if wheel and "wheel_speed" not in self.lost else 1)  # of a reaction
+        return are_same(right_reaction(settings, fields)[judged], got[judged])
 
     def blame_silence(self, node: GradedNode, silence: Failed, fields: list[float]) -> None:
         """Say whose fault it is that a command brought nothing, unless it is that of a check that is lost."""
@@ -321,18 +322,17 @@ class LimiterSteps(Model):
     def explain_reaction(self, node: GradedNode, evidence: Evidence, fields: list[float], got: Reaction) -> Failed:
         """Why a reaction is wrong, and whose points that costs."""
         now = self.settings
+        drives = self.is_right(now, fields, got, wheel=False)  # if not, /cmd_vel alone tells which change is missing
         states = (vars(state).values() for state in (now, self.seen, self.start))
-        for values in itertools.product(*zip(*states, strict=True)):
-            old = LimiterSettings(*values)
+        for old in itertools.starmap(LimiterSettings, itertools.product(*zip(*states, strict=True))):
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
-            if names and are_same(right_reaction(old, fields), got):
+            if names and self.is_right(old, fields, got, wheel=drives):
                 names.sort(key=lambda name: CHANGES[name] in self.lost)
-                why = _NO_EFFECT
-                if self.is_control or not self._acts_later(node, fields):
-                    is_unread = node.context.job.text.source.count(names[0]) == 1  # where it is declared
-                    return Failed(evidence, why, None if is_unread else "parameter.read_once", breaks=CHANGES[names[0]])
-                why = f"{why} A second later it is right: a change has to act within {_ACTS_S:g} s."
-                return Failed(evidence, why, breaks=CHANGES[names[0]])
+                later = not self.is_control and self._acts_later(node, fields)
+                is_unread = node.context.job.text.source.count(names[0]) == 1  # where it is declared
+                why = f" A second later it is right: a change has to act within {_ACTS_S:g} s." if later else ""
+                code = None if later or is_unread else "parameter.read_once"
+                return Failed(evidence, f"{_NO_EFFECT}{why}", code, breaks=CHANGES[names[0]])
         others = [done for done, _ in self.past if isinstance(done, list) or "enabled" not in done]
         stands = now.enabled and len(others) < len(self.past) and got == Reaction((0.0,) * len(NAMES), 0.0)
         if stands and (self.is_control or self._goes_right(node, lambda model: model.drive(node, fields), others)):
@@ -345,7 +345,7 @@ class LimiterSteps(Model):
         """Whether the same command is treated rightly a second later."""
         with node.context.record.looking_away(), suppress(Failed):
             node.context.wait_until(lambda: False, ANSWER_S)
-            return are_same(right_reaction(self.settings, fields), _react(node, fields))
+            return self.is_right(self.settings, fields, _react(node, fields))
         return False
 
     def blame(self, node: GradedNode, failed: Failed, act: Callable[[LimiterSteps], None]) -> Failed:

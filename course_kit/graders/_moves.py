@@ -263,7 +263,7 @@ def require_enough(move: Move) -> None:
     if move.length < LONG_M:
         return
     enough = math.floor(_A_METRE * move.length + _ROUNDING)
-    expected = f"at least {enough} feedback messages, spread over the move of {move.length:.2g} m"
+    expected = f"at least {enough} feedback messages, spread over the move of {move.length:.3g} m"
     try:
         move.goal.require_feedback(enough, expected, part_left=lambda said: said.distance_remaining / move.length)
     except Failed as failed:

@@ -134,6 +134,8 @@ class GradeMagics(Magics):
 
         if file and (advice := grading.advice_for_root()):  # a notebook's own cells have run as root already
             print_complaint(f"{advice[:1].upper()}{advice[1:]}")
+        if cells := file or "; ".join(map(str, self._submissions.cells_of(exercise))):
+            print(f"Grading {cells}. This takes some seconds, and longer where answers do not come.", flush=True)
         report = grading.grade(exercise, file, **options) if file else self.grade_cells(exercise, **options)
         if report is None:
             why = "The kernel has just been started" if is_new() else "Nothing to grade yet"
@@ -142,7 +144,6 @@ class GradeMagics(Magics):
                 "(Run it again after a restart of the kernel. Deleted cells do not count.)"
             )
         if not file:
-            print(f"Graded: {'; '.join(map(str, self._submissions.cells_of(exercise)))}.")
             for warning in self._submissions.warnings(exercise):
                 print_complaint(warning)
         following = next_step(exercise, in_notebook=True) if report.passed and not report.part else ""

@@ -17,7 +17,7 @@ from rclpy.qos import qos_profile_services_default
 from course_kit.lab.clients import WantedServer, not_found
 from course_kit.lab.errors import FieldError, NoAnswerError, ServiceFailedError
 from course_kit.ros.filling import make_message
-from course_kit.ros.graph import SERVES
+from course_kit.ros.graph import SERVES, count_servers
 from course_kit.ros.messages import BadFieldError, describe_type, is_message_type
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from course_kit.lab.runtime.engine import Engine
     from course_kit.ros.filling import Fields
+    from course_kit.ros.graph import Role
     from course_kit.ros.messages import ActionType, Message, ServiceType
 
 _APPEARANCE = 2.0  # seconds a service is given to appear on the graph; discovery takes a tenth of that
@@ -68,7 +69,7 @@ class PendingCall(ABC):
         if time.monotonic() - self._start >= self._timeout:
             raise NoAnswerError(self._too_late())
         if self._is_gone():
-            raise NoAnswerError(server_gone(self._wanted.name))
+            raise NoAnswerError(server_gone(self._lab, self._wanted.role, self._wanted.name))
 
     @abstractmethod
     def has_come(self) -> bool:
@@ -99,8 +100,10 @@ class PendingCall(ABC):
         """Whether a node of this lab is such a server."""
 
 
-def server_gone(name: str) -> str:
-    """What to say of a server that has gone with an answer, or a goal, on its way."""
+def server_gone(lab: Engine, role: Role, name: str) -> str:
+    """What to say of a server that has gone with an answer, or a goal, on its way; one that is there knows no goal."""
+    if (count := count_servers(lab.node, role.kind, name)) > 1:
+        return f"{count} nodes have {name}, and one that does not know this goal answered. lab.stop_others() may help."
     return f"The server of {name} went away: its program ended or its node was stopped. Its own output says why."
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
@@ -185,6 +186,12 @@ def _full_name(entity: ServiceClient | GoalClient | Publisher) -> str:
 def is_type_conflict(error: BaseException) -> bool:
     """Whether rclpy refused an endpoint because this process uses its name with another type already."""
     return "incompatible type" in error_text(error)
+
+
+def name_in_conflict(error: BaseException) -> str:
+    """The name of the topic, service or action of such an error."""
+    found = re.search(r"topic name r[tqr](?P<name>/\S+?)(/_action/\w+)?(Request|Reply)? with", error_text(error))
+    return found["name"] if found else "a service or topic"
 
 
 def _check_name(make: Callable[[], Any], interface: Any, name: str) -> Any:

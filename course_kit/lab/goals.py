@@ -172,7 +172,7 @@ class Goal:
                 break
             yield tracker.feedback[number]
         if tracker.status == "UNKNOWN":
-            raise NoAnswerError(server_gone(self.action))
+            raise NoAnswerError(server_gone(self._lab, RUNS, self.action))
 
     def __repr__(self) -> str:
         fields = copy_message(self.request)
@@ -195,7 +195,7 @@ class Goal:
 
     def _result_of(self, _: object) -> Message:
         if self._tracker.result is None:
-            raise NoAnswerError(server_gone(self.action))
+            raise NoAnswerError(server_gone(self._lab, RUNS, self.action))
         return self._tracker.result
 
     def _wait_for_cancel(self, timeout: float) -> Wait:

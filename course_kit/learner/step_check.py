@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -68,8 +69,8 @@ def check_step(step: LessonStep) -> StepResult:
             seen = failed.evidence
             parts = (("expected", seen.expected), ("found", seen.got))
             lines = _exchange(context, seen, failed.message) or [f"  {name}: {one}" for name, one in parts if one]
-            said = [f"Not yet: {failed.message}", *(f"  {crash}" for crash in _describe_crashes())]
-            result = StepResult(passed=False, text="\n".join([*said, *lines]))
+            notes = [f"  {note}" for note in _describe_crashes() + _describe_old_nodes()]
+            result = StepResult(passed=False, text="\n".join([f"Not yet: {failed.message}", *notes, *lines]))
         except lab.LabError as failed:  # the lab has seen why a callback of its nodes answers nothing
             result = StepResult(passed=False, text=f"Not yet: {' '.join(_describe_crashes()) or failed}")
         except Exception as problem:  # noqa: BLE001 - whatever it is, it is no fault of the learner's node
@@ -89,6 +90,17 @@ def _describe_crashes() -> list[str]:
     lab.current().output.drain()
     latest = lab.current().engine.failures.latest.values()
     return [f"{crash.callback or 'a callback'} of {crash.node} failed; the lines above say why." for crash in latest]
+
+
+def _describe_old_nodes() -> list[str]:
+    """Which running nodes are of a class that a cell has defined anew since."""
+    defined = vars(sys.modules["__main__"])
+    running = [(short_name(live.name), live.node_class.__name__, live.node_class) for live in lab.nodes()]
+    return [
+        f"{node} runs an older class {name}: lab.start({name}) starts the one that you have defined since."
+        for node, name, node_class in running
+        if defined.get(name, node_class) is not node_class
+    ]
 
 
 def _endpoint(need: str) -> WantedEndpoint:

@@ -99,11 +99,14 @@ def clock(node: GradedNode) -> None:
     expect_rate(node, "/ticks", 0.5, (0.42, 0.6))
 
 
-@step("01_services", f"service /subtract_two_ints {ADD}", f"service /add_two_ints {ADD}")
+@step("01_services", f"service /subtract_two_ints {ADD}")
 def subtract(node: GradedNode) -> None:
     """/subtract_two_ints answers with a - b."""
     node.call("/subtract_two_ints", a=5, b=3).expect(sum=2)
     node.call("/subtract_two_ints", a=3, b=5).expect(sum=-2)
+    if not any(name == "/add_two_ints" for name, _ in node.context.grader_node.offers("service")):
+        why = "It subtracts, but minimal_service is gone: a node with its name, or its class's, has replaced it."
+        raise Failed(Evidence("", "", ""), f"{why} Choose other names, and run the cell of MinimalService again.")
 
 
 @step("01_services", f"service /person_info {PERSON}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import suppress
+from itertools import filterfalse
 from typing import TYPE_CHECKING, NamedTuple
 
 import anywidget
@@ -15,7 +16,7 @@ from course_kit.panels.base import RATE, LatestValue, Panel, of_files, still
 from course_kit.ros import graph
 from course_kit.ros.graph import CALLS, LISTENS, PUBLISHES, RUNS, SENDS_GOALS, SERVES, ChannelUse, Overview, Role
 from course_kit.ros.graph_drawing import LAB, STYLE_SHEET, graph_svg, how_many
-from course_kit.ros.names import short_name
+from course_kit.ros.names import is_hidden, short_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -195,9 +196,9 @@ def notebooks_by_node(others: Sequence[OtherNotebook]) -> dict[str, list[str]]:
 
 
 def news(before: Overview, now: Overview) -> str:
-    """A sentence for each node that came or left."""
-    came = sorted(set(now.nodes) - set(before.nodes))
-    left = sorted(set(before.nodes) - set(now.nodes))
+    """A sentence for each node that came or left; hidden ones come and go with the plumbing."""
+    came = sorted(filterfalse(is_hidden, set(now.nodes) - set(before.nodes)))
+    left = sorted(filterfalse(is_hidden, set(before.nodes) - set(now.nodes)))
     lines = [f"{short_name(node)} has joined the graph." for node in came]
     lines += [f"{short_name(node)} has left the graph." for node in left]
     return " ".join(lines)

@@ -3,7 +3,7 @@
 
 const NS = "http://www.w3.org/2000/svg";
 const SIZE = { width: 640, height: 240, left: 58, right: 14, top: 12, bottom: 40 };
-const SAME = 1e-9; // of a number: what differs by less is drawn as one, as doubles have no round numbers between them
+const SAME = 1e-5; // of a number: what differs by less is drawn as one; its marks would be too long to read
 const QUIET = 2000; // milliseconds without a message after which that is said
 
 function make(tag, attributes = {}, ...children) {
@@ -116,11 +116,8 @@ function render({ model, el }) {
       axes.append(draw("line", { x1: x, x2: x, y1: bottom, y2: bottom + 5 }));
       axes.append(draw("text", { x, y: bottom + 18, "text-anchor": "middle" }, short(mark)));
     }
-    const middle = (SIZE.top + bottom) / 2;
     const centre = (SIZE.left + SIZE.width - SIZE.right) / 2;
     axes.append(draw("text", { x: centre, y: SIZE.height - 5, "text-anchor": "middle" }, "time in s; 0 is the latest message"));
-    const turned = `rotate(-90 14 ${middle})`;
-    axes.append(draw("text", { x: 14, y: middle, "text-anchor": "middle", transform: turned }, field));
   }
 
   function redraw() {

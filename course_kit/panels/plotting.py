@@ -187,7 +187,7 @@ class NumberField:
 
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 626, 12, 200  # of the frame, in the template's user units
-_SAME = 1e-9  # of a number: what differs by less is drawn as one, as doubles have no round numbers between them
+_SAME = 1e-5  # of a number: what differs by less is drawn as one; its marks would be too long to read
 _LEAST_GAP = 0.5  # seconds without a message that the line never goes across
 
 

@@ -130,6 +130,7 @@ def ros2_line(line: str) -> None:
     import shlex
 
     from course_kit import lab
+    from course_kit.lab import clients
 
     try:
         words = shlex.split(line)
@@ -137,7 +138,13 @@ def ros2_line(line: str) -> None:
         sys.stderr.write(f"%ros2 {line}: {error}.\n")
         return
     engine = lab.current().engine
-    run_command(words, engine.node.context, engine.guests)
+    try:
+        run_command(words, engine.node.context, engine.guests)
+    except Exception as error:
+        if not clients.is_type_conflict(error):
+            raise
+        name = clients.name_in_conflict(error)
+        sys.stderr.write(f"{name} has another type in this notebook, and the two would never meet.\n")
 
 
 def _run_verb(options: Namespace, context: Context | None, guests: set[Node] | None, *, visits: bool) -> int:

@@ -89,8 +89,12 @@ class Listener:
         def take(message: Any, info: dict[str, int]) -> None:
             self._received.append(ReceivedMessage(info["received_timestamp"] / _NS, message, info))
 
+        node = self._session.node
+        types = dict(node.get_topic_names_and_types()).get(node.resolve_topic_name(self.topic), [])
+        if self._session.in_kernel and types and type_name(message_type) not in types:  # rcl does not say why
+            raise CommandError(f"{self.topic} has the type {' and '.join(types)}, not {type_name(message_type)}.")
         callback: Callable[..., None] = take  # of two arguments, which rclpy allows and its types do not tell
-        return self._session.node.create_subscription(message_type, self.topic, callback, qos, raw=raw)
+        return node.create_subscription(message_type, self.topic, callback, qos, raw=raw)
 
     def next_message(self) -> ReceivedMessage:
         """The next message."""

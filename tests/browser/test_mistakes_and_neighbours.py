@@ -80,7 +80,7 @@ def test_grade_follows_what_the_notebook_shows(lab: JupyterLab) -> None:
     lab.page.keyboard.press("Control+Enter")
     lab.run_cell_that_begins("%grade")
     graded = lab.page.locator(".jp-CodeCell", has_text="%grade").last
-    expect(graded).to_contain_text(re.compile(r"Graded: In\[2\], run at \d\d:\d\d:\d\d\."))
+    expect(graded).to_contain_text(re.compile(r"Grading In\[2\], run at \d\d:\d\d:\d\d\."))
     expect(graded).to_contain_text("10 of 10")
     expect(graded).to_contain_text("Next: lesson 2, notebooks/02_actions.ipynb; then exercise 2, move_robot.")
     lab.scroll_to(lab.page.locator(".jp-CodeCell", has_text="%%submission")).locator(".cm-content").click()

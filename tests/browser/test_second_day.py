@@ -111,6 +111,17 @@ def wake_below(lab: JupyterLab, docked: Locator) -> None:
     expect(lab.scroll_to(lab.cell_that_begins(GRAPH)).locator(".jp-InputPrompt").first).to_have_text("[4]:")
 
 
+def require_end_at_a_failure(lab: JupyterLab) -> None:
+    """A cell that fails ends the run; the panel keeps its picture and says which cell that was."""
+    lab.scroll_to(lab.cell_that_begins('lab.stop("battery")'))
+    lab.replace_cell_that_begins('lab.stop("battery")', "1 / 0")
+    below = lab.scroll_to(lab.cell_that_begins('panels.guess("00_welcome/misspelt_stop")'))
+    below.get_by_role("button", name=WAKE).click()
+    expect(below).to_contain_text(re.compile(r"The cell \[\d+\] above has failed\. Repair it, then press again\."))
+    expect(below.locator(".ck-guess-still").first).to_be_visible()
+    lab.replace_cell_that_begins("1 / 0", "lab.nodes()  # repaired")
+
+
 def require_two_columns(lab: JupyterLab) -> None:
     """Another graph that is docked stands where the first one does."""
     lab.scroll_to(lab.cell_that_begins("# You may send it from here"))
@@ -186,5 +197,6 @@ def test_a_panel_survives_a_reload_a_restart_and_the_night(lab: JupyterLab, jupy
     graph.get_by_role("button", name=WAKE).click()
     expect(page.get_by_text("The ROS graph", exact=True)).to_have_count(2)
     expect(graph.get_by_role("button", name=WAKE)).to_have_count(0)
+    require_end_at_a_failure(lab)
     wake_below(lab, docked)
     require_two_columns(lab)

@@ -45,7 +45,7 @@ def test_the_files_run_side_by_side_and_are_graded_together_or_one_alone(kernel:
     assert kernel.run("%ros_stop pair.launch").ok
     done = kernel.run(f"%grade {several_files.ID}")
     assert "5 of 5 points, passed" in done.result["text/plain"]
-    assert done.stdout.startswith("Graded: gate.py in In[")
+    assert done.stdout.startswith("Grading gate.py in In[")
     shown = kernel.run(f"%solution {several_files.ID}").result["text/plain"]
     yours, _, ours = shown.partition("\n\nOurs:\n\n")
     for name, text in FILES.items():

@@ -62,7 +62,7 @@ def test_it_says_which_cells_it_grades_and_when_they_ran(kernel: Kernel) -> None
     kernel.run(f"{MARK}more = 1", cellId="two")
     said, warned = grade(kernel)
     time = r"run at \d\d:\d\d:\d\d"
-    assert re.fullmatch(rf"Graded: In\[{before + 1}\], {time}; In\[{before + 2}\], {time}\.\n", said)
+    assert re.fullmatch(rf"Grading In\[{before + 1}\], {time}; In\[{before + 2}\], {time}\. This takes .*\n", said)
     assert warned == ""
 
 
@@ -79,7 +79,7 @@ def test_a_marked_cell_that_was_not_run_is_graded_as_in_a_class_and_told(kernel:
     save(kernel, old=CELL, one=CELL, note="%%submission temperature_service")
     kernel.run(CELL, cellId="one")
     said, warned = grade(kernel)
-    assert said.startswith("Graded: a cell that was not run; In[")
+    assert said.startswith("Grading a cell that was not run; In[")
     assert "It was graded, too, as it would be in a class." in warned
     os.utime(kernel.cwd / "notebook.ipynb", (1, 1))
     kernel.run("answers = {}", cellId="old")  # has lost its mark, and the file does not show it yet
@@ -121,7 +121,7 @@ def test_after_a_restart_magics_load_the_course_and_each_name_says_what_to_run(t
             assert "run the notebook's first code cell" in fresh.run(name).stderr
         assert fresh.run("nowhere").stderr == ""
         fresh.run(CELL, cellId="one")
-        assert grade(fresh)[0].startswith("Graded: In[7], run at ")
+        assert grade(fresh)[0].startswith("Grading In[7], run at ")
 
 
 def test_a_pasted_program_that_spins_says_so_where_nothing_is_loaded_and_stops_as_one_line(tmp_path: Path) -> None:

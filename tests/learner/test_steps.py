@@ -52,7 +52,13 @@ SLIPS = {
     "clock, much too slow": Slip("0.5", "20.0", "Your node published nothing on /ticks within 3 s."),
     "subtract": Slip("request.a - request.b", "request.b - request.a", "sum is -2; it has to be 2.", ("ca380b89",)),
     "subtract, by the other's name": Slip(
-        '"subtractor"', '"minimal_service"', "No service /add_two_ints", ("ca380b89",)
+        '"subtractor"', '"minimal_service"', "It subtracts, but minimal_service is gone", ("ca380b89",)
+    ),
+    "subtract, without a start": Slip(
+        "lab.start(Subtractor)",
+        "lab.start(Subtractor)\n\n\nclass Subtractor(Subtractor):\n    pass\n\n\nlab.stop('minimal_service')",
+        "subtractor runs an older class Subtractor: lab.start(Subtractor)",
+        ("ca380b89",),
     ),
     "greet": Slip("response.success = True", "response.success = False", "success is False", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),

@@ -310,10 +310,10 @@ class GradedGoal:
         """See that it has ended with a status, and without an exception."""
         if ended.status == status and ended.result != type(ended.result)():  # nothing has kept it from its end
             return
-        process, job = self.process(), self._context.job
-        cause = causes.explain_goal_exception(process, job)
         if ended.status != status:
-            cause = causes.explain_status(status_name(ended.status), process, job)
+            cause = causes.explain_status(status_name(ended.status), self.process(), self._context.job)
+        elif cause := causes.explain_goal_exception(self.process(), self._context.job):
+            evidence = replace(evidence, expected=f"{evidence.expected}, without an exception")
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 

@@ -331,7 +331,7 @@ def expect_rate(
             break
     why = f"Publish {topic} from a timer with a period of {period_s:.3g} s."
     if inbox.count < _FEWEST:
-        raise Failed(Evidence("", expected, f"{inbox.count} messages"), why, "topic.silent")
+        raise Failed(Evidence("", expected, f"messages: {inbox.count}"), why, "topic.silent")
     raise Failed(Evidence("", expected, f"one message every {found:.3g} s"), why)
 
 

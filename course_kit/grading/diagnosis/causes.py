@@ -252,7 +252,7 @@ def explain_status(name: str, process: ProcessStatus, job: Job) -> Cause:
         text = f"Your execute callback returned without saying how the goal ended, so rclpy made it {name}."
         return "action.no_terminal", text
     if name == "ABORTED" and job.mode != "run":  # the log, which would tell these two apart, may be another's
-        return None, "The goal was ABORTED: your server called abort(), or never said how the goal ended."
+        return None, "The goal was ABORTED: your server called abort(), raised an error, or never said how it ended."
     return "action.wrong_terminal", f"Your server itself ended the goal as {name}."
 
 

@@ -262,7 +262,7 @@ def _on_name(name: str, node: Any, frame: FrameType) -> str:
     if line := _IMPORTS.get(name):
         return f"Write `{line}`{', or run the cell that has it' if has_cell else ''}."
     if has_cell:
-        return "A cell of this notebook defines it. Run that cell first: Run > Run All Above Selected Cell."
+        return "A cell of this notebook defines it. Run that cell first."
     there = {**frame.f_globals, **frame.f_locals}
     known = [word for word in there if not word.startswith("_") and word not in ("In", "Out")]
     near = names.nearest_name(name, known)

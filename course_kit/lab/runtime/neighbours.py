@@ -142,17 +142,19 @@ class Neighbours:
 
     def node_started(self) -> None:
         """A node was started: say what another notebook, or a script of this one, offers as well."""
+        newest = {offer for live in self._lab.nodes.live[-1:] for offer in _offered_by(live)}
         for name, role in list(self._find_doubled()):
+            note = self._lab.note if (name, role) in newest else self._lab.note_once
             for node in self._list_offering(name, role):
-                self._tell(node, f"{name} is also offered by {{}}: both answer every request.")
+                self._tell(node, f"{name} is also offered by {{}}: both answer every request.", note)
 
-    def _tell(self, node: str, sentence: str) -> None:
+    def _tell(self, node: str, sentence: str, note: Callable[[str], None]) -> None:
         """Say it with whose node it is, and what stops it; one that is no notebook's may have been killed just now."""
         short = short_name(node)
         if script := self._script_nodes().get(node):
             self._lab.note(f"{sentence.format(f'{short} of your script {script}')} %ros_stop {script} stops it.")
         elif title := next((other.title for other in self.others() if node in other.nodes), ""):
-            self._lab.note_once(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
+            note(f"{sentence.format(f'{short} of {title}')} {_REMEDY}")
 
     def _find_doubled(self) -> Iterable[tuple[str, graph.Role]]:
         for (name, role), count in Counter(itertools.chain(*map(_offered_by, self._lab.nodes.live))).items():

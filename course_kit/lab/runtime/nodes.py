@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import re
 import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
-from course_kit.lab.clients import HIDDEN_NAME, is_type_conflict
+from course_kit.lab.clients import HIDDEN_NAME, is_type_conflict, name_in_conflict
 from course_kit.lab.errors import LabError
 from course_kit.lab.runtime.describe import channels_of, is_alive
 from course_kit.lab.runtime.failures import without_self
@@ -159,8 +158,7 @@ class Nodes:
         self.live = ()
 
     def _other_type(self, node_class: type, error: BaseException) -> str:
-        found = re.search(r"topic name r[tqr](?P<name>/\S+?)(Request|Reply)? with", str(error))
-        name = found["name"] if found else "a service or topic"
+        name = name_in_conflict(error)
         users = [live.name.lstrip("/") for live in self.live if name in channels_of(live.node)]
         others = f" It is used by {', '.join(sorted(users))}; stop that first." if users else ""
         return f"{node_class.__name__} uses {name} with a different type than the rest of this lab does.{others}"

@@ -116,6 +116,7 @@
   // No panel needs it; its answer would replace the one that is there, or another notebook would lose its nodes.
   const UNNEEDED = /^(%(check|grade|hint)\b|lab\.stop_others\b)/;
   const WAKE = 'Run the cells down to this panel to bring it to life';
+  const ASLEEP = 'This is the last picture of a panel: nothing updates it now.';
   const pause = () => new Promise(done => setTimeout(done, KEEP_MS));
   // What the kernel's panels look like now; see Panel in panels/base.py.
   const ASK = { stills: "__import__('course_kit.panels.base', fromlist=['stills']).stills()" };
@@ -330,14 +331,17 @@
       const show = (disabled, textContent) => Object.assign(button, { disabled, textContent });
       show(false, WAKE);
       button.title = 'Runs the cells above that this kernel has not run yet, but for %check, %grade and %hint, then the cell of the panel.';
-      button.addEventListener('click', () => {
+      const words = Object.assign(document.createElement('span'), { textContent: ASLEEP });
+      button.addEventListener('click', async () => {
         show(true, 'Running the cells above, then this one ...');
-        void this.wake(cell).finally(() => show(false, WAKE));
+        const failed = await this.wake(cell).finally(() => show(false, WAKE));
+        words.textContent = failed ? `The cell [${failed.model.executionCount}] above has failed. Repair it, then press again.` : ASLEEP;
       });
-      bar.append('This is the last picture of a panel: nothing updates it now.', button);
+      bar.append(words, button);
       return bar;
     }
 
+    /** Run what the panel needs, one cell at a time, up to the first that fails; that is what comes back. */
     async wake(cell) {
       const { content, sessionContext } = this.panel;
       this.app.shell.activateById(this.panel.id);
@@ -350,11 +354,12 @@
       const above = content.widgets.slice(0, content.widgets.indexOf(cell));
       const isNeeded = code => code.trim() && !ran.has(code) && !UNNEEDED.test(code);
       const missing = above.filter(one => one.model.type === 'code' && isNeeded(sourceOf(one)));
-      for (const cells of [missing, [cell]]) {
+      for (const one of [...missing, cell]) {
         content.deselectAll();
-        content.activeCellIndex = content.widgets.indexOf(cells[0] ?? cell);
-        for (const one of cells) content.select(one);
-        if (cells.length) await this.app.commands.execute('notebook:run-cell');
+        content.activeCellIndex = content.widgets.indexOf(one);
+        const went = await this.app.commands.execute('notebook:run-cell');
+        const mayFail = (one.model.getMetadata('tags') ?? []).includes('raises-exception');
+        if (went === false && !mayFail && one !== cell) return one;
       }
     }
   }
