@@ -79,8 +79,7 @@ class Reaction(NamedTuple):
 
 def describe_fields(fields: Sequence[float]) -> str:
     """The fields of a geometry_msgs/Twist that are not 0."""
-    parts = [f"{name}={value:.6g}" for name, value in zip(NAMES, fields, strict=True) if value != 0.0]
-    return ", ".join(parts) or "all fields 0"
+    return ", ".join(f"{name}={one:.6g}" for name, one in zip(NAMES, fields, strict=True) if one) or "all fields 0"
 
 
 def right_reaction(settings: LimiterSettings, fields: Sequence[float]) -> Reaction:
@@ -327,12 +326,13 @@ class LimiterSteps(Model):
         for old in itertools.starmap(LimiterSettings, itertools.product(*zip(*states, strict=True))):
             names = [name for name in CHANGES if getattr(now, name) != getattr(old, name) and name != "robot_name"]
             if names and self.is_right(old, fields, got, wheel=drives):
-                names.sort(key=lambda name: CHANGES[name] in self.lost)
-                later = not self.is_control and self._acts_later(node, fields)
-                is_unread = node.context.job.text.source.count(names[0]) == 1  # where it is declared
-                why = f" A second later it is right: a change has to act within {_ACTS_S:g} s." if later else ""
-                code = None if later or is_unread else "parameter.read_once"
-                return Failed(evidence, f"{_NO_EFFECT}{why}", code, breaks=CHANGES[names[0]])
+                name = min(names, key=lambda name: CHANGES[name] in self.lost)
+                evidence = replace(evidence, sent=f"set {name}={getattr(now, name)!r}; {evidence.sent}")
+                late = not self.is_control and self._acts_later(node, fields)
+                why = f" A second later it is right: a change has to act within {_ACTS_S:g} s." if late else ""
+                unread = node.context.job.text.source.count(name) == 1  # where it is declared
+                code = None if late or unread else "parameter.read_once"
+                return Failed(evidence, f"{_NO_EFFECT}{why}", code, breaks=CHANGES[name])
         others = [done for done, _ in self.past if isinstance(done, list) or "enabled" not in done]
         stands = now.enabled and len(others) < len(self.past) and got == Reaction((0.0,) * len(NAMES), 0.0)
         if stands and (self.is_control or self._goes_right(node, lambda model: model.drive(node, fields), others)):

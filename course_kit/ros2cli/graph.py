@@ -70,10 +70,10 @@ class Graph(NamedTuple):
         return {use.channel: list(use.types) for use in self.overview.uses_of(node) if use.role == role}
 
     def actions(self) -> Names:
-        """Action names with their types."""
+        """Action names with their types; what a notebook alone has asked for, maybe misspelt, is none."""
         found: Names = {}
         for use in self.overview.uses:
-            if use.role in {RUNS, SENDS_GOALS}:
+            if use.role == RUNS or (use.role == SENDS_GOALS and not is_hidden(use.node)):
                 known = found.setdefault(use.channel, [])
                 known += [kind for kind in use.types if kind not in known]
         return found

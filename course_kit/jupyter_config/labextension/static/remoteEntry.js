@@ -108,6 +108,7 @@
   const OURS = /class="ck-(?:still|guess-still)"/;
   const REDRAW_MS = 200;
   const KEEP_MS = 500;
+  const KEEP_LATER_MS = 5000;
   const ANYWIDGET_MS = 2000;
   const PATIENCE_MS = 120_000;
   const NOT_FOUND = 'Error displaying widget: model not found';
@@ -149,8 +150,9 @@
         if (oldValue) this.allFallAsleep();
         if (newValue) void this.askKernel();
       });
-      context.iopubMessage.connect((_, { content, parent_header: cause }) => {
+      context.iopubMessage.connect((_, { header, content, parent_header: cause }) => {
         if (content.execution_state === 'idle' && cause.msg_id !== this.asked) this.keepSoon();
+        if (header.msg_type === 'comm_msg') this.keepLater();
       });
       new MutationObserver(() => this.drawSoon()).observe(panel.node, { childList: true, subtree: true });
       panel.context.pathChanged.connect((_, path) => this.tellPath(path));
@@ -220,6 +222,14 @@
     keepSoon() {
       clearTimeout(this.keeping);
       this.keeping = setTimeout(() => void this.keep(), KEEP_MS);
+    }
+
+    /** A panel has changed by itself. */
+    keepLater() {
+      this.later ??= setTimeout(() => {
+        this.later = undefined;
+        void this.keep();
+      }, KEEP_LATER_MS);
     }
 
     /** Have the notebook hold each panel as it looks now: the next day shows that, and so does every other program. */
@@ -354,10 +364,11 @@
       const above = content.widgets.slice(0, content.widgets.indexOf(cell));
       const isNeeded = code => code.trim() && !ran.has(code) && !UNNEEDED.test(code);
       const missing = above.filter(one => one.model.type === 'code' && isNeeded(sourceOf(one)));
+      const here = { semanticCommandWidgetId: this.panel.id, activate: false }; // whatever the reader looks at meanwhile
       for (const one of [...missing, cell]) {
         content.deselectAll();
         content.activeCellIndex = content.widgets.indexOf(one);
-        const went = await this.app.commands.execute('notebook:run-cell');
+        const went = await this.app.commands.execute('notebook:run-cell', here);
         const mayFail = (one.model.getMetadata('tags') ?? []).includes('raises-exception');
         if (went === false && !mayFail && one !== cell) return one;
       }
