@@ -283,7 +283,7 @@ def require_truth(move: Move) -> None:
     if found := find_jump(heard):
         evidence = Evidence(move.goal.shown, expected, found)
         why = f"Two messages of one move contradict each other: {found}." if "then" in found else f"It was {found}."
-        raise Failed(evidence, why, "action.feedback_not_monotonic" if "then" in found else None)
+        raise Failed(evidence, why, "action.feedback_not_monotonic")
     for state in heard:
         _require_on_the_way(move, state.feedback)
     if whole:

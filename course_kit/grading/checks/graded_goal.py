@@ -302,18 +302,18 @@ class GradedGoal:
     def process(self) -> ProcessStatus:
         """What is known of the program, with only what it has written to stderr since the goal was sent."""
         process = self._context.program.status()
-        # Of long output the middle is left out.
-        before = os.path.commonprefix([self._stderr, process.stderr])  # noqa: RUF071 - character by character
+        before = os.path.commonprefix([self._stderr, process.stderr])  # noqa: RUF071 - of long output the middle is cut
         return replace(process, stderr=process.stderr.removeprefix(before))
 
     def require_status(self, ended: Message, status: int, evidence: Evidence, breaks: str = "") -> None:
         """See that it has ended with a status, and without an exception."""
         if ended.status == status and ended.result != type(ended.result)():  # nothing has kept it from its end
             return
-        if ended.status != status:
-            cause = causes.explain_status(status_name(ended.status), self.process(), self._context.job)
-        elif cause := causes.explain_goal_exception(self.process(), self._context.job):
+        if ended.status == status:
             evidence = replace(evidence, expected=f"{evidence.expected}, without an exception")
+            cause = causes.explain_goal_exception(self.process(), self._context.job)
+        else:
+            cause = causes.explain_status(status_name(ended.status), self.process(), self._context.job)
         if cause is not None:
             raise Failed(evidence, cause[1], cause[0], breaks=breaks)
 
