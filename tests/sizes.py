@@ -115,7 +115,6 @@ SLOW = (
     "tests/ros2cli/test_graph.py",
     "tests/ros2cli/test_in_a_notebook.py",
     "tests/ros2cli/test_launch.py",
-    "tests/ros2cli/test_lesson_programs.py",
     "tests/ros2cli/test_recordings.py",
     "tests/ros2cli/test_tutorials.py",
     "tests/test_code_style.py::test_mypy",
