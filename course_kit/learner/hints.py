@@ -62,7 +62,7 @@ def hint_ladder(exercise: Exercise, known: ProgressRecord) -> HintLadder:
     rungs = exercise.hints_for(failed.check, cause)
     read_on = cause.link if cause and environment.paths.lesson_path(cause.notebook) else ""
     key = f"{failed.check} {failed.diagnosis or ''}".rstrip()
-    return HintLadder(key, rungs, f"for '{failed.title}', which failed last", read_on)
+    return HintLadder(key, rungs, f"for '{failed.title}', the first that failed", read_on)
 
 
 def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command: str) -> str:
@@ -76,7 +76,8 @@ def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command:
     elif last < count:
         lines.append(f"Next hint: {command} {exercise.id}")
     else:
-        lines += ["That was the last one. To see all of them again:", f"  {command} {exercise.id} --again"]
+        others = "" if found.key == _BEGINNING else " When it passes, the next that fails has its own."
+        lines += [*_wrap(f"That was the last one.{others} To see all of them again:"), f"  {command} {exercise.id} --again"]
     if found.read_on and last >= count:
         lines += _wrap(f"Read on: {found.read_on}")
     if found.key == _BEGINNING:

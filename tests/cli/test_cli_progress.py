@@ -59,11 +59,11 @@ def test_a_try_a_hint_and_another_try_are_remembered(course: Course) -> None:
     first = listed(course)
     assert (first["passed"], first["tries"], first["best_score"], first["hints"]) == (False, 1, 1.0, 0)
     hinted = " ".join(course.run("hint", TEMPERATURE).stdout.split())
-    assert "'A request gets an answer', which failed last Hint 1 of 2: " in hinted
+    assert "'A request gets an answer', the first that failed Hint 1 of 2: " in hinted
     assert listed(course)["hints"] == 1
     assert course.run("grade", TEMPERATURE, mend(course)).returncode == 1
     second = " ".join(course.run("hint", TEMPERATURE).stdout.split())
-    assert "which failed last" in second
+    assert "the first that failed" in second
     assert "A request gets an answer" not in second
     assert listed(course)["tries"] == 2
     assert "not passed yet" in course.run("list").stdout

@@ -54,12 +54,7 @@ SLIPS = {
     "subtract, by the other's name": Slip(
         '"subtractor"', '"minimal_service"', "It subtracts, but minimal_service is gone", ("ca380b89",)
     ),
-    "subtract, without a start": Slip(
-        "lab.start(Subtractor)",
-        "lab.start(Subtractor)\n\n\nclass Subtractor(Subtractor):\n    pass\n\n\nlab.stop('minimal_service')",
-        "subtractor runs an older class Subtractor: lab.start(Subtractor)",
-        ("ca380b89",),
-    ),
+    "subtract, not started": Slip("Subtractor)", "Subtractor)\nSubtractor = Node", "an older class Subtractor"),
     "greet": Slip("response.success = True", "response.success = False", "success is False", PERSON),
     "too_old": Slip("<= 150", "<= 1500", "Your service accepted", PERSON),
     "where": Slip("self.here = message", "pass", "The robot is at x=0.5, y=0.0, and the message does not say so."),
