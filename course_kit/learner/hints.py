@@ -77,7 +77,10 @@ def _text(exercise: Exercise, found: HintLadder, first: int, last: int, command:
         lines.append(f"Next hint: {command} {exercise.id}")
     else:
         others = "" if found.key == _BEGINNING else " When it passes, the next that fails has its own."
-        lines += [*_wrap(f"That was the last one.{others} To see all of them again:"), f"  {command} {exercise.id} --again"]
+        lines += [
+            *_wrap(f"That was the last one.{others} To see all of them again:"),
+            f"  {command} {exercise.id} --again",
+        ]
     if found.read_on and last >= count:
         lines += _wrap(f"Read on: {found.read_on}")
     if found.key == _BEGINNING:
