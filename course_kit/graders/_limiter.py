@@ -114,7 +114,7 @@ def cause_of(
     slips = (
         (_ratio(speed, diameter), "This is the speed divided by the diameter; the radius is half of it."),
         (speed * diameter / 2.0, "This is the speed times the radius; the smaller a wheel, the faster it turns."),
-        (_ratio(speed, diameter) / 2.0, "Python divides from left to right: speed / diameter / 2 needs brackets."),
+        (_ratio(speed, diameter) / 2.0, "This is a quarter: divide the speed by (diameter / 2), with the brackets."),
         (_ratio(speed, math.pi * diameter), "These are turns per second; the topic wants rad/s."),
         (_ratio(asked, diameter / 2.0), "This belongs to the command that came in, not to the one you have published."),
         (_ratio(-speed, diameter / 2.0), "The sign is wrong: a wheel that turns backwards has a negative speed."),
