@@ -66,7 +66,7 @@ def start(node_class: type[NodeT], /, *args: Any, **kwargs: Any) -> NodeT:
     lab = current()
     lab.engine.not_in_callback("lab.start()")
     node: NodeT = lab.engine.nodes.start(node_class, args, kwargs)
-    lab.neighbours.node_started()
+    lab.neighbours.node_started(lab.engine.nodes.live[-1:])
     lab.output.drain()
     return node
 

@@ -192,6 +192,7 @@ def lamp(node: GradedNode) -> None:
     """Brightness takes 0 to 100, but not 13, which brings bad luck."""
     node.set(brightness=100, of="/lamp").accepted()
     node.set(brightness=101, of="/lamp").refused()
+    node.set(brightness=-1, of="/lamp").refused()
     expect_reason(node.set(brightness=13, of="/lamp"), "luck")
 
 

@@ -21,7 +21,7 @@ _MOST = 8  # steps; what happened before them is left out, and that is said
 _LONGEST = 110  # characters of a step's text
 _LONGEST_TEXT = 40  # of a text in a message
 _FEW = 4  # fields; of larger messages only those that are not zero
-_DIGITS, _FEWER_DIGITS = 10, 4  # of numbers, in small and in large messages
+_FEWER_DIGITS = 4  # of numbers in large messages; small ones show all
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ def in_one_line(message: Message) -> str:
     """A ROS message in one line, `value=21.5, from_unit='celsius'`; nested fields with a dot."""
     fields = list(_fields(message))
     listed = fields if len(fields) <= _FEW else [(name, value) for name, value in fields if value]
-    digits = _DIGITS if len(fields) <= _FEW else _FEWER_DIGITS
+    digits = 0 if len(fields) <= _FEW else _FEWER_DIGITS
     words = [f"{name}={_value(value, digits)}" for name, value in listed]
     if len(listed) < len(fields):
         words.append("the rest 0" if listed else "all fields 0")
@@ -187,7 +187,7 @@ def _fields(message: Message, before: str = "") -> Iterator[tuple[str, object]]:
 
 def _value(value: object, digits: int) -> str:
     if isinstance(value, float):
-        return repr(value) if value.is_integer() else f"{value:.{digits}g}"
+        return repr(value) if value.is_integer() or not digits else f"{value:.{digits}g}"
     if isinstance(value, str):
         return repr(value if len(value) <= _LONGEST_TEXT else f"{value[:_LONGEST_TEXT]}...")
     return repr(value.tolist() if hasattr(value, "tolist") else value)  # an array as it is written in programs

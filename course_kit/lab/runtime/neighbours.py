@@ -140,9 +140,9 @@ class Neighbours:
                 f"{name} is answered by {node.lstrip('/')} of {whose[node]}, not by a node of this notebook. {_REMEDY}"
             )
 
-    def node_started(self) -> None:
-        """A node was started: say what another notebook, or a script of this one, offers as well."""
-        newest = {offer for live in self._lab.nodes.live[-1:] for offer in _offered_by(live)}
+    def node_started(self, started: Iterable[LiveNode] = ()) -> None:
+        """A node was started: what do another notebook, or a script of this one, offer as well? Of these each time."""
+        newest = {offer for live in started for offer in _offered_by(live)}
         for name, role in list(self._find_doubled()):
             note = self._lab.note if (name, role) in newest else self._lab.note_once
             for node in self._list_offering(name, role):
