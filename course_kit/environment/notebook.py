@@ -11,14 +11,19 @@ from pathlib import Path
 _ELSEWHERE = re.compile(r"%%(?!submission\b|time\b|interface\b)")  # how a cell begins that is a program
 
 
-def has_cell_with(name: str, failed: str) -> bool:
-    """Whether another cell than the one that failed defines a name, in the notebook as it was last saved."""
+def defining_line(name: str, failed: str) -> str:
+    """How a line begins that defines a name in another cell than the one that failed; "" where none does.
+
+    Of an import it is one for this name alone. The notebook is taken as it was last saved.
+    """
     assigns = rf"(?:\w+, *)*{name}(?:, *\w+)* *=[^=]"
     defines = re.compile(
         rf"^(?:(?:async )?def {name}\b|class {name}\b|{assigns}|(?:from \S+ )?import .*\b{name}\b)", re.MULTILINE
     )
     cells = [source for source in saved_cells()[0].values() if not _ELSEWHERE.match(source)]
-    return any(defines.search(source) for source in cells if source.strip() != failed.strip())
+    found = (defines.search(source) for source in cells if source.strip() != failed.strip())
+    line = next((match[0] for match in found if match), "")
+    return re.sub(rf"^(from \S+ import) .*\b{name}$", rf"\1 {name}", line) if " as " not in line else line
 
 
 def notebook_path() -> Path:

@@ -49,9 +49,9 @@ def load_ipython_extension(shell: InteractiveShell) -> None:
         error = result.error_in_exec
         if not isinstance(error, NameError) or not error.name or not is_new():
             return
-        from course_kit.environment.notebook import has_cell_with
+        from course_kit.environment.notebook import defining_line
 
-        if error.name in _NAMES or has_cell_with(error.name, result.info.raw_cell):
+        if error.name in _NAMES or defining_line(error.name, result.info.raw_cell):
             sys.stderr.write(f"The kernel has just been started and does not know {error.name} yet: {RUN_AGAIN}\n")
 
     shell.events.register("pre_run_cell", before_cell)

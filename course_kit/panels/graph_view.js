@@ -15,7 +15,7 @@ function render({ model, el }) {
   const news = make("span", { class: "ck-quiet", role: "status", "aria-live": "polite" });
   const scale = make("span", { class: "ck-quiet ck-scale" });
   const legend = make("div", { class: "ck-quiet" },
-    "Dashed arrow: the node listens, calls or sends goals. Solid: it publishes, answers or runs the action.");
+    "Dashed arrow: the node listens, calls or sends goals. Solid: it publishes, answers or runs the action. lab: what this notebook has used so far.");
   const button = (label, name, act) => {
     const made = make("button", { type: "button", "aria-label": name, title: name }, label);
     made.addEventListener("click", act);
@@ -104,7 +104,7 @@ function render({ model, el }) {
   function apply(value) {
     zoom = Math.min(MOST_ZOOM, Math.max(LEAST_ZOOM, value));
     drawing.setAttribute("width", drawing.viewBox.baseVal.width * zoom);
-    drawing.setAttribute("height", drawing.viewBox.baseVal.height * zoom);
+    drawing.setAttribute("height", Math.floor(drawing.viewBox.baseVal.height * zoom));
     scale.textContent = `${Math.round(100 * zoom)} %`;
   }
 

@@ -56,6 +56,7 @@ _COMMAND = "_ros2cli_"  # how the names of its nodes begin
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _EMPTY = "No node is on the ROS graph."
+_IN_WORDS = {LAB: "lab, this notebook, with what it has used so far"}
 
 
 class GraphWidget(anywidget.AnyWidget):
@@ -210,7 +211,7 @@ def in_lines(seen: Overview) -> str:
         return _EMPTY
     lines = []
     for node in sorted(set(seen.nodes)):
-        lines.append(f"{short_name(node)} {how_many(seen.nodes.count(node))}".rstrip())
+        lines.append(f"{_IN_WORDS.get(node, short_name(node))} {how_many(seen.nodes.count(node))}".rstrip())
         uses = seen.uses_of(node)
         lines += [f"    {use.role.verb} {use.channel} [{', '.join(use.types)}]" for use in uses]
     remarks = [remark for texts in seen.remarks().values() for remark in texts]

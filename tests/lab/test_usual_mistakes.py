@@ -316,13 +316,15 @@ def test_what_ros_refuses_is_a_sentence_with_the_learners_line(kernel: Kernel, c
 
 def test_a_name_of_a_cell_that_has_not_run_is_said_to_be_there(kernel: Kernel, tmp_path: Path) -> None:
     elsewhere = "def run():\n    Zvbnq = 1", "%%ros_script other\nKjhgf = 1"
-    sources = "from rclpy.node import Node", "class Forgotten: pass", "Qwxyz = Qwxyz", *elsewhere
+    imports = "from rclpy.node import Node", "from std_msgs.msg import Byte, Char"
+    sources = *imports, "class Forgotten: pass", "Qwxyz = Qwxyz", *elsewhere
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     nbformat.write(nbformat.v4.new_notebook(cells=cells), tmp_path / "mine.ipynb")
     assert kernel.run(f"import os; os.environ['JPY_SESSION_NAME'] = {str(tmp_path / 'mine.ipynb')!r}").ok
     assert "A cell of this notebook defines it. Run that cell first" in kernel.run("Forgotten()").error
     serving = node("self.create_service(SetBool, 'ask', self.ask)", "def ask(self, asked, response):\n    Forgotten()")
     assert "A cell of this notebook defines it." in kernel.run(f"{serving}\nawait lab.call('/ask', SetBool)").stderr
+    assert "Write `from std_msgs.msg import Char`, or run the cell that has it." in kernel.run("Char()").error
     for name in ("Qwxyz = Qwxyz", "Zvbnq", "Kjhgf"):
         assert "No cell that has run defines it." in kernel.run(name).error
     assert "A cell of this notebook" not in kernel.run("raise NameError('mine')").error

@@ -246,7 +246,7 @@ def test_a_message_that_crosses_is_told_and_nothing_else_is() -> None:
         ("/kitchen/display", "listens to", "/temperature", False),
     }
     wait_until(lambda: 'data-node="lab"' in view.widget.svg)
-    assert "lab" in view.widget.text.split()
+    assert "\nlab, this notebook" in view.widget.text
 
 
 def test_a_call_goes_there_and_comes_back() -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rclpy.exceptions import InvalidHandle
 
 from course_kit import environment
-from course_kit.environment.notebook import has_cell_with
+from course_kit.environment.notebook import defining_line
 from course_kit.lab.errors import DeadlockError, InputError, ServiceFailedError, error_text
 from course_kit.lab.recording.hooks import WrongResponseError, WrongResultError, failure_text
 from course_kit.lab.runtime.describe import is_alive
@@ -258,10 +258,10 @@ def _on_name(name: str, node: Any, frame: FrameType) -> str:
         return ""
     if callable(getattr(type(node), name, None)):
         return f"{name} belongs to the node. Write: self.{name}(...)"
-    has_cell = has_cell_with(name, "".join(linecache.getlines(frame.f_code.co_filename)))
-    if line := _IMPORTS.get(name):
-        return f"Write `{line}`{', or run the cell that has it' if has_cell else ''}."
-    if has_cell:
+    found = defining_line(name, "".join(linecache.getlines(frame.f_code.co_filename)))
+    if line := _IMPORTS.get(name) or (found if found.startswith(("from ", "import ")) else ""):
+        return f"Write `{line}`{', or run the cell that has it' if found else ''}."
+    if found:
         return "A cell of this notebook defines it. Run that cell first."
     there = {**frame.f_globals, **frame.f_locals}
     known = [word for word in there if not word.startswith("_") and word not in ("In", "Out")]
