@@ -106,9 +106,9 @@ class GradedProgram:
 
     def processor_use(self) -> ProcessorUse:
         """What it has used of the processors, in all its starts."""
-        process = self.status(fresh=True)
-        waited_s = machine.somebody_waited() if self.job.mode == "attach" else process.waited_s  # it may be who has
-        seconds = (process.cpu_s, waited_s, process.hidden_s)
+        own = self.status(fresh=True)
+        wait_s = machine.somebody_waited() - self.used_before.waited_s if self.job.mode == "attach" else own.waited_s
+        seconds = (own.cpu_s, wait_s, own.hidden_s)  # of an attached node: whoever waited, it may be that
         self._used = ProcessorUse(*map(sum, zip(self.used_before, seconds, strict=True)))
         return self._used
 

@@ -15,7 +15,7 @@ from course_interfaces.srv import ConvertTemperature
 from course_kit import environment
 from course_kit.grading.checks import hangs
 from course_kit.grading.checks.check import Check, run_all
-from course_kit.grading.checks.context import ANSWER_S, CheckContext, SubmissionEndedError
+from course_kit.grading.checks.context import ANSWER_S, CheckContext, SubmissionEndedError, machine
 from course_kit.grading.checks.discovery import WantedEndpoint, await_start, expect_endpoints, expect_node
 from course_kit.grading.checks.evidence import Evidence, Failed
 from course_kit.grading.checks.fair_clock import ProcessorUse
@@ -76,6 +76,7 @@ def context(silent_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Che
     made = CheckContext(None, job)  # type: ignore[arg-type]  # nobody starts anything
     made.launch()
     assert made.wait_until(lambda: NODE in made.grader_node.nodes(), PATIENCE_S)
+    assert made.program.start((), {}, {}) or made.program.processor_use().waited_s <= machine.somebody_waited()
     yield made
     made.close()
 
