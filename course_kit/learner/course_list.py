@@ -143,7 +143,7 @@ def format_progress_page(folder: Path, last: str) -> str:
         return ""
     scores = {(score.lesson, score.kind): f"{score.right} of {score.count}" for score in guesses.lesson_scores()}
     heading = _last_heading(folder / last)
-    lines = ["# Where you are", "", f"The notebook that was saved last is [{last}]({last})."]
+    lines = ["# Where you are", "", f"Go on with [{last}]({last})."]
     if heading:
         place = quote(heading.replace(" ", "-"))
         lines += [f"The furthest of its cells that ran is under [{heading}]({last}#{place})."]

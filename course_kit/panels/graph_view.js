@@ -15,7 +15,8 @@ function render({ model, el }) {
   const news = make("span", { class: "ck-quiet", role: "status", "aria-live": "polite" });
   const scale = make("span", { class: "ck-quiet ck-scale" });
   const legend = make("div", { class: "ck-quiet" },
-    "Dashed arrow: the node listens, calls or sends goals. Solid: it publishes, answers or runs the action. lab: what this notebook has used so far.");
+    "Dashed arrow: the node listens, calls or sends goals. Solid: it publishes, answers or runs the action. " +
+      "lab: this notebook, with what it has used since this picture began.");
   const button = (label, name, act) => {
     const made = make("button", { type: "button", "aria-label": name, title: name }, label);
     made.addEventListener("click", act);

@@ -56,7 +56,7 @@ _COMMAND = "_ros2cli_"  # how the names of its nodes begin
 _PAUSE = 2.0 / RATE  # seconds between two looks; one costs about a millisecond
 _JOIN = 2.0
 _EMPTY = "No node is on the ROS graph."
-_IN_WORDS = {LAB: "lab, this notebook, with what it has used so far"}
+_IN_WORDS = {LAB: "lab, this notebook, with what it has used since this picture began"}
 
 
 class GraphWidget(anywidget.AnyWidget):
