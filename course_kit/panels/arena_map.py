@@ -54,6 +54,7 @@ class RobotMap(GoalFollower):
 
         self._type = MoveRobot
         self._track: deque[Place] = deque(maxlen=LONGEST)
+        self._drawn: Message | None = None  # the result whose place stands on the track
         if (robot := self._find_robot()) is not None:
             self._drive_to(robot.position)
         self.widget = _MapWidget()
@@ -121,7 +122,8 @@ class RobotMap(GoalFollower):
                 self._track.append(place)
 
     def _show(self, standing: GoalState) -> None:
-        if standing.result is not None:
+        if standing.result is not None and standing.result is not self._drawn:  # others may drive on
+            self._drawn = standing.result
             self._drive_to(standing.result.final_position)
         self.widget.view = {
             "track": [list(place) for place in list(self._track)],

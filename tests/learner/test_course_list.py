@@ -63,7 +63,7 @@ def test_the_page_of_progress_counts_steps_tries_and_guesses_and_says_where_to_g
     )
     page = course_list.format_progress_page(REPOSITORY, last)
     # The stored one has run to its end.
-    assert f"Go on with [{last}]({last}).\nThe furthest of its cells that ran is under [8. Check yourself]({last}#8" in page
+    assert f"Go on with [{last}]({last}).\nThe furthest of its cells that ran is under [8. Check" in page
     assert "The first lesson with open steps is [1. Services](notebooks/01_services.ipynb)." in page
     assert "| [0. Welcome](notebooks/00_welcome.ipynb) | 3 of 3 |" in page
     assert re.search(r"\(exercises/temperature_service/temperature_service.ipynb\) \| 8 of 10 \| 2 \| done \|", page)
