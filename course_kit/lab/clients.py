@@ -183,14 +183,12 @@ def _full_name(entity: ServiceClient | GoalClient | Publisher) -> str:
     return entity.name if isinstance(entity, ServiceClient) else entity.topic_name
 
 
-def is_type_conflict(error: BaseException) -> bool:
-    """Whether rclpy refused an endpoint because this process uses its name with another type already."""
-    return "incompatible type" in error_text(error)
-
-
 def name_in_conflict(error: BaseException) -> str:
-    """The name of the topic, service or action of such an error."""
-    found = re.search(r"topic name r[tqr](?P<name>/\S+?)(/_action/\w+)?(Request|Reply)? with", error_text(error))
+    """The name that rclpy refused because this process uses it with another type already; "" for any other error."""
+    text = error_text(error)
+    if "incompatible type" not in text:
+        return ""
+    found = re.search(r"topic name r[tqr](?P<name>/\S+?)(/_action/\w+)?(Request|Reply)? with", text)
     return found["name"] if found else "a service or topic"
 
 
@@ -203,7 +201,7 @@ def _check_name(make: Callable[[], Any], interface: Any, name: str) -> Any:
     except (InvalidServiceNameException, InvalidTopicNameException) as error:
         raise LabError(f"{name!r} is not a ROS name: {str(error).splitlines()[0].rstrip(' :')}.") from error
     except refusals as error:
-        if not is_type_conflict(error):
+        if not name_in_conflict(error):
             raise
         raise OtherTypeError(f"{name} is already in use with a different type than {type_name(interface)}.") from error
     except AttributeError as error:  # what rclpy says of a class that is no interface

@@ -107,7 +107,7 @@ def subtract(node: GradedNode) -> None:
     offers = node.context.grader_node.offers
     if not node.context.wait_until(lambda: "/add_two_ints" in dict(offers("service")), 2.0):
         why = "It subtracts, but minimal_service is gone: a node with its name, or its class's, has replaced it."
-        raise Failed(Evidence("", "", ""), f"{why} Choose other names, and run the cell of MinimalService again.")
+        raise Failed(Evidence(), f"{why} Choose other names, and run the cell of MinimalService again.")
 
 
 @step("01_services", f"service /person_info {PERSON}")

@@ -130,7 +130,7 @@ def ros2_line(line: str) -> None:
     import shlex
 
     from course_kit import lab
-    from course_kit.lab import clients
+    from course_kit.lab.clients import name_in_conflict
 
     try:
         words = shlex.split(line)
@@ -141,9 +141,8 @@ def ros2_line(line: str) -> None:
     try:
         run_command(words, engine.node.context, engine.guests)
     except Exception as error:
-        if not clients.is_type_conflict(error):
+        if not (name := name_in_conflict(error)):
             raise
-        name = clients.name_in_conflict(error)
         sys.stderr.write(f"{name} has another type in this notebook, and the two would never meet.\n")
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.action import ActionClient, ActionServer
 
-from course_kit.lab.clients import HIDDEN_NAME, is_type_conflict, name_in_conflict
+from course_kit.lab.clients import HIDDEN_NAME, name_in_conflict
 from course_kit.lab.errors import LabError
 from course_kit.lab.runtime.describe import channels_of, is_alive
 from course_kit.lab.runtime.failures import without_self
@@ -105,8 +105,8 @@ class Nodes:
                 raise LabError(_no_super(node_class)) from error
             if isinstance(error, TypeError) and not made and (missing := without_self(node_class, "__init__")):
                 raise LabError(f"{error}: {missing}") from None
-            if is_type_conflict(error):
-                raise LabError(self._other_type(node_class, error)) from error
+            if name := name_in_conflict(error):
+                raise LabError(self._other_type(node_class, name)) from error
             raise
         finally:
             self._start.made = None
@@ -157,8 +157,7 @@ class Nodes:
             self._destroy(live.made)
         self.live = ()
 
-    def _other_type(self, node_class: type, error: BaseException) -> str:
-        name = name_in_conflict(error)
+    def _other_type(self, node_class: type, name: str) -> str:
         users = [live.name.lstrip("/") for live in self.live if name in channels_of(live.node)]
         others = f" It is used by {', '.join(sorted(users))}; stop that first." if users else ""
         return f"{node_class.__name__} uses {name} with a different type than the rest of this lab does.{others}"
